@@ -1,0 +1,3 @@
+//! The run: steps are attempted, accepted or dropped, accounted for and observed.
+
+pub mod observer;

@@ -1,0 +1,85 @@
+//! What a run tells those who watch it: one view an accepted step.
+
+use crate::model::forces::Forces;
+use crate::model::state::State;
+
+/// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
+/// keeps its value at t = 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LedgerRow {
+    /// [J] kinetic energy
+    pub kinetic: f64,
+    /// [J] energy of the springs
+    pub elastic: f64,
+    /// [J] gravity energy, from displacements
+    pub gravity: f64,
+    /// [J] work of the air and the loads since t = 0
+    pub external_work: f64,
+    /// [J] taken by dashpots and Rayleigh damping since t = 0
+    pub dissipated: f64,
+    /// [J] the remainder: above 0 the scheme lost energy, below 0 it made some
+    pub numerical: f64,
+}
+
+/// An accepted state with the forces there.
+#[derive(Clone, Debug, Default)]
+pub struct Point {
+    /// time, positions, velocities
+    pub state: State,
+    /// forces at `state`; always valid when an observer sees the point
+    pub forces: Forces,
+}
+
+/// One accepted step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepView<'a> {
+    /// number of the step, counted from 1
+    pub step: u64,
+    /// where it started
+    pub from: &'a Point,
+    /// where it ended
+    pub to: &'a Point,
+    /// account at `to`
+    pub ledger: LedgerRow,
+    /// Newton iterations of the step, 0 for explicit schemes
+    pub newton_iterations: u32,
+    /// [-] final residual over its scale, 0 for explicit schemes
+    pub residual: f64,
+}
+
+/// Why an observer stops a run.
+#[derive(Debug, thiserror::Error)]
+pub enum ObserveError {
+    /// Results could not be written.
+    #[error("{path}: {source}")]
+    Write {
+        /// the file
+        path: String,
+        /// the system's reason
+        source: std::io::Error,
+    },
+    /// The writing thread ended before the run did.
+    #[error("the thread that writes results has stopped")]
+    WriterGone,
+}
+
+/// Watches a run. Called in step order, from the thread that integrates.
+pub trait Observer {
+    /// Before the first step.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError>;
+
+    /// After every accepted step.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError>;
+
+    /// After the last step, however the run ended; `last` is the last good point.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError>;
+}

@@ -1,0 +1,3 @@
+//! Time integration schemes.
+
+pub mod registry;

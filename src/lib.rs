@@ -1,0 +1,13 @@
+//! canopy-fem: parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
+#![warn(missing_docs)]
+
+pub mod assembly;
+pub mod case;
+pub mod cli;
+pub mod drive;
+pub mod force;
+pub mod integrate;
+pub mod mesh;
+pub mod model;
+pub mod output;
+pub mod solve;

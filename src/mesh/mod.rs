@@ -1,0 +1,17 @@
+//! Meshes: nodes, edges (which carry the springs) and triangles (which carry the air and pressure).
+//!
+//! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
+//! `nodes[7]`. The engine renumbers for itself ([`crate::model::numbering`]).
+
+/// A surface or line mesh in three dimensions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// [m] positions of the nodes.
+    pub nodes: Vec<[f64; 3]>,
+    /// Pairs of nodes, each listed once; every edge can carry a spring.
+    pub edges: Vec<[u32; 2]>,
+    /// Triples of nodes; the right-hand normal is the side the pressure pushes to.
+    pub triangles: Vec<[u32; 3]>,
+    /// Indices into `edges` of the radial seam lines; empty unless asked for.
+    pub seams: Vec<u32>,
+}

@@ -1,0 +1,59 @@
+//! What one force pass yields: the nodal forces by role, and each term's energy or power.
+
+/// What a force term does in the energy ledger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Derives from a stored energy counted as `elastic`.
+    Elastic,
+    /// Derives from a potential counted as `gravity`.
+    Gravity,
+    /// Its work is `external_work`: the air and the loads.
+    External,
+    /// Its work is minus `dissipated`: dashpots and Rayleigh damping.
+    Dissipative,
+}
+
+/// One term's share of a force pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// [J] stored energy, for a term whose role is [`Role::Elastic`] or [`Role::Gravity`]; else 0
+    pub energy: f64,
+    /// [W] power f·v, for a term whose role is [`Role::External`] or [`Role::Dissipative`]; else 0
+    pub power: f64,
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.energy += other.energy;
+        self.power += other.power;
+    }
+}
+
+/// Nodal forces [N] of one pass over all degrees of freedom, split as the ledger needs them.
+///
+/// `total` is zero at fixed degrees of freedom; what acts there stands in `reactions`. The split vectors
+/// exist only where the scene has terms of that role.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// [N] all forces; zero at fixed degrees of freedom
+    pub total: Vec<f64>,
+    /// [N] forces of the external terms; empty when the scene has none
+    pub external: Vec<f64>,
+    /// [N] forces of the dissipative terms; empty when the scene has none
+    pub dissipative: Vec<f64>,
+    /// [N] what each fixed degree of freedom must hold back (minus the applied force), in the order of the fixed list
+    pub reactions: Vec<f64>,
+    /// Energy or power of every term, in the order of [`crate::model::system::System::terms`].
+    pub tallies: Vec<Tally>,
+}
+
+impl Forces {
+    /// Copies another result of the same scene without allocating.
+    pub fn copy_from(&mut self, other: &Forces) {
+        self.total.copy_from_slice(&other.total);
+        self.external.copy_from_slice(&other.external);
+        self.dissipative.copy_from_slice(&other.dissipative);
+        self.reactions.copy_from_slice(&other.reactions);
+        self.tallies.copy_from_slice(&other.tallies);
+    }
+}

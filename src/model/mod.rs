@@ -1,0 +1,8 @@
+//! The mechanical model: plain specifications, state, the forces of one pass, and the traits every scheme
+//! and every output is written against.
+
+pub mod forces;
+pub mod picture;
+pub mod spec;
+pub mod state;
+pub mod system;

@@ -1,0 +1,165 @@
+//! A network as plain resolved data: no file, no selector, no default left. The case reader makes it,
+//! [`crate::model::scene`] turns it into something that can be integrated. All numbering is the user's.
+
+use crate::mesh::Mesh;
+
+/// When a spring pulls and pushes. `e` is the elongation l - l0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Slack {
+    /// T = k e: works both ways.
+    #[default]
+    None,
+    /// T = k max(e, 0): never pushes.
+    TensionOnly,
+    /// T = k max(e - eps, 0): pulls once stretched beyond `eps`.
+    DeadZone {
+        /// [m] elongation below which the spring is slack, >= 0
+        eps: f64,
+    },
+    /// T = k max(e, -eps): the push is limited to k eps.
+    CompressionLimit {
+        /// [m] shortening at which the push stops growing, >= 0
+        eps: f64,
+    },
+}
+
+/// Along what a dashpot acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DashpotKind {
+    /// c ldot along the spring; clamped together with a slack spring.
+    Axial,
+    /// c (vb - va), all three components, slack or not.
+    Relative,
+}
+
+/// Dashpots of a spring group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DashpotSpec {
+    /// axial or relative
+    pub kind: DashpotKind,
+    /// [N s/m] one coefficient a spring of the group, already resolved from its rule
+    pub coefficient: Vec<f64>,
+    /// whether the rule was `"step"` (c = k dt), which Kang's filter contains already
+    pub from_step: bool,
+}
+
+/// Springs that share a rule of the case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpringGroup {
+    /// edges of the mesh, ascending
+    pub edges: Vec<u32>,
+    /// [N/m] one a spring
+    pub stiffness: Vec<f64>,
+    /// [m] one a spring
+    pub rest_length: Vec<f64>,
+    /// slack rule
+    pub slack: Slack,
+    /// optional dashpots
+    pub dashpot: Option<DashpotSpec>,
+}
+
+/// A factor or vector over time, linear between its rows, held constant outside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series<T> {
+    /// [s] strictly increasing times; at least one
+    pub t: Vec<f64>,
+    /// one value a time
+    pub value: Vec<T>,
+}
+
+/// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, pushing along the relative wind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AirSpec {
+    /// [Pa s/m] viscous coefficient (thickness times A_e, or times a)
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient (thickness times B_e, or times b, or cp rho/2)
+    pub quadratic: f64,
+    /// [m/s] wind velocity over time
+    pub wind: Series<[f64; 3]>,
+}
+
+/// How a pressure load follows the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PressureKind {
+    /// p A N on the current area and normal.
+    Follower,
+    /// p A0 along a fixed direction (unit vector), or along each triangle's initial normal if `None`.
+    Dead(Option<[f64; 3]>),
+}
+
+/// A pressure on some triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureLoad {
+    /// triangles, ascending
+    pub triangles: Vec<u32>,
+    /// [Pa] pressure
+    pub pressure: f64,
+    /// follower or dead
+    pub kind: PressureKind,
+    /// optional factor over time
+    pub factor: Option<Series<f64>>,
+}
+
+/// A force on some nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodalLoad {
+    /// nodes, ascending
+    pub nodes: Vec<u32>,
+    /// [N] force on each of them
+    pub force: [f64; 3],
+    /// optional factor over time
+    pub factor: Option<Series<f64>>,
+}
+
+/// Rayleigh damping f -= (mass M + stiffness K0) v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayleighSpec {
+    /// [1/s] factor of M
+    pub mass: f64,
+    /// [s] factor of K0
+    pub stiffness: f64,
+}
+
+/// Everything a network scene contains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NetworkSpec {
+    /// positions as given, before `displacement`
+    pub mesh: Mesh,
+    /// [kg] lumped mass of every node
+    pub mass: Vec<f64>,
+    /// which of x, y, z is fixed, one a node
+    pub fixed: Vec<[bool; 3]>,
+    /// springs by rule
+    pub springs: Vec<SpringGroup>,
+    /// [m/s^2] gravity, if any
+    pub gravity: Option<[f64; 3]>,
+    /// the air, if any
+    pub air: Option<AirSpec>,
+    /// pressure loads
+    pub pressures: Vec<PressureLoad>,
+    /// nodal forces
+    pub forces: Vec<NodalLoad>,
+    /// Rayleigh damping, if any
+    pub rayleigh: Option<RayleighSpec>,
+    /// [m] initial displacement of every node; empty = zero
+    pub displacement: Vec<[f64; 3]>,
+    /// [m/s] initial velocity of every node, zero at fixed degrees of freedom; empty = zero
+    pub velocity: Vec<[f64; 3]>,
+}
+
+/// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PendulumSpec {
+    /// [m] length L
+    pub length: f64,
+    /// [kg] mass m
+    pub mass: f64,
+    /// [N m s] damping c
+    pub damping: f64,
+    /// [m/s^2] gravity g
+    pub gravity: f64,
+    /// [rad] initial angle from the lowest position
+    pub angle: f64,
+    /// [rad/s] initial angular velocity
+    pub rate: f64,
+}

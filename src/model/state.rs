@@ -1,0 +1,37 @@
+//! Time, positions and velocities: what a step starts from and ends with.
+
+/// Time, positions and velocities of all degrees of freedom (fixed ones included), `x0 y0 z0 x1 …`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// [s] time
+    pub t: f64,
+    /// [m] (or [rad], pendulum) positions
+    pub x: Vec<f64>,
+    /// [m/s] (or [rad/s]) velocities
+    pub v: Vec<f64>,
+}
+
+/// A borrowed [`State`]; schemes evaluate forces at states they never store.
+#[derive(Clone, Copy, Debug)]
+pub struct StateRef<'a> {
+    /// [s] time
+    pub t: f64,
+    /// [m] positions
+    pub x: &'a [f64],
+    /// [m/s] velocities
+    pub v: &'a [f64],
+}
+
+impl State {
+    /// Borrows the state.
+    pub fn as_ref(&self) -> StateRef<'_> {
+        StateRef { t: self.t, x: &self.x, v: &self.v }
+    }
+
+    /// Copies another state of the same size without allocating.
+    pub fn copy_from(&mut self, other: StateRef<'_>) {
+        self.t = other.t;
+        self.x.copy_from_slice(other.x);
+        self.v.copy_from_slice(other.v);
+    }
+}

@@ -1,0 +1,94 @@
+//! The contract between a mechanical system and the schemes that integrate it.
+//!
+//! ```text
+//! M a = f(t, x, v)        K = -df/dx        C = -df/dv        W = cm M + cc C + ck K
+//! ```
+
+use super::forces::{Forces, Role};
+use super::state::{State, StateRef};
+use crate::assembly::Assembler;
+
+/// Name and role of a force term, as they appear in a failure report and the ledger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TermInfo {
+    /// e.g. `springs`, `air`
+    pub name: &'static str,
+    /// its place in the ledger
+    pub role: Role,
+}
+
+/// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
+pub trait System: Sync {
+    /// Number of degrees of freedom, fixed ones included.
+    fn n_dof(&self) -> usize;
+
+    /// The state at t = 0.
+    fn initial_state(&self) -> State;
+
+    /// Force terms in the order of [`Forces::tallies`].
+    fn terms(&self) -> &[TermInfo];
+
+    /// A result of the right size for [`System::evaluate`].
+    fn new_forces(&self) -> Forces;
+
+    /// One force pass: overwrites `out` with f(t, x, v), its split and every term's energy or power.
+    fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
+
+    /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
+    fn inverse_mass(&self) -> &[f64];
+
+    /// `out = M a` (a lumped mass: one product a degree of freedom; zero at fixed ones).
+    fn mass_times(&self, a: &[f64], out: &mut [f64]);
+
+    /// [J] kinetic energy of the velocities `v`.
+    fn kinetic_energy(&self, v: &[f64]) -> f64;
+
+    /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
+    fn velocity_dependent(&self) -> bool;
+}
+
+/// What an implicit scheme needs besides: the tangent of the forces.
+pub trait TangentSystem: System {
+    /// Whether K and C are symmetric at every state; decides between Cholesky and LU.
+    fn symmetric(&self) -> bool;
+
+    /// Finds the pattern of W and the slot of every element's blocks. Called once, and only by implicit schemes.
+    fn assembler(&self) -> Result<Assembler, crate::assembly::PatternError>;
+
+    /// Writes W = cm M + cc C + ck K at a state into `assembler`'s values.
+    fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
+
+    /// [N/m] upper estimate of the stiffness at a node; scales the rounding floor of a residual.
+    fn stiffness_scale(&self) -> f64;
+}
+
+/// Weights of W = m M + c C + k K.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// [1/s^2 or 1] weight of the mass M
+    pub m: f64,
+    /// [1/s or 1] weight of the damping C = -df/dv
+    pub c: f64,
+    /// [1] weight of the stiffness K = -df/dx
+    pub k: f64,
+}
+
+/// One edge of the spring network as Kang's filter sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GraphEdge {
+    /// end nodes
+    pub nodes: [u32; 2],
+    /// [N/m] stiffness, slack or not
+    pub stiffness: f64,
+    /// [N s/m] coefficient of a relative `"step"` dashpot on this edge, which the filter already contains; else 0
+    pub step_dashpot: f64,
+}
+
+/// What Kang's scheme needs besides forces: the spring graph and the springs' forces alone.
+pub trait SpringGraph: System {
+    /// All springs, in a fixed order.
+    fn edges(&self) -> Vec<GraphEdge>;
+
+    /// [N] `out =` the springs' elastic forces alone, zero at fixed degrees of freedom.
+    fn spring_forces(&self, x: &[f64], out: &mut [f64]);
+}
