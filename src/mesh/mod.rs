@@ -3,6 +3,21 @@
 //! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
 //! `nodes[7]`. The engine renumbers for itself ([`crate::model::numbering`]).
 
+pub mod annulus;
+pub mod chain;
+mod check;
+mod error;
+pub mod explicit;
+mod loops;
+pub mod read;
+pub mod rectangle;
+pub mod source;
+pub mod topology;
+
+pub use error::MeshError;
+pub use source::MeshSource;
+pub use topology::{EdgeKind, Topology};
+
 /// A surface or line mesh in three dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
