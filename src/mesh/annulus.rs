@@ -1,6 +1,9 @@
 //! Parameters of the annulus and the disc, the two domains of the graded generator.
 
+use super::layout::Request;
+use super::sdf::Ring;
 use super::source::{FaultSink, MAX_NODES, check_count, check_length};
+use super::{Mesh, MeshError, distmesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -135,21 +138,27 @@ impl Common {
 }
 
 impl AnnulusParameters {
-    /// Makes the mesh.
+    /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
     ///
     /// # Errors
-    /// What cannot be met, with its numbers.
-    pub fn build(&self) -> Result<super::Mesh, super::MeshError> {
-        Err(super::MeshError::Triangulation { found: 0, expected: 0 })
+    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        let ring = Ring { inner: self.inner_radius, outer: self.outer_radius };
+        let Self { nodes, boundary_nodes, grading, .. } = *self;
+        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
+        distmesh::generate(&request, self.seed)
     }
 }
 
 impl DiscParameters {
-    /// Makes the mesh.
+    /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
     ///
     /// # Errors
-    /// What cannot be met, with its numbers.
-    pub fn build(&self) -> Result<super::Mesh, super::MeshError> {
-        Err(super::MeshError::Triangulation { found: 0, expected: 0 })
+    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        let ring = Ring { inner: 0.0, outer: self.radius };
+        let Self { nodes, boundary_nodes, grading, .. } = *self;
+        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
+        distmesh::generate(&request, self.seed)
     }
 }

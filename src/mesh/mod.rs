@@ -6,15 +6,24 @@
 pub mod annulus;
 pub mod chain;
 mod check;
+mod delaunay;
+mod distmesh;
 mod error;
 pub mod explicit;
+mod layout;
 mod loops;
+mod polish;
+pub mod quality;
+mod random;
 pub mod read;
 pub mod rectangle;
+pub mod sdf;
 pub mod source;
 pub mod topology;
 
 pub use error::MeshError;
+pub use loops::BoundaryLoop;
+pub use quality::Quality;
 pub use source::MeshSource;
 pub use topology::{EdgeKind, Topology};
 
