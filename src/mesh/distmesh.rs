@@ -1,0 +1,209 @@
+//! Graded meshes by spring relaxation: P.-O. Persson & G. Strang, "A simple mesh generator in MATLAB", SIAM Review 46(2), 2004.
+//!
+//! Other than there, the boundary nodes are laid out first and stay, so that their number is met exactly, and the interior starts
+//! from an even spiral of the exact number of nodes. The relaxed mesh is then polished ([`super::polish`]).
+
+use super::delaunay::triangulate;
+use super::flips::Flips;
+use super::layout::{Freedom, Plan, Request, Start};
+use super::polish::polish;
+use super::random::SplitMix64;
+use super::sdf::{SizeFunction, turned_off_seams};
+use super::{Mesh, MeshError, quality, topology};
+use glam::DVec2;
+
+/// [-] how much longer than wanted the springs are, so that the nodes spread to the boundary (`Fscale`)
+const OVERLENGTH: f64 = 1.2;
+/// [-] step of the relaxation times the bars at a node (`deltat`, 0.2 there, where a node has about six)
+const STEP: f64 = 1.0;
+/// [-] share of the last movement that a step keeps
+const MOMENTUM: f64 = 0.9;
+/// [-] movement since the last triangulation, over the wanted edge length, that calls for a new one (`ttol`)
+const RETRIANGULATE: f64 = 0.1;
+/// [-] movement in a step, over the wanted edge length, below which the mesh rests (`dptol`)
+const REST: f64 = 1e-3;
+/// [-] distance to the boundary, over the wanted edge length, that interior nodes keep
+const CLEARANCE: f64 = 0.4;
+/// most iterations of an attempt
+const ITERATIONS: usize = 2000;
+/// attempts, each from other pseudo-random numbers
+const ATTEMPTS: u64 = 5;
+/// [deg] smallest angle at which no further attempt is made
+const GOOD_ANGLE: f64 = 26.0;
+/// [deg] smallest angle with which a mesh is handed out
+const LEAST_ANGLE: f64 = 20.0;
+
+/// Makes the mesh that a request asks for.
+///
+/// # Errors
+/// Counts that do not go together, a relaxation that finds no rest, or no attempt with acceptable angles.
+pub(super) fn generate(request: &Request, seed: u64) -> Result<Mesh, MeshError> {
+    let plan = request.plan()?;
+    let mut best: Option<(f64, Start, Vec<[u32; 3]>)> = None;
+    let mut failure = None;
+    for attempt in 0..ATTEMPTS {
+        let mut start = plan.start(SplitMix64::new(seed, attempt));
+        match relax(&plan, &mut start).and_then(|()| polish(&plan, &mut start)) {
+            Ok(triangles) => {
+                let angle = quality::smallest_angle(&start.points, &triangles).degrees;
+                if best.as_ref().is_none_or(|b| angle > b.0) {
+                    best = Some((angle, start, triangles));
+                }
+                if angle >= GOOD_ANGLE {
+                    break;
+                }
+            }
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    match (best, failure) {
+        (Some((angle, start, triangles)), _) => finish(angle, &start, triangles),
+        (None, Some(error)) => Err(error),
+        (None, None) => Err(MeshError::Triangulation { found: 0, expected: plan.triangles }),
+    }
+}
+
+/// Turns points into a mesh, or refuses bad angles.
+fn finish(angle: f64, start: &Start, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+    if angle < LEAST_ANGLE {
+        let at = quality::smallest_angle(&start.points, &triangles).at;
+        return Err(MeshError::Quality { angle, required: LEAST_ANGLE, x: at.x, y: at.y });
+    }
+    let edges = topology::unique_edges(&triangles);
+    let seam = |&[a, b]: &[usize; 2]| edges.binary_search(&[a.min(b) as u32, a.max(b) as u32]).ok().map(|e| e as u32);
+    let mut seams: Vec<u32> = start.constraints[start.loop_edges..].iter().filter_map(seam).collect();
+    seams.sort_unstable();
+    let nodes = start.points.iter().map(|p| [p.x, p.y, 0.0]).collect();
+    Ok(Mesh { nodes, edges, triangles, seams })
+}
+
+/// Triangulates and checks the count, which only holds if all constraints are there and nothing lies outside.
+pub(super) fn triangulate_plan(plan: &Plan, start: &Start) -> Result<Vec<[u32; 3]>, MeshError> {
+    let triangles = triangulate(&start.points, &start.constraints, plan.loops[0]).unwrap_or_default();
+    if triangles.len() == plan.triangles {
+        Ok(triangles)
+    } else {
+        Err(MeshError::Triangulation { found: triangles.len(), expected: plan.triangles })
+    }
+}
+
+/// Moves the nodes until the springs are at rest (Persson & Strang 2004, section 3, steps 3 to 8).
+fn relax(plan: &Plan, start: &mut Start) -> Result<(), MeshError> {
+    if plan.free == 0 && plan.seam_nodes == 0 {
+        return Ok(());
+    }
+    let count = start.points.len();
+    let mut bars = Bars::default();
+    let mut last = vec![DVec2::INFINITY; count];
+    let mut forces = vec![DVec2::ZERO; count];
+    let mut momentum = vec![DVec2::ZERO; count];
+    let mut movement = f64::INFINITY;
+    let mut flips = Flips::default();
+
+    for _ in 0..ITERATIONS {
+        if moved_far(&plan.size, &start.points, &last) {
+            if !flips.follow(&start.points) {
+                flips = Flips::new(triangulate_plan(plan, start)?, &start.constraints);
+            }
+            bars = Bars::new(&flips, &start.freedom);
+            last.copy_from_slice(&start.points);
+        }
+        bars.forces(&plan.size, &start.points, &mut forces);
+        movement = step(plan, start, &bars, &forces, &mut momentum);
+        if movement < REST {
+            return Ok(());
+        }
+    }
+    Err(MeshError::NotRelaxed { iterations: ITERATIONS, movement, tolerance: REST })
+}
+
+fn moved_far(size: &SizeFunction, points: &[DVec2], last: &[DVec2]) -> bool {
+    let far = |(p, q): (&DVec2, &DVec2)| !(p.distance_squared(*q) < (RETRIANGULATE * size.at(p.length())).powi(2));
+    points.iter().zip(last).any(far)
+}
+
+/// Edges with at least one end that can move, as springs.
+#[derive(Default)]
+struct Bars {
+    ends: Vec<[u32; 2]>,
+    /// [m] wanted edge length at each node, filled by every force pass
+    size: Vec<f64>,
+    /// bars at each node
+    degree: Vec<u32>,
+}
+
+impl Bars {
+    fn new(flips: &Flips, freedom: &[Freedom]) -> Self {
+        let moves = |bar: &[u32; 2]| bar.iter().any(|&n| freedom[n as usize] != Freedom::Fixed);
+        let ends: Vec<_> = flips.edges().filter(moves).collect();
+        let mut degree = vec![0; freedom.len()];
+        for &n in ends.iter().flatten() {
+            degree[n as usize] += 1;
+        }
+        Self { size: vec![0.0; freedom.len()], ends, degree }
+    }
+
+    /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of the
+    /// actual ones.
+    fn forces(&mut self, size: &SizeFunction, points: &[DVec2], forces: &mut [DVec2]) {
+        for (h, point) in self.size.iter_mut().zip(points) {
+            *h = size.at(point.length());
+        }
+        // The size function is all but linear along a bar, so the mean of its ends stands for its middle.
+        let wanted = |bar: &[u32; 2]| 0.5 * (self.size[bar[0] as usize] + self.size[bar[1] as usize]);
+        let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
+        for bar in &self.ends {
+            let [a, b] = bar.map(|n| points[n as usize]);
+            sum_actual += a.distance_squared(b);
+            sum_wanted += wanted(bar).powi(2);
+        }
+        let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
+        forces.fill(DVec2::ZERO);
+        for bar in &self.ends {
+            let [a, b] = bar.map(|n| points[n as usize]);
+            let (across, full) = (b - a, scale * wanted(bar));
+            let square = across.length_squared();
+            if square < full * full && square > 0.0 {
+                let force = across * (full / square.sqrt() - 1.0);
+                forces[bar[0] as usize] -= force;
+                forces[bar[1] as usize] += force;
+            }
+        }
+    }
+}
+
+/// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge length.
+///
+/// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars meet.
+fn step(plan: &Plan, start: &mut Start, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
+    let (ring, seams) = (plan.size.ring, plan.seams);
+    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(*m)).sum();
+    let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
+    let mut largest: f64 = 0.0;
+    for node in 0..start.points.len() {
+        let point = start.points[node];
+        let h = bars.size[node];
+        let mut push = STEP / f64::from(bars.degree[node].max(1)) * forces[node];
+        match start.freedom[node] {
+            Freedom::Fixed => continue,
+            Freedom::Free => {}
+            Freedom::Ray(direction) => push = push.dot(direction) * direction,
+        }
+        let target = |by: DVec2| match start.freedom[node] {
+            Freedom::Ray(direction) => {
+                // Kept off the centre, which on a disc is the seams' common end.
+                let radius = (point + by).dot(direction).max(plan.hub + CLEARANCE * h);
+                ring.pushed_inside(radius * direction, CLEARANCE * h)
+            }
+            _ => {
+                let inside = ring.pushed_inside(point + by, CLEARANCE * h);
+                turned_off_seams(plan.off_hub(inside, CLEARANCE * h), seams, CLEARANCE * h)
+            }
+        };
+        largest = largest.max(target(push).distance(point) / h);
+        let moved = target(push + memory * momentum[node]);
+        momentum[node] = moved - point;
+        start.points[node] = moved;
+    }
+    largest
+}
