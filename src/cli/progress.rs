@@ -9,8 +9,9 @@ use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView}
 
 /// Between two updates of the line.
 const REDRAW: Duration = Duration::from_millis(100);
-/// The clock is read at least once in this many steps; rarer would freeze the line when steps become slow.
-const LONGEST_STRIDE: u64 = 1 << 16;
+/// The clock is read at least once in this many steps: rarer would save nothing more, and freeze the line when steps
+/// become slow.
+const LONGEST_STRIDE: u64 = 64;
 /// [-] weight of the newest interval in the smoothed rates
 const NEWEST: f64 = 0.3;
 /// Positions of the bar.
@@ -244,7 +245,7 @@ mod tests {
         for _ in 0..1000 {
             progress.accepted(view).expect("a progress line cannot fail");
         }
-        assert!(progress.stride >= 256, "{}", progress.stride);
+        assert!(progress.stride == LONGEST_STRIDE, "{}", progress.stride);
         std::thread::sleep(REDRAW * 2);
         progress.look(&view);
         assert_eq!(progress.stride, 1);

@@ -9,7 +9,7 @@ use super::hermite::interpolate;
 use super::history::HistoryRow;
 use super::names::file_stem;
 use super::probes::Probe;
-use super::schedule::{Due, Schedule, tolerance};
+use super::schedule::{Due, Moment, Schedule, tolerance};
 use super::writer::ResultWriter;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::model::forces::Forces;
@@ -163,10 +163,12 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn show_between(&mut self, step: &StepView<'_>, fraction: f64) -> Result<(), ObserveError> {
+    fn show_between(&mut self, step: &StepView<'_>, moment: Moment) -> Result<(), ObserveError> {
         // Taken out and put back, because `show` needs the rest of `self`.
         let (mut state, mut forces) = (std::mem::take(&mut self.between), std::mem::take(&mut self.forces));
-        interpolate(step.from.state.as_ref(), step.to.state.as_ref(), fraction, &mut state);
+        interpolate(step.from.state.as_ref(), step.to.state.as_ref(), moment.fraction, &mut state);
+        // k * every itself, without the rounding of getting there from the step's start.
+        state.t = moment.time;
         if self.fields.force || self.fields.reaction {
             self.picture.evaluate(state.as_ref(), &mut forces);
         }
@@ -194,7 +196,7 @@ impl Observer for Recorder<'_> {
         while let Some(due) = self.schedule.next_in(from, to.t) {
             match due {
                 Due::End => self.show(to, &step.to.forces)?,
-                Due::Between(fraction) => self.show_between(&step, fraction)?,
+                Due::Between(moment) => self.show_between(&step, moment)?,
             }
         }
         let row = HistoryRow {

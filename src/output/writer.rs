@@ -28,6 +28,8 @@ pub struct ResultWriter {
     thread: Option<JoinHandle<Result<(), ObserveError>>>,
     size: FrameSize,
     made: usize,
+    /// a frame that was filled but not sent
+    spare: Option<Box<Frame>>,
 }
 
 impl ResultWriter {
@@ -44,7 +46,7 @@ impl ResultWriter {
             .spawn(move || write_all(files, &messages, &give_back))
             .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
         let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
-        Ok(Self { to_thread: Some(to_thread), returned, thread: Some(thread), size, made: 0 })
+        Ok(Self { to_thread: Some(to_thread), returned, thread: Some(thread), size, made: 0, spare: None })
     }
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
@@ -53,6 +55,9 @@ impl ResultWriter {
     /// # Errors
     /// The fault that ended the thread.
     pub fn empty_frame(&mut self) -> Result<Box<Frame>, ObserveError> {
+        if let Some(frame) = self.spare.take() {
+            return Ok(frame);
+        }
         match self.returned.try_recv() {
             Ok(frame) => return Ok(frame),
             Err(TryRecvError::Disconnected) => return Err(self.fault()),
@@ -78,8 +83,7 @@ impl ResultWriter {
 
     /// Takes back a frame that is not to be written after all.
     pub fn forget(&mut self, frame: Box<Frame>) {
-        drop(frame);
-        self.made -= 1;
+        self.spare = Some(frame);
     }
 
     /// Sends a row of the history.
