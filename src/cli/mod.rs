@@ -1,1 +1,3 @@
 //! (see the files of this folder)
+
+pub mod mesh;
