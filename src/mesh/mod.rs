@@ -3,6 +3,30 @@
 //! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
 //! `nodes[7]`. The engine renumbers for itself ([`crate::model::numbering`]).
 
+pub mod annulus;
+pub mod chain;
+mod check;
+mod delaunay;
+mod distmesh;
+mod error;
+pub mod explicit;
+mod layout;
+mod loops;
+mod polish;
+pub mod quality;
+mod random;
+pub mod read;
+pub mod rectangle;
+pub mod sdf;
+pub mod source;
+pub mod topology;
+
+pub use error::MeshError;
+pub use loops::BoundaryLoop;
+pub use quality::Quality;
+pub use source::MeshSource;
+pub use topology::{EdgeKind, Topology};
+
 /// A surface or line mesh in three dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {

@@ -1,0 +1,164 @@
+//! Parameters of the annulus and the disc, the two domains of the graded generator.
+
+use super::layout::Request;
+use super::sdf::Ring;
+use super::source::{FaultSink, MAX_NODES, check_count, check_length};
+use super::{Mesh, MeshError, distmesh};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// [-] allowed range of `grading`
+pub const GRADING_RANGE: [f64; 2] = [0.2, 10.0];
+/// [-] most seams; more would need more loop nodes than any sensible canopy has
+pub const MAX_SEAMS: usize = 10_000;
+
+/// A flat ring around the origin, meshed with triangles that grow with the distance from its edges.
+///
+/// The loops' nodes come first (inner loop, then outer loop, each counter-clockwise from the +x axis), then the seams' nodes
+/// from the inside out, seam by seam, then the interior.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AnnulusParameters {
+    /// [m] radius of the hole, above 0
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub inner_radius: f64,
+    /// [m] radius of the outer edge, above `inner_radius`
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub outer_radius: f64,
+    /// [-] number of nodes, met exactly
+    #[schemars(range(min = 6))]
+    pub nodes: usize,
+    /// [-] number of nodes on both loops together, met exactly; derived from `nodes` and `grading` if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 6))]
+    pub boundary_nodes: Option<usize>,
+    /// [-] number of radial lines of edges from the inner to the outer loop, evenly spread from the +x axis; none if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seams: Option<usize>,
+    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which `nodes` and
+    /// `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.2, max = 10.0))]
+    pub grading: Option<f64>,
+}
+
+/// A flat disc around the origin, meshed with triangles that grow with the distance from its edge.
+///
+/// The loop's nodes come first (counter-clockwise from the +x axis), then, with seams, the centre and the seams' nodes from the
+/// inside out, seam by seam, then the interior.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiscParameters {
+    /// [m] radius of the edge, above 0
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
+    /// [-] number of nodes, met exactly
+    #[schemars(range(min = 4))]
+    pub nodes: usize,
+    /// [-] number of nodes on the edge, met exactly; derived from `nodes` and `grading` if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 3))]
+    pub boundary_nodes: Option<usize>,
+    /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; none if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seams: Option<usize>,
+    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which `nodes` and
+    /// `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.2, max = 10.0))]
+    pub grading: Option<f64>,
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// What annulus and disc have in common, for the checks.
+struct Common {
+    nodes: usize,
+    boundary_nodes: Option<usize>,
+    seams: Option<usize>,
+    grading: Option<f64>,
+    /// fewest nodes on the loops
+    least_boundary: usize,
+}
+
+impl AnnulusParameters {
+    /// Reports every value out of range; `at` is the JSON pointer of this section.
+    pub fn check(&self, at: &str, faults: FaultSink<'_>) {
+        check_length(at, "inner_radius", self.inner_radius, faults);
+        check_length(at, "outer_radius", self.outer_radius, faults);
+        // A thinner ring would need more nodes than MAX_NODES to hold good triangles.
+        if self.outer_radius.is_finite() && self.inner_radius > self.outer_radius * (1.0 - 1e-6) {
+            let allowed = format!("below outer_radius = {}", self.outer_radius);
+            let hint = "swap the radii or make the hole smaller".to_owned();
+            faults(&format!("{at}/inner_radius"), self.inner_radius.to_string(), allowed, hint);
+        }
+        let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
+        Common { nodes, boundary_nodes, seams, grading, least_boundary: 6 }.check(at, faults);
+    }
+}
+
+impl DiscParameters {
+    /// Reports every value out of range; `at` is the JSON pointer of this section.
+    pub fn check(&self, at: &str, faults: FaultSink<'_>) {
+        check_length(at, "radius", self.radius, faults);
+        let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
+        Common { nodes, boundary_nodes, seams, grading, least_boundary: 3 }.check(at, faults);
+    }
+}
+
+impl Common {
+    fn check(&self, at: &str, faults: FaultSink<'_>) {
+        check_count(at, "nodes", self.nodes, [self.least_boundary + 1, MAX_NODES], faults);
+        if let Some(count) = self.boundary_nodes {
+            check_count(
+                at,
+                "boundary_nodes",
+                count,
+                [self.least_boundary, self.nodes.max(self.least_boundary)],
+                faults,
+            );
+        }
+        if let Some(count) = self.seams {
+            check_count(at, "seams", count, [0, MAX_SEAMS.min(self.nodes)], faults);
+        }
+        let [least, most] = GRADING_RANGE;
+        if let Some(value) = self.grading.filter(|g| !(least..=most).contains(g)) {
+            let hint = "1 is uniform, 2 doubles the edge length towards the middle".to_owned();
+            faults(&format!("{at}/grading"), value.to_string(), format!("{least} to {most}"), hint);
+        }
+    }
+}
+
+impl AnnulusParameters {
+    /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
+    ///
+    /// # Errors
+    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        let ring = Ring { inner: self.inner_radius, outer: self.outer_radius };
+        let Self { nodes, boundary_nodes, grading, .. } = *self;
+        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
+        distmesh::generate(&request, self.seed)
+    }
+}
+
+impl DiscParameters {
+    /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
+    ///
+    /// # Errors
+    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        let ring = Ring { inner: 0.0, outer: self.radius };
+        let Self { nodes, boundary_nodes, grading, .. } = *self;
+        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
+        distmesh::generate(&request, self.seed)
+    }
+}

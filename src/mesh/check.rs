@@ -1,0 +1,110 @@
+//! What every mesh must satisfy before a simulation uses it.
+
+use super::{Mesh, MeshError};
+use glam::DVec3;
+
+/// [-] area over squared longest edge below which a triangle counts as degenerate; its normal is then mostly rounding.
+const LEAST_FLATNESS: f64 = 1e-10;
+
+impl Mesh {
+    /// Position of a node.
+    pub(crate) fn point(&self, node: u32) -> DVec3 {
+        DVec3::from_array(self.nodes[node as usize])
+    }
+
+    /// Checks what no simulation can do without: numbers in range, finite positions, no edge or triangle twice or degenerate.
+    ///
+    /// Orientation and manifoldness are checked apart, by [`crate::mesh::Topology`], since not every scene needs them.
+    ///
+    /// # Errors
+    /// The first fault found, with its numbers.
+    pub fn check(&self) -> Result<(), MeshError> {
+        self.check_sizes()?;
+        if let Some(node) = self.nodes.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+            return Err(MeshError::NotFinite { node });
+        }
+        for (index, edge) in self.edges.iter().enumerate() {
+            self.check_corners("edge", index, edge)?;
+        }
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            self.check_corners("triangle", index, triangle)?;
+        }
+        self.check_seams()?;
+        self.check_duplicates()?;
+        self.check_shapes()
+    }
+
+    fn check_sizes(&self) -> Result<(), MeshError> {
+        let reason = if self.nodes.is_empty() {
+            "a mesh needs nodes"
+        } else if [self.nodes.len(), self.edges.len(), self.triangles.len()].iter().any(|&n| n >= u32::MAX as usize) {
+            "node, edge and triangle numbers must stay below 2^32 - 1"
+        } else {
+            return Ok(());
+        };
+        let (nodes, edges, triangles) = (self.nodes.len(), self.edges.len(), self.triangles.len());
+        Err(MeshError::Size { nodes, edges, triangles, reason })
+    }
+
+    fn check_corners(&self, what: &'static str, index: usize, corners: &[u32]) -> Result<(), MeshError> {
+        for (i, &node) in corners.iter().enumerate() {
+            if node as usize >= self.nodes.len() {
+                return Err(MeshError::NodeOutOfRange { what, index, node: node.into(), nodes: self.nodes.len() });
+            }
+            if corners[..i].contains(&node) {
+                return Err(MeshError::RepeatedNode { what, index, node });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_seams(&self) -> Result<(), MeshError> {
+        match self.seams.iter().position(|&edge| edge as usize >= self.edges.len()) {
+            Some(index) => Err(MeshError::SeamOutOfRange { index, edge: self.seams[index], edges: self.edges.len() }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_duplicates(&self) -> Result<(), MeshError> {
+        if let Some((first, second)) = first_duplicate(&self.edges) {
+            let [a, b] = sorted(self.edges[first]);
+            return Err(MeshError::DuplicateEdge { first, second, a, b });
+        }
+        match first_duplicate(&self.triangles) {
+            Some((first, second)) => Err(MeshError::DuplicateTriangle { first, second }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_shapes(&self) -> Result<(), MeshError> {
+        for (edge, &[a, b]) in self.edges.iter().enumerate() {
+            if self.point(a) == self.point(b) {
+                return Err(MeshError::ZeroLengthEdge { edge, a, b });
+            }
+        }
+        for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let (u, v, w) =
+                (self.point(b) - self.point(a), self.point(c) - self.point(a), self.point(c) - self.point(b));
+            let longest = u.length().max(v.length()).max(w.length());
+            let area = 0.5 * u.cross(v).length();
+            // Written so that an overflow to NaN or infinity is a fault too.
+            if !(area > LEAST_FLATNESS * longest * longest && area.is_finite()) {
+                return Err(MeshError::DegenerateTriangle { triangle, area, longest });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn sorted<const N: usize>(mut corners: [u32; N]) -> [u32; N] {
+    corners.sort_unstable();
+    corners
+}
+
+/// The first item (in list order) that has the same nodes as an earlier one.
+fn first_duplicate<const N: usize>(items: &[[u32; N]]) -> Option<(usize, usize)> {
+    let mut keys: Vec<_> = items.iter().enumerate().map(|(i, &item)| (sorted(item), i)).collect();
+    keys.sort_unstable();
+    let pairs = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[0].1, pair[1].1));
+    pairs.min_by_key(|&(_, second)| second)
+}

@@ -1,0 +1,32 @@
+//! Constrained Delaunay triangulation of a ring, by `spade` (exact predicates).
+
+use glam::DVec2;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+/// Triangles, counter-clockwise, of the nodes' constrained Delaunay triangulation, those inside the hole left out.
+///
+/// The first `hole` nodes are those of the inner loop, which is convex: a triangle among them alone lies in the hole, all others
+/// outside it. `None` if two nodes coincide, a coordinate is no number, or two constraints cross.
+pub(super) fn triangulate(points: &[DVec2], constraints: &[[usize; 2]], hole: usize) -> Option<Vec<[u32; 3]>> {
+    let vertices = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
+    let mut conflict = false;
+    let edges = constraints.to_vec();
+    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| conflict = true);
+    let cdt = cdt.ok().filter(|cdt| !conflict && cdt.num_vertices() == points.len())?;
+    let faces = cdt.inner_faces().map(|face| face.vertices().map(|v| v.index() as u32));
+    let mut triangles: Vec<_> = faces.filter(|t| t.iter().any(|&n| n as usize >= hole)).map(from_smallest).collect();
+    // The order of spade's faces is not part of its interface; ours is.
+    triangles.sort_unstable();
+    Some(triangles)
+}
+
+/// Turns a triangle until its smallest node comes first.
+fn from_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}

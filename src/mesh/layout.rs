@@ -1,0 +1,249 @@
+//! How many nodes go where, and where they start: on the loops, along the seams, in the interior.
+
+use super::MeshError;
+use super::annulus::GRADING_RANGE;
+use super::random::SplitMix64;
+use super::sdf::{RadialTable, Ring, SizeFunction};
+use glam::DVec2;
+use std::f64::consts::{PI, TAU};
+
+/// [-] `grading` if neither it nor the boundary nodes are given
+const DEFAULT_GRADING: f64 = 1.5;
+/// [-] height of an equilateral triangle over its edge, halved: how far the cell of a boundary node reaches inside
+const HALF_ROW: f64 = 0.433;
+/// [-] nodes on the smaller loop below which a circle is hardly one
+const ROUND_ENOUGH: usize = 8;
+
+/// What a graded mesh is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Request {
+    pub ring: Ring,
+    pub nodes: usize,
+    pub boundary_nodes: Option<usize>,
+    pub seams: usize,
+    pub grading: Option<f64>,
+}
+
+/// How a node may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Freedom {
+    Fixed,
+    /// along a ray from the origin with this direction
+    Ray(DVec2),
+    Free,
+}
+
+/// Numbers and sizes that fit together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plan {
+    pub size: SizeFunction,
+    /// nodes on the inner and on the outer loop
+    pub loops: [usize; 2],
+    pub seams: usize,
+    /// moving nodes on each seam
+    pub seam_nodes: usize,
+    /// nodes off loops and seams
+    pub free: usize,
+    /// triangles that any triangulation of these nodes has
+    pub triangles: usize,
+}
+
+/// Where the relaxation starts.
+#[derive(Clone, Debug)]
+pub(super) struct Start {
+    pub points: Vec<DVec2>,
+    pub freedom: Vec<Freedom>,
+    /// edges of the loops, then of the seams
+    pub constraints: Vec<[usize; 2]>,
+    /// how many of the constraints are loops
+    pub loop_edges: usize,
+}
+
+impl Request {
+    /// Finds sizes and counts.
+    ///
+    /// # Errors
+    /// Counts that do not go together.
+    pub fn plan(&self) -> Result<Plan, MeshError> {
+        let boundary = match self.boundary_nodes {
+            Some(count) => count.max(self.least_boundary()),
+            None => self.derived_boundary(),
+        };
+        let grading = match self.grading {
+            Some(grading) => grading,
+            None if self.boundary_nodes.is_none() => DEFAULT_GRADING,
+            None => self.derived_grading(boundary)?,
+        };
+        let size = self.size(boundary, grading);
+        let loops = self.split(boundary);
+        let along = RadialTable::new([self.ring.inner, self.ring.outer], |r| 1.0 / size.at(r)).total();
+        let seam_nodes = if self.seams == 0 { 0 } else { (along.round() as usize).max(1) - 1 };
+        let centre = usize::from(self.seams > 0 && !self.ring.has_hole());
+        let on_seams = self.seams.saturating_mul(seam_nodes).saturating_add(centre);
+        if boundary != self.boundary_nodes.unwrap_or(boundary) || boundary.saturating_add(on_seams) > self.nodes {
+            let (nodes, boundary_nodes) = (self.nodes, self.boundary_nodes.unwrap_or(boundary));
+            return Err(MeshError::NoInterior { nodes, boundary_nodes, seam_nodes: on_seams });
+        }
+        let free = self.nodes - boundary - on_seams;
+        Ok(Plan { size, loops, seams: self.seams, seam_nodes, free, triangles: self.triangles(boundary) })
+    }
+
+    /// F = 2V - B for an annulus, 2V - B - 2 for a disc, by Euler's formula.
+    fn triangles(&self, boundary: usize) -> usize {
+        (2 * self.nodes).saturating_sub(boundary + if self.ring.has_hole() { 0 } else { 2 })
+    }
+
+    /// Every seam ends in a node of each loop, and a loop needs three nodes.
+    fn least_boundary(&self) -> usize {
+        let each = self.seams.max(3);
+        if self.ring.has_hole() { 2 * each } else { each }
+    }
+
+    /// Shares boundary nodes among the loops by length.
+    fn split(&self, boundary: usize) -> [usize; 2] {
+        if !self.ring.has_hole() {
+            return [0, boundary];
+        }
+        let share = boundary as f64 * self.ring.inner / (self.ring.inner + self.ring.outer);
+        let least = self.seams.max(3);
+        let round = ROUND_ENOUGH.min(boundary / 3).max(least);
+        let inner = (share.round() as usize).clamp(round, (boundary - least).max(round));
+        [inner, boundary.saturating_sub(inner)]
+    }
+
+    fn size(&self, boundary: usize, grading: f64) -> SizeFunction {
+        let [inner, outer] = self.split(boundary);
+        let chord = |radius: f64, count: usize| 2.0 * radius * (PI / count.max(2) as f64).sin();
+        let at_outer = chord(self.ring.outer, outer);
+        let at_inner = if self.ring.has_hole() { chord(self.ring.inner, inner) } else { at_outer };
+        SizeFunction { ring: self.ring, at_inner, at_outer, grading }
+    }
+
+    /// Equilateral triangles of the wanted size that fill the domain.
+    fn expected_triangles(&self, boundary: usize, grading: f64) -> f64 {
+        let size = self.size(boundary, grading);
+        let density = |r: f64| TAU * r * 4.0 / (3.0_f64.sqrt() * size.at(r).powi(2));
+        RadialTable::new([self.ring.inner, self.ring.outer], density).total()
+    }
+
+    /// The number of boundary nodes at which expected and exact triangles agree; both grow with it, one up, one down.
+    fn derived_boundary(&self) -> usize {
+        let grading = self.grading.unwrap_or(DEFAULT_GRADING);
+        let (mut low, mut high) = (self.least_boundary(), self.nodes.max(self.least_boundary()));
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.expected_triangles(middle, grading) < self.triangles(middle) as f64 {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// The grading at which expected and exact triangles agree.
+    fn derived_grading(&self, boundary: usize) -> Result<f64, MeshError> {
+        let [mut low, mut high] = GRADING_RANGE;
+        let target = self.triangles(boundary) as f64;
+        let [most, least] = [low, high].map(|g| self.expected_triangles(boundary, g));
+        if target > most || target < least {
+            let nodes_for = |triangles: f64| (0.5 * (triangles + boundary as f64)) as usize;
+            let (least, most) = (nodes_for(least) + 1, nodes_for(most));
+            return Err(MeshError::NodeCounts { nodes: self.nodes, boundary_nodes: boundary, least, most });
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.expected_triangles(boundary, middle) > target {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(0.5 * (low + high))
+    }
+}
+
+impl Plan {
+    /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
+    pub fn start(&self, mut random: SplitMix64) -> Start {
+        let mut start = Start { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
+        let ring = self.size.ring;
+        let firsts = [0, self.loops[0]];
+        self.add_loop(ring.inner, self.loops[0], &mut start);
+        self.add_loop(ring.outer, self.loops[1], &mut start);
+        start.loop_edges = start.constraints.len();
+        self.add_seams(firsts, &mut start);
+        self.add_interior(&mut random, &mut start);
+        start
+    }
+
+    /// Nodes of a loop; every seam's angle gets one, the rest are spread evenly between the seams.
+    fn add_loop(&self, radius: f64, count: usize, start: &mut Start) {
+        let first = start.points.len();
+        let arcs = self.seams.max(1);
+        for arc in 0..arcs {
+            let edges = seam_node(arc + 1, arcs, count) - seam_node(arc, arcs, count);
+            for i in 0..edges {
+                let angle = TAU * (arc as f64 + i as f64 / edges as f64) / arcs as f64;
+                start.points.push(radius * DVec2::from_angle(angle));
+                start.freedom.push(Freedom::Fixed);
+            }
+        }
+        start.constraints.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
+    }
+
+    /// Nodes along the seams, equally spaced as measured in wanted edge lengths.
+    fn add_seams(&self, firsts: [usize; 2], start: &mut Start) {
+        if self.seams == 0 {
+            return;
+        }
+        let ring = self.size.ring;
+        let centre = start.points.len();
+        if !ring.has_hole() {
+            start.points.push(DVec2::ZERO);
+            start.freedom.push(Freedom::Fixed);
+        }
+        let along = RadialTable::new([ring.inner, ring.outer], |r| 1.0 / self.size.at(r));
+        for seam in 0..self.seams {
+            let ends = [0, 1].map(|l| firsts[l] + seam_node(seam, self.seams, self.loops[l]));
+            let direction = DVec2::from_angle(TAU * seam as f64 / self.seams as f64);
+            let mut previous = if ring.has_hole() { ends[0] } else { centre };
+            for i in 1..=self.seam_nodes {
+                let radius = along.radius_at(i as f64 / (self.seam_nodes + 1) as f64);
+                let node = start.points.len();
+                start.points.push(radius * direction);
+                start.freedom.push(Freedom::Ray(direction));
+                start.constraints.push([previous, node]);
+                previous = node;
+            }
+            start.constraints.push([previous, ends[1]]);
+        }
+    }
+
+    /// Interior nodes with the density 1/h^2 of Persson & Strang (2004), section 3.
+    ///
+    /// Where they draw nodes at random and drop some, a spiral that turns by the golden angle (Vogel 1979) with radii from the
+    /// integral of the density gives the exact number, and starts so evenly that few iterations are left to do.
+    fn add_interior(&self, random: &mut SplitMix64, start: &mut Start) {
+        let Ring { inner, outer } = self.size.ring;
+        let low = if inner > 0.0 { inner + HALF_ROW * self.size.at(inner) } else { 0.0 };
+        let high = outer - HALF_ROW * self.size.at(outer);
+        // In a ring thinner than a row of triangles the borders cross; then the interior is the middle.
+        let range = if low < high { [low, high] } else { [0.5 * (inner + outer); 2] };
+        let table = RadialTable::new(range, |r| r / self.size.at(r).powi(2));
+        let golden = PI * (3.0 - 5.0_f64.sqrt());
+        let phase = PI * random.signed();
+        for i in 0..self.free {
+            let radius = table.radius_at((i as f64 + 0.5) / self.free as f64);
+            let jitter = DVec2::new(random.signed(), random.signed()) * 0.1 * self.size.at(radius);
+            let angle = phase + golden * i as f64;
+            start.points.push(radius * DVec2::from_angle(angle) + jitter);
+            start.freedom.push(Freedom::Free);
+        }
+    }
+}
+
+/// Which node of a loop (counted within the loop) a seam ends in.
+fn seam_node(seam: usize, seams: usize, count: usize) -> usize {
+    seam * count / seams
+}

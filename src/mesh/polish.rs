@@ -1,0 +1,109 @@
+//! Local improvement of the sharpest triangles after the relaxation.
+//!
+//! Each node of a sharp triangle moves to where the smallest angle around it is largest, a search as in Freitag, Jones & Plassmann
+//! (1995), "An efficient parallel algorithm for mesh smoothing", then everything is triangulated anew. Neither step lowers the
+//! mesh's smallest angle: the first by construction, the second because a (constrained) Delaunay triangulation maximises it.
+
+use super::MeshError;
+use super::distmesh::triangulate_plan;
+use super::layout::{Freedom, Plan, Start};
+use super::quality::smallest_angle_of;
+use glam::DVec2;
+
+/// [deg] triangles with a smaller angle are worked on
+const TARGET: f64 = 33.0;
+/// most rounds of moving and triangulating
+const ROUNDS: usize = 30;
+/// [-] first and last step of a node's search, over the wanted edge length
+const SEARCH: [f64; 2] = [0.2, 0.002];
+
+/// Improves the mesh in place and returns its triangles.
+pub(super) fn polish(plan: &Plan, start: &mut Start) -> Result<Vec<[u32; 3]>, MeshError> {
+    let mut triangles = triangulate_plan(plan, start)?;
+    for _ in 0..ROUNDS {
+        let nodes = nodes_of_sharp(&start.points, &triangles);
+        let stars = Stars::new(start.points.len(), &triangles);
+        let mut moved = false;
+        for node in nodes {
+            moved |= improve(plan, start, &triangles, stars.of(node), node);
+        }
+        if !moved {
+            break;
+        }
+        triangles = triangulate_plan(plan, start)?;
+    }
+    Ok(triangles)
+}
+
+/// Nodes of triangles below the target, ascending.
+fn nodes_of_sharp(points: &[DVec2], triangles: &[[u32; 3]]) -> Vec<u32> {
+    let sharp = triangles.iter().filter(|t| smallest_angle_of(t.map(|n| points[n as usize])) < TARGET);
+    let mut nodes: Vec<u32> = sharp.flatten().copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// Searches along eight directions (a ray's two on a seam) with halving steps; true if the node moved.
+fn improve(plan: &Plan, start: &mut Start, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
+    let here = start.points[node as usize];
+    let diagonal = DVec2::new(std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2);
+    let directions = match start.freedom[node as usize] {
+        Freedom::Fixed => return false,
+        Freedom::Ray(direction) => vec![direction],
+        Freedom::Free => vec![DVec2::X, DVec2::Y, diagonal, diagonal.perp()],
+    };
+    let worst = |at: DVec2| {
+        let corner = |n: u32| if n == node { at } else { start.points[n as usize] };
+        star.iter().map(|&t| smallest_angle_of(triangles[t as usize].map(corner))).fold(f64::INFINITY, f64::min)
+    };
+    let first = worst(here);
+    let (mut best, mut angle) = (here, first);
+    let h = plan.size.at(here.length());
+    let mut reach = SEARCH[0] * h;
+    while reach > SEARCH[1] * h {
+        let candidates = directions.iter().flat_map(|d| [best + reach * *d, best - reach * *d]);
+        let scored = candidates.map(|c| (worst(c), c)).max_by(|a, b| a.0.total_cmp(&b.0));
+        match scored {
+            Some((better, at)) if better > angle => (best, angle) = (at, better),
+            _ => reach *= 0.5,
+        }
+    }
+    // Gains that rounding could have made are not worth another round.
+    let gained = angle > first + 1e-3;
+    if gained {
+        start.points[node as usize] = best;
+    }
+    gained
+}
+
+/// Triangles around each node.
+struct Stars {
+    first: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Stars {
+    fn new(nodes: usize, triangles: &[[u32; 3]]) -> Self {
+        let mut first = vec![0_u32; nodes + 1];
+        for &node in triangles.iter().flatten() {
+            first[node as usize + 1] += 1;
+        }
+        for i in 0..nodes {
+            first[i + 1] += first[i];
+        }
+        let mut next = first.clone();
+        let mut list = vec![0; 3 * triangles.len()];
+        for (t, corners) in triangles.iter().enumerate() {
+            for &node in corners {
+                list[next[node as usize] as usize] = t as u32;
+                next[node as usize] += 1;
+            }
+        }
+        Self { first, triangles: list }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        &self.triangles[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+    }
+}

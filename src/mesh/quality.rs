@@ -1,0 +1,158 @@
+//! Measures of a mesh: angles, lengths, areas, radius ratios.
+
+use super::{Mesh, MeshError, Topology};
+use glam::{DVec2, DVec3};
+use std::fmt::Write as _;
+
+/// Width of a bar of the angle histogram [deg].
+const BAR_DEGREES: usize = 10;
+const BARS: usize = 180 / BAR_DEGREES;
+
+/// How good a mesh is. Values of triangles are NaN if there are none, of edges if there are none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// [deg] smallest angle of any triangle
+    pub min_angle: f64,
+    /// [deg] largest angle of any triangle
+    pub max_angle: f64,
+    /// [deg] mean over triangles of their smallest angle
+    pub mean_min_angle: f64,
+    /// [m] shortest edge
+    pub min_edge: f64,
+    /// [m] longest edge
+    pub max_edge: f64,
+    /// [m] mean edge length
+    pub mean_edge: f64,
+    /// [m^2] smallest triangle
+    pub min_area: f64,
+    /// [m^2] all triangles
+    pub total_area: f64,
+    /// [-] smallest radius ratio 2 r_in / r_circum: 1 for an equilateral triangle, 0 for a degenerate one
+    pub min_radius_ratio: f64,
+    /// [-] mean radius ratio
+    pub mean_radius_ratio: f64,
+    /// [-] number of angles in each ten degrees from 0 to 180
+    pub angle_histogram: [usize; BARS],
+    /// number of parts that no edge or triangle connects
+    pub components: usize,
+    /// nodes - edges + triangles
+    pub euler_characteristic: i64,
+}
+
+impl Quality {
+    /// Measures a mesh.
+    ///
+    /// # Errors
+    /// Whatever makes [`Topology::new`] refuse the mesh.
+    pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
+        Ok(Self::with_topology(mesh, &Topology::new(mesh)?))
+    }
+
+    /// Measures a mesh whose topology is known.
+    pub fn with_topology(mesh: &Mesh, topology: &Topology) -> Self {
+        let mut q = Self {
+            min_angle: f64::NAN,
+            max_angle: f64::NAN,
+            mean_min_angle: 0.0,
+            min_edge: f64::NAN,
+            max_edge: f64::NAN,
+            mean_edge: 0.0,
+            min_area: f64::NAN,
+            total_area: 0.0,
+            min_radius_ratio: f64::NAN,
+            mean_radius_ratio: 0.0,
+            angle_histogram: [0; BARS],
+            components: topology.components(),
+            euler_characteristic: topology.euler_characteristic(),
+        };
+        for &[a, b] in &mesh.edges {
+            let length = mesh.point(a).distance(mesh.point(b));
+            // min and max pass over the NaN that stands for "none yet".
+            (q.min_edge, q.max_edge) = (q.min_edge.min(length), q.max_edge.max(length));
+            q.mean_edge += length / mesh.edges.len() as f64;
+        }
+        for triangle in &mesh.triangles {
+            q.add_triangle(triangle.map(|n| mesh.point(n)), mesh.triangles.len() as f64);
+        }
+        if mesh.edges.is_empty() {
+            q.mean_edge = f64::NAN;
+        }
+        if mesh.triangles.is_empty() {
+            (q.mean_min_angle, q.mean_radius_ratio) = (f64::NAN, f64::NAN);
+        }
+        q
+    }
+
+    fn add_triangle(&mut self, corners: [DVec3; 3], count: f64) {
+        let angles = angles(corners);
+        let smallest = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        for angle in angles {
+            (self.min_angle, self.max_angle) = (self.min_angle.min(angle), self.max_angle.max(angle));
+            self.angle_histogram[(angle as usize / BAR_DEGREES).min(BARS - 1)] += 1;
+        }
+        self.mean_min_angle += smallest / count;
+        let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+        self.min_area = self.min_area.min(area);
+        self.total_area += area;
+        let ratio = radius_ratio(corners, area);
+        self.min_radius_ratio = self.min_radius_ratio.min(ratio);
+        self.mean_radius_ratio += ratio / count;
+    }
+
+    /// The angle histogram as text, one line for every ten degrees that occur.
+    pub fn histogram_text(&self) -> String {
+        let most = self.angle_histogram.iter().copied().max().unwrap_or(0).max(1);
+        let mut text = String::new();
+        for (bar, &count) in self.angle_histogram.iter().enumerate().filter(|&(_, &count)| count > 0) {
+            let (from, to) = (bar * BAR_DEGREES, (bar + 1) * BAR_DEGREES);
+            let width = (count * 50).div_ceil(most);
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "  {from:>3}-{to:<3} {count:>9} {}", "#".repeat(width));
+        }
+        text
+    }
+}
+
+/// Angles [deg] at the corners of a triangle.
+fn angles(corners: [DVec3; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+        // The arc tangent keeps its digits at small and large angles, the arc cosine does not.
+        u.cross(v).length().atan2(u.dot(v)).to_degrees()
+    })
+}
+
+/// 2 r_in / r_circum = 16 A^2 / (a b c (a + b + c)).
+fn radius_ratio(corners: [DVec3; 3], area: f64) -> f64 {
+    let [a, b, c]: [f64; 3] = std::array::from_fn(|i| corners[i].distance(corners[(i + 1) % 3]));
+    16.0 * area * area / (a * b * c * (a + b + c))
+}
+
+/// Smallest angle [deg] of a plane triangle; negative if it is turned clockwise.
+pub(super) fn smallest_angle_of([a, b, c]: [DVec2; 3]) -> f64 {
+    let area = (b - a).perp_dot(c - a);
+    let angle = |u: DVec2, v: DVec2| area.atan2(u.dot(v)).to_degrees();
+    angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c))
+}
+
+/// The sharpest triangle of a plane mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sharpest {
+    /// [deg] its smallest angle
+    pub degrees: f64,
+    /// [m] its centroid
+    pub at: DVec2,
+}
+
+/// Finds the sharpest triangle; an infinite angle if there is none.
+pub(super) fn smallest_angle(points: &[DVec2], triangles: &[[u32; 3]]) -> Sharpest {
+    let mut worst = Sharpest { degrees: f64::INFINITY, at: DVec2::ZERO };
+    for triangle in triangles {
+        let corners = triangle.map(|n| points[n as usize]);
+        let degrees = smallest_angle_of(corners);
+        if degrees < worst.degrees {
+            worst = Sharpest { degrees, at: (corners[0] + corners[1] + corners[2]) / 3.0 };
+        }
+    }
+    worst
+}

@@ -1,0 +1,102 @@
+//! Signed distance and size function of a ring, the two inputs of Persson & Strang (2004), section 2.
+
+use glam::DVec2;
+
+/// A ring around the origin, or a disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring {
+    /// [m] radius of the hole; 0 for a disc
+    pub inner: f64,
+    /// [m] radius of the outer edge
+    pub outer: f64,
+}
+
+impl Ring {
+    /// Whether it has a hole.
+    pub fn has_hole(&self) -> bool {
+        self.inner > 0.0
+    }
+
+    /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of a circle and
+    /// the outside of another is the larger of both distances).
+    pub fn signed_distance(&self, p: DVec2) -> f64 {
+        let r = p.length();
+        if self.has_hole() { (r - self.outer).max(self.inner - r) } else { r - self.outer }
+    }
+
+    /// The point at least `depth` [m] inside that is nearest to `p`; half way between the loops if the ring is thinner.
+    pub fn pushed_inside(&self, p: DVec2, depth: f64) -> DVec2 {
+        if self.signed_distance(p) <= -depth {
+            return p;
+        }
+        let middle = 0.5 * (self.inner + self.outer);
+        let highest = if self.has_hole() { (self.outer - depth).max(middle) } else { (self.outer - depth).max(0.0) };
+        let lowest = if self.has_hole() { (self.inner + depth).min(middle) } else { 0.0 };
+        p.try_normalize().unwrap_or(DVec2::X) * p.length().clamp(lowest, highest)
+    }
+}
+
+/// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops and `grading`
+/// in the middle (for a disc: at the centre).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeFunction {
+    /// the domain
+    pub ring: Ring,
+    /// [m] edge length on the inner loop; for a disc the same as `at_outer`
+    pub at_inner: f64,
+    /// [m] edge length on the outer loop
+    pub at_outer: f64,
+    /// [-] ratio of the edge length in the middle to that at the edges
+    pub grading: f64,
+}
+
+impl SizeFunction {
+    /// [m] wanted edge length at a radius [m]
+    pub fn at(&self, radius: f64) -> f64 {
+        let Ring { inner, outer } = self.ring;
+        let s = ((radius - inner) / (outer - inner)).clamp(0.0, 1.0);
+        let tent = if self.ring.has_hole() { 1.0 - (2.0 * s - 1.0).abs() } else { 1.0 - s };
+        (self.at_inner + (self.at_outer - self.at_inner) * s) * (1.0 + (self.grading - 1.0) * tent)
+    }
+}
+
+/// Cells of a [`RadialTable`].
+const CELLS: usize = 4096;
+
+/// The integral of a density over the radius, and its inverse.
+#[derive(Clone, Debug)]
+pub struct RadialTable {
+    /// [m] radii of the cell borders, crowded at the lower end where a small hole makes the size function steep
+    radii: Vec<f64>,
+    /// integral from the first radius
+    sums: Vec<f64>,
+}
+
+impl RadialTable {
+    /// Integrates a positive density from radius `from` to `to` with the midpoint rule.
+    pub fn new([from, to]: [f64; 2], density: impl Fn(f64) -> f64) -> Self {
+        let radius = |i: usize| from + (to - from) * (i as f64 / CELLS as f64).powi(2);
+        let radii: Vec<f64> = (0..=CELLS).map(radius).collect();
+        let mut sums = vec![0.0];
+        let mut sum = 0.0;
+        for cell in radii.windows(2) {
+            sum += density(0.5 * (cell[0] + cell[1])) * (cell[1] - cell[0]);
+            sums.push(sum);
+        }
+        Self { radii, sums }
+    }
+
+    /// The whole integral.
+    pub fn total(&self) -> f64 {
+        self.sums.last().copied().unwrap_or(0.0)
+    }
+
+    /// [m] the radius up to which the given fraction of the integral lies
+    pub fn radius_at(&self, fraction: f64) -> f64 {
+        let wanted = fraction.clamp(0.0, 1.0) * self.total();
+        let cell = self.sums.partition_point(|&s| s < wanted).clamp(1, CELLS);
+        let (low, high) = (self.sums[cell - 1], self.sums[cell]);
+        let share = if high > low { (wanted - low) / (high - low) } else { 0.0 };
+        self.radii[cell - 1] + share * (self.radii[cell] - self.radii[cell - 1])
+    }
+}

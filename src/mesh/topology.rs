@@ -1,0 +1,232 @@
+//! Which triangles meet at which edge, and what follows from it: boundary loops, orientation, components.
+
+use super::loops::{self, BoundaryLoop};
+use super::{Mesh, MeshError};
+
+/// Where an edge lies in the sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeKind {
+    /// no triangle: a suspension line or a chain's segment
+    Line,
+    /// one triangle
+    Boundary,
+    /// two triangles, or more where sheets are joined along a line
+    Interior,
+}
+
+/// The triangles' edges (each once, sorted by its nodes) and the triangles at each of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sides {
+    /// smaller node, larger node; ascending
+    pub nodes: Vec<[u32; 2]>,
+    /// where each edge's triangles start in `triangles`; one more entry than edges
+    pub start: Vec<u32>,
+    /// triangles by edge, ascending within an edge
+    pub triangles: Vec<u32>,
+    /// the edges 0-1, 1-2, 2-0 of every triangle
+    pub of_triangle: Vec<[u32; 3]>,
+}
+
+impl Sides {
+    fn new(triangles: &[[u32; 3]]) -> Self {
+        let mut keys = Vec::with_capacity(3 * triangles.len());
+        for (t, corners) in triangles.iter().enumerate() {
+            keys.extend((0..3).map(|side| (edge_key(corners[side], corners[(side + 1) % 3]), t as u32, side)));
+        }
+        keys.sort_unstable();
+        let mut sides = Self { of_triangle: vec![[0; 3]; triangles.len()], ..Self::default() };
+        for (i, &(key, triangle, side)) in keys.iter().enumerate() {
+            if sides.nodes.last() != Some(&key) {
+                sides.nodes.push(key);
+                sides.start.push(i as u32);
+            }
+            sides.triangles.push(triangle);
+            sides.of_triangle[triangle as usize][side] = sides.nodes.len() as u32 - 1;
+        }
+        sides.start.push(keys.len() as u32);
+        sides
+    }
+
+    /// Triangles at an edge.
+    pub fn at(&self, edge: usize) -> &[u32] {
+        &self.triangles[self.start[edge] as usize..self.start[edge + 1] as usize]
+    }
+
+    /// The edge between two nodes, if it is a triangle's.
+    pub fn find(&self, pair: [u32; 2]) -> Option<usize> {
+        self.nodes.binary_search(&edge_key(pair[0], pair[1])).ok()
+    }
+}
+
+fn edge_key(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// All edges of some triangles, each once, the smaller node first, in ascending order.
+pub fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    Sides::new(triangles).nodes
+}
+
+/// Adjacency and boundary of a mesh.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    sides: Sides,
+    /// for every edge of the mesh the triangles' edge it is, or `NOT_A_SIDE`
+    side_of_edge: Vec<u32>,
+    loops: Vec<BoundaryLoop>,
+    components: usize,
+    euler: i64,
+    boundary_nodes: Vec<u32>,
+    outer_nodes: Vec<u32>,
+    inner_nodes: Vec<u32>,
+}
+
+const NOT_A_SIDE: u32 = u32::MAX;
+
+impl Topology {
+    /// Finds adjacency and boundary loops of a mesh.
+    ///
+    /// # Errors
+    /// Edges or triangles that name a missing node or a node twice, or the same edge or triangle listed twice
+    /// (see [`Mesh::check`]).
+    pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
+        mesh.check()?;
+        let sides = Sides::new(&mesh.triangles);
+        let side = |&edge: &[u32; 2]| sides.find(edge).map_or(NOT_A_SIDE, |s| s as u32);
+        let side_of_edge: Vec<u32> = mesh.edges.iter().map(side).collect();
+        let (component, components) = components(mesh);
+        let loops = loops::find(mesh, &sides, &component);
+        let nodes_of = |wanted: &dyn Fn(&BoundaryLoop) -> bool| {
+            let mut nodes: Vec<u32> =
+                loops.iter().filter(|l| wanted(l)).flat_map(|l| l.nodes.iter().copied()).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes
+        };
+        let (boundary_nodes, outer_nodes, inner_nodes) =
+            (nodes_of(&|_| true), nodes_of(&|l| l.outer), nodes_of(&|l| !l.outer));
+        let lines = side_of_edge.iter().filter(|&&s| s == NOT_A_SIDE).count();
+        let euler = mesh.nodes.len() as i64 - (sides.nodes.len() + lines) as i64 + mesh.triangles.len() as i64;
+        Ok(Self { sides, side_of_edge, loops, components, euler, boundary_nodes, outer_nodes, inner_nodes })
+    }
+
+    /// All nodes on boundary loops, ascending.
+    pub fn boundary_nodes(&self) -> &[u32] {
+        &self.boundary_nodes
+    }
+
+    /// Nodes on the loop that encloses the others, ascending; one such loop in every connected component.
+    pub fn outer_nodes(&self) -> &[u32] {
+        &self.outer_nodes
+    }
+
+    /// Nodes on all other loops, ascending.
+    pub fn inner_nodes(&self) -> &[u32] {
+        &self.inner_nodes
+    }
+
+    /// Boundary loops, the outer ones first, then by their smallest node.
+    pub fn loops(&self) -> &[BoundaryLoop] {
+        &self.loops
+    }
+
+    /// Where an edge of the mesh lies; [`EdgeKind::Line`] for a number that is no edge.
+    pub fn edge_kind(&self, edge: usize) -> EdgeKind {
+        match self.edge_triangles(edge).len() {
+            0 => EdgeKind::Line,
+            1 => EdgeKind::Boundary,
+            _ => EdgeKind::Interior,
+        }
+    }
+
+    /// Triangles at an edge of the mesh, ascending; none for a line or a number that is no edge.
+    pub fn edge_triangles(&self, edge: usize) -> &[u32] {
+        match self.side_of_edge.get(edge) {
+            Some(&side) if side != NOT_A_SIDE => self.sides.at(side as usize),
+            _ => &[],
+        }
+    }
+
+    /// Number of parts that no edge or triangle connects.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// Euler characteristic nodes - edges + triangles, with the triangles' edges counted whether they are in the mesh's edge list
+    /// or not: 1 for a disc, 0 for an annulus, 2 for a closed surface.
+    pub fn euler_characteristic(&self) -> i64 {
+        self.euler
+    }
+
+    /// Checks that no edge has more than two triangles.
+    ///
+    /// # Errors
+    /// [`MeshError::NonManifold`] with the first such edge.
+    pub fn check_manifold(&self) -> Result<(), MeshError> {
+        match (0..self.sides.nodes.len()).find(|&s| self.sides.at(s).len() > 2) {
+            Some(s) => {
+                let [a, b] = self.sides.nodes[s];
+                Err(MeshError::NonManifold { triangles: self.sides.at(s).len(), a, b })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that neighbours turn the same way, so that normals all point to the same side of the sheet.
+    ///
+    /// At an edge of more than two triangles no such side exists; those edges are passed over.
+    ///
+    /// # Errors
+    /// [`MeshError::Orientation`] with the first offending pair, in the order of the triangles.
+    pub fn check_orientation(&self, mesh: &Mesh) -> Result<(), MeshError> {
+        let forward = |triangle: u32, [a, b]: [u32; 2]| {
+            mesh.triangles
+                .get(triangle as usize)
+                .is_some_and(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].contains(&[a, b]))
+        };
+        let mut worst: Option<(u32, u32, usize)> = None;
+        for side in 0..self.sides.nodes.len() {
+            if let &[first, second] = self.sides.at(side) {
+                let pair = self.sides.nodes[side];
+                if forward(first, pair) == forward(second, pair) && worst.is_none_or(|w| (first, second, side) < w) {
+                    worst = Some((first, second, side));
+                }
+            }
+        }
+        match worst {
+            Some((first, second, side)) => {
+                let [a, b] = self.sides.nodes[side];
+                Err(MeshError::Orientation { first, second, a, b })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// The component of every node (named by its smallest node), and how many there are.
+fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
+    let mut parent: Vec<u32> = (0..mesh.nodes.len() as u32).collect();
+    let mut join = |a: u32, b: u32| {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+        parent[a.max(b) as usize] = a.min(b);
+    };
+    for &[a, b] in &mesh.edges {
+        join(a, b);
+    }
+    for &[a, b, c] in &mesh.triangles {
+        join(a, b);
+        join(a, c);
+    }
+    let component: Vec<u32> = (0..mesh.nodes.len() as u32).map(|n| root(&mut parent, n)).collect();
+    let count = component.iter().enumerate().filter(|&(n, &c)| n as u32 == c).count();
+    (component, count)
+}
+
+/// Root of a node in a forest, halving the path on the way.
+fn root(parent: &mut [u32], mut node: u32) -> u32 {
+    while parent[node as usize] != node {
+        parent[node as usize] = parent[parent[node as usize] as usize];
+        node = parent[node as usize];
+    }
+    node
+}
