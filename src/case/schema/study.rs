@@ -15,11 +15,11 @@ pub struct Study {
     pub methods: Option<Vec<Method>>,
     /// [s] Fixed steps to try, each above 0; at least one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1), inner(extend("exclusiveMinimum" = 0)))]
+    #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0}))]
     pub steps: Option<Vec<f64>>,
     /// [-] Relative tolerances to try, each above 0 and below 1; at least one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1), inner(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1)))]
+    #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}))]
     pub tolerances: Option<Vec<f64>>,
     /// [-] Times every run is repeated to measure its cost; the fastest counts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
