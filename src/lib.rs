@@ -1,6 +1,7 @@
 //! canopy-fem: parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
 #![warn(missing_docs)]
 
+pub mod analysis;
 pub mod assembly;
 pub mod case;
 pub mod cli;
@@ -10,4 +11,5 @@ pub mod integrate;
 pub mod mesh;
 pub mod model;
 pub mod output;
+pub mod scene;
 pub mod solve;

@@ -1,3 +1,13 @@
 //! The run: steps are attempted, accepted or dropped, accounted for and observed.
+//!
+//! [`run`] owns the two points a step goes between; a scheme computes, the ledger accounts, observers watch. A
+//! step that is not finite or has blown up is never shown to an observer as good.
 
+pub mod clock;
+pub mod failure;
+pub mod ledger;
 pub mod observer;
+mod run;
+
+pub use failure::Failure;
+pub use run::{Outcome, RunError, RunSpec, Status, run};

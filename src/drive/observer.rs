@@ -1,7 +1,6 @@
 //! What a run tells those who watch it: one view an accepted step.
 
-use crate::model::forces::Forces;
-use crate::model::state::State;
+pub use crate::model::point::Point;
 
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
 /// keeps its value at t = 0.
@@ -19,15 +18,6 @@ pub struct LedgerRow {
     pub dissipated: f64,
     /// [J] the remainder: above 0 the scheme lost energy, below 0 it made some
     pub numerical: f64,
-}
-
-/// An accepted state with the forces there.
-#[derive(Clone, Debug, Default)]
-pub struct Point {
-    /// time, positions, velocities
-    pub state: State,
-    /// forces at `state`; always valid when an observer sees the point
-    pub forces: Forces,
 }
 
 /// One accepted step.

@@ -1,1 +1,82 @@
-//! (see the files of this folder)
+//! Force terms: one file a physical effect, each with its force, its exact tangents and its energy or power.
+//!
+//! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see the crate's first page).
+//!
+//! # How to add a force
+//! 1. Write `force/<name>.rs` with a struct of plain arrays and `impl ForceTerm` for it. If it has elements (springs,
+//!    triangles), write a [`batch::Kernel`] and let [`batch::Batch`] do the sums: that is what keeps results the same for
+//!    every number of threads.
+//! 2. Construct it where the scene is built (`scene/terms.rs`); if it is new to the case file, add its section
+//!    there and to [`crate::model::spec`].
+//! 3. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states.
+//!
+//! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
+//! assembler relies on it to know every block's slot in advance.
+
+pub mod air;
+pub mod axial_dashpot;
+pub mod batch;
+pub mod follower_pressure;
+pub mod gravity;
+pub mod nodal;
+pub mod rayleigh;
+pub mod relative_dashpot;
+pub mod series;
+pub mod slack;
+pub mod spring;
+pub mod triangle;
+
+use crate::model::forces::Tally;
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+
+/// A state by nodes: what a force term sees.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeState<'a> {
+    /// [s] time
+    pub t: f64,
+    /// [m] node positions
+    pub x: &'a [DVec3],
+    /// [m/s] node velocities
+    pub v: &'a [DVec3],
+}
+
+/// Takes the blocks of cm M + cc C + ck K that a term emits (the weights are already applied by the term).
+pub trait TangentSink {
+    /// A block on the diagonal of node `i`.
+    fn node(&mut self, i: u32, block: DMat3);
+
+    /// The two-node element `[[B, -B], [-B, B]]`; `B` need not be symmetric.
+    fn edge(&mut self, nodes: [u32; 2], block: DMat3);
+
+    /// A three-node element; `blocks[p][q]` is the block of row node `nodes[p]`, column node `nodes[q]`.
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]);
+}
+
+/// One batch of like elements (all springs of a rule, all triangles in the air, …).
+pub trait ForceTerm: Send + Sync {
+    /// Name in reports and role in the ledger.
+    fn info(&self) -> TermInfo;
+
+    /// Whether the force depends on velocity.
+    fn velocity_dependent(&self) -> bool;
+
+    /// Whether both tangents are symmetric at every state.
+    fn symmetric(&self) -> bool;
+
+    /// f += this term's force [N] at every node; returns its energy [J] or power [W].
+    fn add(&self, at: NodeState<'_>, threads: &batch::Threads, f: &mut [DVec3]) -> Tally;
+
+    /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);
+
+    /// [N/m] the largest stiffness this term puts on one node, for the rounding floor of a residual; 0 if it has none.
+    fn stiffness_scale(&self) -> f64 {
+        0.0
+    }
+}
+
+/// The matrix `n n^T`.
+pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}

@@ -1,3 +1,170 @@
-//! Time integration schemes.
+//! Time integration: one file a scheme, all on the same residual M a = f(t, x, v).
+//!
+//! A scheme *attempts* a step from one [`Point`] to another; the driver accepts or drops it. Rejecting is
+//! not accepting: `to` is overwritten by the next attempt, and what the scheme carries from step to step (an algorithmic
+//! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
+//!
+//! # How to add a scheme
+//! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
+//!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
+//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source. The case format, the JSON
+//!    Schema, `canopy-fem methods` and every test that loops over methods read that entry.
+//! 3. `tests/recurrence.rs` wants its amplification recurrence on an oscillator, `tests/order.rs` measures its order.
+//!
+//! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 
+pub mod backward_euler;
+mod counters;
+pub mod euler_cromer;
+pub mod euler_richardson;
+pub mod explicit_euler;
+pub mod generalized_alpha;
+pub mod hht;
+pub mod implicit;
+pub mod improved_euler;
+pub mod improved_euler_pec;
+pub mod kang;
+pub mod newmark;
 pub mod registry;
+pub mod rk4;
+pub mod stage;
+pub mod stepper;
+mod updates;
+pub mod velocity_verlet;
+
+pub use counters::Counters;
+
+use crate::assembly::PatternError;
+use crate::model::point::Point;
+use crate::solve::newton::NewtonFailure;
+use crate::solve::{LinearError, LinearStats};
+
+/// One step to attempt.
+#[derive(Debug)]
+pub struct StepInput<'a, S: ?Sized> {
+    /// the system
+    pub system: &'a S,
+    /// where the step starts; its forces are those at its state, except after a scheme that says they are not
+    pub from: &'a Point,
+    /// [s] step size
+    pub h: f64,
+    /// [s] time at the end, `from.state.t + h` up to rounding
+    pub t_next: f64,
+}
+
+/// What an attempted step reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Newton iterations, 0 for explicit schemes
+    pub newton_iterations: u32,
+    /// [-] final residual over its scale, 0 for explicit schemes
+    pub residual: f64,
+    /// work integrated by the scheme itself; `None` = the ledger takes 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n)
+    pub work: Option<StageWork>,
+    /// whether `to.forces` are the forces at `to.state`
+    pub forces_at_end: bool,
+}
+
+/// Work of a step, integrated from the terms' powers as one more unknown of the scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageWork {
+    /// [J] work of the external terms
+    pub external: f64,
+    /// [J] energy taken by the dissipative terms
+    pub dissipated: f64,
+}
+
+/// What a scheme carries from step to step besides the state, to be saved in a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Carried {
+    /// vectors over all degrees of freedom, in an order the scheme defines
+    pub vectors: Vec<Vec<f64>>,
+}
+
+/// Why a scheme cannot start or a step cannot be made.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum StepError {
+    /// Newton's iteration did not converge; such a step is never accepted.
+    #[error("{0}")]
+    Newton(#[from] NewtonFailure),
+    /// The linear solver cannot be set up.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// The matrix cannot be set up.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    /// The saved state belongs to another scheme or scene.
+    #[error("the saved state of the scheme holds {found} vectors where {expected} of length {length} are needed")]
+    Carried {
+        /// vectors found
+        found: usize,
+        /// vectors needed
+        expected: usize,
+        /// their length
+        length: usize,
+    },
+}
+
+/// A time integration scheme for systems of ability `S`.
+pub trait Integrator<S: ?Sized>: Send {
+    /// Sizes all buffers and makes the carried state from the first point (a_0 = M^-1 f_0).
+    ///
+    /// # Errors
+    /// When matrices or solvers cannot be set up.
+    fn start(&mut self, system: &S, at: &Point) -> Result<(), StepError>;
+
+    /// Computes a step into `to`. Allocates nothing (LU factorisations excepted).
+    ///
+    /// # Errors
+    /// When an implicit step does not converge.
+    fn attempt(
+        &mut self,
+        step: StepInput<'_, S>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError>;
+
+    /// Takes over what the last attempt carried.
+    fn accept(&mut self) {}
+
+    /// What is carried, for a checkpoint.
+    fn save(&self) -> Carried {
+        Carried::default()
+    }
+
+    /// Restores what was carried; called after [`Integrator::start`].
+    ///
+    /// # Errors
+    /// When the saved state does not fit.
+    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+        carried.take_into(&mut [])
+    }
+
+    /// Degree of freedom of an unknown; the same number for schemes without unknowns.
+    fn dof_of_unknown(&self, unknown: usize) -> usize {
+        unknown
+    }
+
+    /// The linear solver's account, for implicit schemes.
+    fn linear_stats(&self) -> Option<LinearStats> {
+        None
+    }
+}
+
+impl Carried {
+    /// Copies the saved vectors into `targets`.
+    ///
+    /// # Errors
+    /// When their number or a length differs.
+    pub fn take_into(&self, targets: &mut [&mut Vec<f64>]) -> Result<(), StepError> {
+        let length = targets.first().map_or(0, |t| t.len());
+        let fits = self.vectors.len() == targets.len() && self.vectors.iter().all(|v| v.len() == length);
+        if !fits {
+            return Err(StepError::Carried { found: self.vectors.len(), expected: targets.len(), length });
+        }
+        for (target, saved) in targets.iter_mut().zip(&self.vectors) {
+            target.copy_from_slice(saved);
+        }
+        Ok(())
+    }
+}

@@ -1,6 +1,21 @@
 //! The table of methods: one entry a scheme. Case files, `canopy-fem methods`, the JSON Schema and the tests
 //! all read it, so a scheme is registered here and nowhere else.
 
+use super::backward_euler::BackwardEuler;
+use super::euler_cromer::EulerCromer;
+use super::euler_richardson::EulerRichardson;
+use super::explicit_euler::ExplicitEuler;
+use super::generalized_alpha::GeneralizedAlpha;
+use super::hht::Hht;
+use super::implicit::{Implicit, SolverSpec};
+use super::improved_euler::ImprovedEuler;
+use super::improved_euler_pec::ImprovedEulerPec;
+use super::kang::Kang;
+use super::newmark::Newmark;
+use super::rk4::Rk4;
+use super::stage::NewmarkParameters;
+use super::stepper::Scheme;
+use super::velocity_verlet::VelocityVerlet;
 use std::collections::BTreeMap;
 
 /// What a step of the method needs.
@@ -36,16 +51,20 @@ pub struct ParameterInfo {
 pub struct MethodInfo {
     /// name in a case file
     pub name: &'static str,
-    /// order of accuracy, measured on a damped, time-forced, nonlinear problem
+    /// order of accuracy with default parameters, measured on a damped, time-forced, nonlinear problem
     pub order: u32,
     /// what a step needs
     pub family: Family,
+    /// force passes a step: without and with velocity-dependent forces; 0 = as many as Newton needs
+    pub evaluations: [u32; 2],
     /// parameters, in the order the scheme takes them
     pub parameters: &'static [ParameterInfo],
     /// one line on stability
     pub stability: &'static str,
     /// paper or book with equation number
     pub source: &'static str,
+    /// makes the scheme from its checked parameter values
+    build: fn(&[f64], SolverSpec) -> Scheme,
 }
 
 /// A method with its parameters, checked.
@@ -92,9 +111,16 @@ pub enum MethodError {
     },
 }
 
-/// All methods, in the order `canopy-fem methods` prints them.
-pub fn methods() -> &'static [MethodInfo] {
-    &[]
+impl ParameterInfo {
+    /// The range as text, e.g. `(0, 0.5]`.
+    pub fn range(&self) -> String {
+        format!("{}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
+    }
+
+    /// Whether a value is allowed; a number that is not finite never is.
+    pub fn allows(&self, value: f64) -> bool {
+        value <= self.max && (value > self.min || self.min_included && value == self.min)
+    }
 }
 
 impl MethodChoice {
@@ -103,7 +129,197 @@ impl MethodChoice {
     /// # Errors
     /// An unknown name or parameter, or a value out of its range (never clamped).
     pub fn new(name: &str, given: &BTreeMap<String, f64>) -> Result<Self, MethodError> {
-        let _ = given;
-        Err(MethodError::Unknown { name: name.to_owned(), known: String::new() })
+        let Some(info) = methods().iter().find(|m| m.name == name) else {
+            let known = methods().iter().map(|m| m.name).collect::<Vec<_>>().join(", ");
+            return Err(MethodError::Unknown { name: name.to_owned(), known });
+        };
+        if let Some(unknown) = given.keys().find(|key| info.parameters.iter().all(|p| p.name != key.as_str())) {
+            let known = match info.parameters {
+                [] => "none".to_owned(),
+                some => some.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
+            };
+            return Err(MethodError::UnknownParameter { method: info.name, name: unknown.clone(), known });
+        }
+        let mut values = Vec::with_capacity(info.parameters.len());
+        for p in info.parameters {
+            let value = given.get(p.name).copied().unwrap_or(p.default);
+            if !p.allows(value) {
+                return Err(MethodError::OutOfRange { method: info.name, name: p.name, value, range: p.range() });
+            }
+            values.push(value);
+        }
+        Ok(MethodChoice { info, values })
+    }
+
+    /// The scheme, ready to be bound to a scene.
+    pub fn scheme(&self, solver: SolverSpec) -> Scheme {
+        (self.info.build)(&self.values, solver)
+    }
+
+    /// The parameters by name.
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.info.parameters.iter().map(|p| p.name).zip(self.values.iter().copied())
     }
 }
+
+/// All methods, in the order `canopy-fem methods` prints them.
+pub fn methods() -> &'static [MethodInfo] {
+    METHODS
+}
+
+static METHODS: &[MethodInfo] = &[
+    MethodInfo {
+        name: "explicit-euler",
+        order: 1,
+        family: Family::Explicit,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "unstable on undamped oscillations for every step; w h < 2 zeta with damping ratio zeta",
+        source: "Euler 1768; thesis Eq. 11-12",
+        build: |_, _| Scheme::Explicit(Box::new(ExplicitEuler)),
+    },
+    MethodInfo {
+        name: "euler-cromer",
+        order: 1,
+        family: Family::Explicit,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; symplectic",
+        source: "Cromer 1981; thesis Eq. 15-16",
+        build: |_, _| Scheme::Explicit(Box::new(EulerCromer)),
+    },
+    MethodInfo {
+        name: "euler-richardson",
+        order: 2,
+        family: Family::Explicit,
+        evaluations: [2, 2],
+        parameters: &[],
+        stability: "undamped oscillations grow by (w h)^4/8 a step",
+        source: "midpoint rule; thesis Eq. 17-22",
+        build: |_, _| Scheme::Explicit(Box::new(EulerRichardson::default())),
+    },
+    MethodInfo {
+        name: "improved-euler",
+        order: 2,
+        family: Family::Explicit,
+        evaluations: [2, 2],
+        parameters: &[],
+        stability: "undamped oscillations grow by (w h)^4/8 a step",
+        source: "Heun 1900; thesis Eq. 23-24",
+        build: |_, _| Scheme::Explicit(Box::new(ImprovedEuler::default())),
+    },
+    MethodInfo {
+        name: "improved-euler-pec",
+        order: 2,
+        family: Family::Explicit,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "undamped oscillations grow slowly, as Adams-Bashforth 2 does; w h < 1 at damping ratio 1",
+        source: "Hanna 1988; thesis section 2.4.4",
+        build: |_, _| Scheme::Explicit(Box::new(ImprovedEulerPec::default())),
+    },
+    MethodInfo {
+        name: "velocity-verlet",
+        order: 2,
+        family: Family::Explicit,
+        evaluations: [1, 2],
+        parameters: &[],
+        stability: "w h < 2 undamped, 1.84 at damping ratio 0.1; symplectic without damping",
+        source: "Swope et al. 1982; thesis Eq. 37-40",
+        build: |_, _| Scheme::Explicit(Box::new(VelocityVerlet)),
+    },
+    MethodInfo {
+        name: "rk4",
+        order: 4,
+        family: Family::Explicit,
+        evaluations: [4, 4],
+        parameters: &[],
+        stability: "w h < 2.83 undamped",
+        source: "Kutta 1901; thesis Eq. 42-51",
+        build: |_, _| Scheme::Explicit(Box::new(Rk4::default())),
+    },
+    MethodInfo {
+        name: "newmark",
+        order: 2,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[
+            ParameterInfo {
+                name: "beta",
+                default: 0.25,
+                min: 0.0,
+                min_included: false,
+                max: 0.5,
+                doc: "[-] weight of the new acceleration in the displacement",
+            },
+            ParameterInfo {
+                name: "gamma",
+                default: 0.5,
+                min: 0.5,
+                min_included: true,
+                max: 1.0,
+                doc: "[-] weight of the new acceleration in the velocity; above 1/2 it damps and is of order 1",
+            },
+        ],
+        stability: "every step on linear scenes if 2 beta >= gamma; else h/T <= 1/(pi sqrt2 sqrt(gamma - 2 beta))",
+        source: "Newmark 1959; thesis Eq. 25-26",
+        build: |p, solver| {
+            let parameters = NewmarkParameters { beta: p[0], gamma: p[1] };
+            Scheme::Implicit(Box::new(Implicit::new(Newmark(parameters), solver)))
+        },
+    },
+    MethodInfo {
+        name: "hht",
+        order: 2,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[ParameterInfo {
+            name: "alpha",
+            default: -0.1,
+            min: -1.0 / 3.0,
+            min_included: true,
+            max: 0.0,
+            doc: "[-] numerical damping of high frequencies; 0 is Newmark 1/4, 1/2",
+        }],
+        stability: "every step on linear scenes",
+        source: "Hilber, Hughes & Taylor 1977, Eq. 1-5",
+        build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(Hht { alpha: p[0] }, solver))),
+    },
+    MethodInfo {
+        name: "kang",
+        order: 1,
+        family: Family::MatrixFree,
+        evaluations: [1, 1],
+        parameters: &[],
+        stability: "every step for the springs; the air and other forces outside the filter are explicit",
+        source: "Kang, Choi, Cho & Park 2000; thesis Eq. 52-57",
+        build: |_, _| Scheme::Graph(Box::new(Kang::default())),
+    },
+    MethodInfo {
+        name: "backward-euler",
+        order: 1,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[],
+        stability: "every step; damps everything",
+        source: "Baraff & Witkin 1998, here with full Newton iterations",
+        build: |_, solver| Scheme::Implicit(Box::new(Implicit::new(BackwardEuler, solver))),
+    },
+    MethodInfo {
+        name: "generalized-alpha",
+        order: 2,
+        family: Family::Implicit,
+        evaluations: [0, 0],
+        parameters: &[ParameterInfo {
+            name: "rho_inf",
+            default: 0.8,
+            min: 0.0,
+            min_included: true,
+            max: 1.0,
+            doc: "[-] spectral radius at infinite frequency; 1 damps nothing",
+        }],
+        stability: "every step on linear scenes",
+        source: "Chung & Hulbert 1993, Eq. 15-18, 25",
+        build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(GeneralizedAlpha { rho_inf: p[0] }, solver))),
+    },
+];

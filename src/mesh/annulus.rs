@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 pub const GRADING_RANGE: [f64; 2] = [0.2, 10.0];
 /// [-] most seams; more would need more loop nodes than any sensible canopy has
 pub const MAX_SEAMS: usize = 10_000;
+/// [-] most seams of a disc; more would make its angles at the centre sharper than 22 degrees
+pub const MAX_DISC_SEAMS: usize = 16;
 
 /// A flat ring around the origin, meshed with triangles that grow with the distance from its edges.
 ///
@@ -62,7 +64,8 @@ pub struct DiscParameters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3))]
     pub boundary_nodes: Option<usize>,
-    /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; none if absent
+    /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; at most 16, none
+    /// if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
     /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
@@ -87,6 +90,7 @@ struct Common {
     grading: Option<f64>,
     /// fewest nodes on the loops
     least_boundary: usize,
+    most_seams: usize,
 }
 
 impl AnnulusParameters {
@@ -101,7 +105,7 @@ impl AnnulusParameters {
             faults(&format!("{at}/inner_radius"), self.inner_radius.to_string(), allowed, hint);
         }
         let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
-        Common { nodes, boundary_nodes, seams, grading, least_boundary: 6 }.check(at, faults);
+        Common { nodes, boundary_nodes, seams, grading, least_boundary: 6, most_seams: MAX_SEAMS }.check(at, faults);
     }
 }
 
@@ -110,7 +114,8 @@ impl DiscParameters {
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
         check_length(at, "radius", self.radius, faults);
         let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
-        Common { nodes, boundary_nodes, seams, grading, least_boundary: 3 }.check(at, faults);
+        Common { nodes, boundary_nodes, seams, grading, least_boundary: 3, most_seams: MAX_DISC_SEAMS }
+            .check(at, faults);
     }
 }
 
@@ -127,7 +132,7 @@ impl Common {
             );
         }
         if let Some(count) = self.seams {
-            check_count(at, "seams", count, [0, MAX_SEAMS.min(self.nodes)], faults);
+            check_count(at, "seams", count, [0, self.most_seams.min(self.nodes)], faults);
         }
         let [least, most] = GRADING_RANGE;
         if let Some(value) = self.grading.filter(|g| !(least..=most).contains(g)) {

@@ -4,17 +4,20 @@
 //! from an even spiral of the exact number of nodes. The relaxed mesh is then polished ([`super::polish`]).
 
 use super::delaunay::triangulate;
+use super::flips::Flips;
 use super::layout::{Freedom, Plan, Request, Start};
 use super::polish::polish;
 use super::random::SplitMix64;
-use super::sdf::SizeFunction;
+use super::sdf::{SizeFunction, turned_off_seams};
 use super::{Mesh, MeshError, quality, topology};
 use glam::DVec2;
 
 /// [-] how much longer than wanted the springs are, so that the nodes spread to the boundary (`Fscale`)
 const OVERLENGTH: f64 = 1.2;
-/// [-] step of the explicit Euler relaxation (`deltat`)
-const STEP: f64 = 0.2;
+/// [-] step of the relaxation times the bars at a node (`deltat`, 0.2 there, where a node has about six)
+const STEP: f64 = 1.0;
+/// [-] share of the last movement that a step keeps
+const MOMENTUM: f64 = 0.9;
 /// [-] movement since the last triangulation, over the wanted edge length, that calls for a new one (`ttol`)
 const RETRIANGULATE: f64 = 0.1;
 /// [-] movement in a step, over the wanted edge length, below which the mesh rests (`dptol`)
@@ -89,17 +92,24 @@ fn relax(plan: &Plan, start: &mut Start) -> Result<(), MeshError> {
     if plan.free == 0 && plan.seam_nodes == 0 {
         return Ok(());
     }
-    let mut bars = Vec::new();
-    let mut last = vec![DVec2::INFINITY; start.points.len()];
-    let mut forces = vec![DVec2::ZERO; start.points.len()];
+    let count = start.points.len();
+    let mut bars = Bars::default();
+    let mut last = vec![DVec2::INFINITY; count];
+    let mut forces = vec![DVec2::ZERO; count];
+    let mut momentum = vec![DVec2::ZERO; count];
     let mut movement = f64::INFINITY;
+    let mut flips = Flips::default();
+
     for _ in 0..ITERATIONS {
         if moved_far(&plan.size, &start.points, &last) {
-            bars = bars_of(&triangulate_plan(plan, start)?, &start.freedom);
+            if !flips.follow(&start.points) {
+                flips = Flips::new(triangulate_plan(plan, start)?, &start.constraints);
+            }
+            bars = Bars::new(&flips, &start.freedom);
             last.copy_from_slice(&start.points);
         }
-        spring_forces(&plan.size, &start.points, &bars, &mut forces);
-        movement = step(&plan.size, start, &forces);
+        bars.forces(&plan.size, &start.points, &mut forces);
+        movement = step(plan, start, &bars, &forces, &mut momentum);
         if movement < REST {
             return Ok(());
         }
@@ -112,55 +122,88 @@ fn moved_far(size: &SizeFunction, points: &[DVec2], last: &[DVec2]) -> bool {
     points.iter().zip(last).any(far)
 }
 
-/// Edges with at least one end that can move.
-fn bars_of(triangles: &[[u32; 3]], freedom: &[Freedom]) -> Vec<[u32; 2]> {
-    let mut bars = topology::unique_edges(triangles);
-    bars.retain(|bar| bar.iter().any(|&n| freedom[n as usize] != Freedom::Fixed));
-    bars
+/// Edges with at least one end that can move, as springs.
+#[derive(Default)]
+struct Bars {
+    ends: Vec<[u32; 2]>,
+    /// [m] wanted edge length at each node, filled by every force pass
+    size: Vec<f64>,
+    /// bars at each node
+    degree: Vec<u32>,
 }
 
-/// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of the actual ones.
-fn spring_forces(size: &SizeFunction, points: &[DVec2], bars: &[[u32; 2]], forces: &mut [DVec2]) {
-    let ends = |bar: &[u32; 2]| bar.map(|n| points[n as usize]);
-    let (mut actual, mut wanted) = (0.0, 0.0);
-    for bar in bars {
-        let [a, b] = ends(bar);
-        actual += a.distance_squared(b);
-        wanted += size.at((0.5 * (a + b)).length()).powi(2);
+impl Bars {
+    fn new(flips: &Flips, freedom: &[Freedom]) -> Self {
+        let moves = |bar: &[u32; 2]| bar.iter().any(|&n| freedom[n as usize] != Freedom::Fixed);
+        let ends: Vec<_> = flips.edges().filter(moves).collect();
+        let mut degree = vec![0; freedom.len()];
+        for &n in ends.iter().flatten() {
+            degree[n as usize] += 1;
+        }
+        Self { size: vec![0.0; freedom.len()], ends, degree }
     }
-    let scale = OVERLENGTH * (actual / wanted).sqrt();
-    forces.fill(DVec2::ZERO);
-    for bar in bars {
-        let [a, b] = ends(bar);
-        let length = a.distance(b);
-        let push = scale * size.at((0.5 * (a + b)).length()) - length;
-        if push > 0.0 && length > 0.0 {
-            let force = (b - a) * (push / length);
-            forces[bar[0] as usize] -= force;
-            forces[bar[1] as usize] += force;
+
+    /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of the
+    /// actual ones.
+    fn forces(&mut self, size: &SizeFunction, points: &[DVec2], forces: &mut [DVec2]) {
+        for (h, point) in self.size.iter_mut().zip(points) {
+            *h = size.at(point.length());
+        }
+        // The size function is all but linear along a bar, so the mean of its ends stands for its middle.
+        let wanted = |bar: &[u32; 2]| 0.5 * (self.size[bar[0] as usize] + self.size[bar[1] as usize]);
+        let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
+        for bar in &self.ends {
+            let [a, b] = bar.map(|n| points[n as usize]);
+            sum_actual += a.distance_squared(b);
+            sum_wanted += wanted(bar).powi(2);
+        }
+        let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
+        forces.fill(DVec2::ZERO);
+        for bar in &self.ends {
+            let [a, b] = bar.map(|n| points[n as usize]);
+            let (across, full) = (b - a, scale * wanted(bar));
+            let square = across.length_squared();
+            if square < full * full && square > 0.0 {
+                let force = across * (full / square.sqrt() - 1.0);
+                forces[bar[0] as usize] -= force;
+                forces[bar[1] as usize] += force;
+            }
         }
     }
 }
 
-/// One step; returns the largest movement over the wanted edge length.
-fn step(size: &SizeFunction, start: &mut Start, forces: &[DVec2]) -> f64 {
-    let ring = size.ring;
+/// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge length.
+///
+/// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars meet.
+fn step(plan: &Plan, start: &mut Start, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
+    let (ring, seams) = (plan.size.ring, plan.seams);
+    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(*m)).sum();
+    let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
     let mut largest: f64 = 0.0;
-    for ((point, freedom), force) in start.points.iter_mut().zip(&start.freedom).zip(forces) {
-        let h = size.at(point.length());
-        let target = match *freedom {
+    for node in 0..start.points.len() {
+        let point = start.points[node];
+        let h = bars.size[node];
+        let mut push = STEP / f64::from(bars.degree[node].max(1)) * forces[node];
+        match start.freedom[node] {
             Freedom::Fixed => continue,
-            Freedom::Free => *point + STEP * *force,
+            Freedom::Free => {}
+            Freedom::Ray(direction) => push = push.dot(direction) * direction,
+        }
+        let target = |by: DVec2| match start.freedom[node] {
             Freedom::Ray(direction) => {
-                // Kept off the loops and, on a disc, off the centre.
-                let radius = point.length() + STEP * force.dot(direction);
-                let low = if ring.has_hole() { 0.0 } else { CLEARANCE * h };
-                radius.max(low) * direction
+                // Kept off the centre, which on a disc is the seams' common end.
+                let radius = (point + by).dot(direction).max(plan.hub + CLEARANCE * h);
+                ring.pushed_inside(radius * direction, CLEARANCE * h)
+            }
+            _ => {
+                let inside = ring.pushed_inside(point + by, CLEARANCE * h);
+                turned_off_seams(plan.off_hub(inside, CLEARANCE * h), seams, CLEARANCE * h)
             }
         };
-        let target = ring.pushed_inside(target, CLEARANCE * h);
-        largest = largest.max(target.distance(*point) / h);
-        *point = target;
+        largest = largest.max(target(push).distance(point) / h);
+        let moved = target(push + memory * momentum[node]);
+        momentum[node] = moved - point;
+        start.points[node] = moved;
     }
     largest
 }

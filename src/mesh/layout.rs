@@ -14,6 +14,9 @@ const HALF_ROW: f64 = 0.433;
 /// [-] nodes on the smaller loop below which a circle is hardly one
 const ROUND_ENOUGH: usize = 8;
 
+/// Seams of a disc from which on the triangles around its centre are all between seams: six equilateral ones.
+const SEAMS_WITH_HUB: usize = 6;
+
 /// What a graded mesh is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Request {
@@ -40,7 +43,9 @@ pub(super) struct Plan {
     /// nodes on the inner and on the outer loop
     pub loops: [usize; 2],
     pub seams: usize,
-    /// moving nodes on each seam
+    /// [m] on a disc with many seams, radius of the ring of fixed seam nodes around the centre that the interior keeps out of; else 0
+    pub hub: f64,
+    /// nodes on each seam, loops and centre not counted
     pub seam_nodes: usize,
     /// nodes off loops and seams
     pub free: usize,
@@ -76,8 +81,10 @@ impl Request {
         };
         let size = self.size(boundary, grading);
         let loops = self.split(boundary);
-        let along = RadialTable::new([self.ring.inner, self.ring.outer], |r| 1.0 / size.at(r)).total();
-        let seam_nodes = if self.seams == 0 { 0 } else { (along.round() as usize).max(1) - 1 };
+        let hub = self.hub(&size);
+        let along = RadialTable::new([hub.max(self.ring.inner), self.ring.outer], |r| 1.0 / size.at(r)).total();
+        let between = (along.round() as usize).max(1) - 1;
+        let seam_nodes = if self.seams == 0 { 0 } else { between + usize::from(hub > 0.0) };
         let centre = usize::from(self.seams > 0 && !self.ring.has_hole());
         let on_seams = self.seams.saturating_mul(seam_nodes).saturating_add(centre);
         if boundary != self.boundary_nodes.unwrap_or(boundary) || boundary.saturating_add(on_seams) > self.nodes {
@@ -85,7 +92,16 @@ impl Request {
             return Err(MeshError::NoInterior { nodes, boundary_nodes, seam_nodes: on_seams });
         }
         let free = self.nodes - boundary - on_seams;
-        Ok(Plan { size, loops, seams: self.seams, seam_nodes, free, triangles: self.triangles(boundary) })
+        Ok(Plan { size, loops, seams: self.seams, hub, seam_nodes, free, triangles: self.triangles(boundary) })
+    }
+
+    /// Radius at which the seams of a disc are one edge length apart; 0 where they leave room for other nodes at the centre.
+    fn hub(&self, size: &SizeFunction) -> f64 {
+        if self.ring.has_hole() || self.seams < SEAMS_WITH_HUB {
+            return 0.0;
+        }
+        let radius = size.at(0.0) / (2.0 * (PI / self.seams as f64).sin());
+        if radius + 0.5 * size.at(radius) < self.ring.outer { radius } else { 0.0 }
     }
 
     /// F = 2V - B for an annulus, 2V - B - 2 for a disc, by Euler's formula.
@@ -164,6 +180,12 @@ impl Request {
 }
 
 impl Plan {
+    /// `p` moved out of the hub by at least `depth` [m].
+    pub fn off_hub(&self, p: DVec2, depth: f64) -> DVec2 {
+        let least = self.hub + depth;
+        if self.hub == 0.0 || p.length() >= least { p } else { least * p.try_normalize().unwrap_or(DVec2::X) }
+    }
+
     /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
     pub fn start(&self, mut random: SplitMix64) -> Start {
         let mut start = Start { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
@@ -203,16 +225,17 @@ impl Plan {
             start.points.push(DVec2::ZERO);
             start.freedom.push(Freedom::Fixed);
         }
-        let along = RadialTable::new([ring.inner, ring.outer], |r| 1.0 / self.size.at(r));
+        let along = RadialTable::new([self.hub.max(ring.inner), ring.outer], |r| 1.0 / self.size.at(r));
+        let on_hub = usize::from(self.hub > 0.0);
         for seam in 0..self.seams {
             let ends = [0, 1].map(|l| firsts[l] + seam_node(seam, self.seams, self.loops[l]));
             let direction = DVec2::from_angle(TAU * seam as f64 / self.seams as f64);
             let mut previous = if ring.has_hole() { ends[0] } else { centre };
             for i in 1..=self.seam_nodes {
-                let radius = along.radius_at(i as f64 / (self.seam_nodes + 1) as f64);
+                let radius = along.radius_at((i - on_hub) as f64 / (self.seam_nodes + 1 - on_hub) as f64);
                 let node = start.points.len();
                 start.points.push(radius * direction);
-                start.freedom.push(Freedom::Ray(direction));
+                start.freedom.push(if i <= on_hub { Freedom::Fixed } else { Freedom::Ray(direction) });
                 start.constraints.push([previous, node]);
                 previous = node;
             }
@@ -226,7 +249,8 @@ impl Plan {
     /// integral of the density gives the exact number, and starts so evenly that few iterations are left to do.
     fn add_interior(&self, random: &mut SplitMix64, start: &mut Start) {
         let Ring { inner, outer } = self.size.ring;
-        let low = if inner > 0.0 { inner + HALF_ROW * self.size.at(inner) } else { 0.0 };
+        let base = self.hub.max(inner);
+        let low = if base > 0.0 { base + HALF_ROW * self.size.at(base) } else { 0.0 };
         let high = outer - HALF_ROW * self.size.at(outer);
         // In a ring thinner than a row of triangles the borders cross; then the interior is the middle.
         let range = if low < high { [low, high] } else { [0.5 * (inner + outer); 2] };

@@ -10,6 +10,7 @@ mod delaunay;
 mod distmesh;
 mod error;
 pub mod explicit;
+mod flips;
 mod layout;
 mod loops;
 mod polish;

@@ -1,6 +1,7 @@
 //! Signed distance and size function of a ring, the two inputs of Persson & Strang (2004), section 2.
 
 use glam::DVec2;
+use std::f64::consts::TAU;
 
 /// A ring around the origin, or a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +35,22 @@ impl Ring {
         let lowest = if self.has_hole() { (self.inner + depth).min(middle) } else { 0.0 };
         p.try_normalize().unwrap_or(DVec2::X) * p.length().clamp(lowest, highest)
     }
+}
+
+/// `p` turned around the origin until it is at least `depth` [m] from each of `seams` evenly spread rays, the first along +x; to the
+/// middle between two rays where they are closer together than that.
+pub(super) fn turned_off_seams(p: DVec2, seams: usize, depth: f64) -> DVec2 {
+    if seams == 0 {
+        return p;
+    }
+    let radius = p.length();
+    let sector = TAU / seams as f64;
+    let angle = p.to_angle().rem_euclid(TAU);
+    let first = (angle / sector).floor() * sector;
+    let least = (depth / radius).min(1.0).asin().min(0.5 * sector);
+    let within = angle - first;
+    let wanted = within.clamp(least, sector - least);
+    if wanted == within { p } else { radius * DVec2::from_angle(first + wanted) }
 }
 
 /// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops and `grading`

@@ -3,6 +3,7 @@
 
 pub mod forces;
 pub mod picture;
+pub mod point;
 pub mod spec;
 pub mod state;
 pub mod system;

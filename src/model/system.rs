@@ -60,6 +60,10 @@ pub trait TangentSystem: System {
 
     /// [N/m] upper estimate of the stiffness at a node; scales the rounding floor of a residual.
     fn stiffness_scale(&self) -> f64;
+
+    /// [N] the larger of |internal| and |external| forces (Euclidean norms over the free degrees of freedom) in a
+    /// force pass; weight counts as external. What a residual is compared with.
+    fn force_scale(&self, forces: &Forces) -> f64;
 }
 
 /// Weights of W = m M + c C + k K.
@@ -91,4 +95,15 @@ pub trait SpringGraph: System {
 
     /// [N] `out =` the springs' elastic forces alone, zero at fixed degrees of freedom.
     fn spring_forces(&self, x: &[f64], out: &mut [f64]);
+}
+
+/// What a scene can do, for binding a scheme to it.
+#[derive(Clone, Copy)]
+pub struct Abilities<'a> {
+    /// forces
+    pub system: &'a (dyn System + 'static),
+    /// tangents
+    pub tangent: &'a (dyn TangentSystem + 'static),
+    /// a spring graph, if the scene has one
+    pub graph: Option<&'a (dyn SpringGraph + 'static)>,
 }

@@ -1,1 +1,12 @@
-//! (see the files of this folder)
+//! Linear solvers behind one small trait, and Newton's iteration on top of them.
+
+mod cholesky;
+mod linear;
+mod lu;
+pub mod newton;
+mod ordering;
+
+pub use cholesky::Cholesky;
+pub use linear::{LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+pub use lu::Lu;
+pub use ordering::fill_reducing;

@@ -1,0 +1,90 @@
+//! Force passes and explicit steps of the 703-node cloth, the spring pass beside a plain C loop compiled in this run with
+//! `cc -O3` (left out, with a message, where there is no C compiler).
+//!
+//! ```text
+//! cargo bench --bench force
+//! ```
+
+mod fixture;
+
+use canopy_fem::force::NodeState;
+use canopy_fem::force::batch::{Batch, Threads};
+use canopy_fem::force::spring::{Coefficient, SpringData};
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::MethodChoice;
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::model::point::Point;
+use canopy_fem::model::spec::Slack;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::{Network, Scene, build_network};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use fixture::{Contents, PlainC, cloth};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::hint::black_box;
+
+fn spring_pass(c: &mut Criterion) {
+    let arrays = fixture::SpringArrays::of_cloth(703, 126);
+    let data = SpringData {
+        nodes: arrays.nodes.clone().into(),
+        rest_length: arrays.rest_length.clone().into(),
+        stiffness: Coefficient::Each(arrays.stiffness.clone().into()),
+        slack: Slack::None,
+    };
+    let batch = Batch::new(data);
+    let mut f = vec![DVec3::ZERO; arrays.x.len()];
+    let threads = Threads::one();
+    let mut group = c.benchmark_group("spring pass, 703 nodes");
+    group.throughput(Throughput::Elements(arrays.nodes.len() as u64));
+    group.bench_function("canopy-fem, with energy", |b| {
+        b.iter(|| batch.add(NodeState { t: 0.0, x: black_box(&arrays.x), v: &[] }, &threads, &mut f));
+    });
+    match PlainC::compile() {
+        Ok(plain) => {
+            group.bench_function("plain C loop, -O3", |b| b.iter(|| plain.spring_forces(black_box(&arrays), &mut f)));
+        }
+        Err(why) => eprintln!("plain C loop left out: {why}"),
+    }
+    group.finish();
+}
+
+fn explicit_steps(c: &mut Criterion) {
+    let mut group = c.benchmark_group("explicit step, 703 nodes");
+    for (name, contents) in [("springs", Contents::Springs), ("springs, dashpots, air, gravity", Contents::Everything)] {
+        let scene = build_network(cloth(703, 126, contents), Threads::one()).expect("the fixture is sound");
+        for method in ["velocity-verlet", "rk4", "kang"] {
+            group.bench_function(format!("{method}: {name}"), |b| steps(b, &scene, method));
+        }
+    }
+    if let Ok(plain) = PlainC::compile() {
+        let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
+        let mut f = vec![DVec3::ZERO; arrays.x.len()];
+        group.bench_function("velocity-verlet: plain C, springs", |b| b.iter(|| plain.verlet_step(&mut arrays, &mut f)));
+    }
+    group.finish();
+}
+
+fn steps(b: &mut criterion::Bencher<'_>, scene: &Network, method: &str) {
+    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("a known method");
+    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(from.state.as_ref(), &mut from.forces);
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    stepper.start(&from).expect("a small scene");
+    let mut to = from.clone();
+    let mut counters = Counters::default();
+    let h = 1e-4;
+    b.iter_batched(
+        || (),
+        |()| {
+            let t_next = from.state.t + h;
+            stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("explicit");
+            stepper.accept();
+            std::mem::swap(&mut from, &mut to);
+        },
+        BatchSize::SmallInput,
+    );
+}
+
+criterion_group!(benches, spring_pass, explicit_steps);
+criterion_main!(benches);

@@ -1,0 +1,83 @@
+//! A damped oscillator m x'' = -k x - c x', m = 1: what a scheme's stability is tried on.
+
+use crate::assembly::{Assembler, PatternError};
+use crate::model::forces::{Forces, Role, Tally};
+use crate::model::state::{State, StateRef};
+use crate::model::system::{System, TangentSystem, TermInfo, Weights};
+
+static TERMS: [TermInfo; 2] =
+    [TermInfo { name: "spring", role: Role::Elastic }, TermInfo { name: "damping", role: Role::Dissipative }];
+
+/// The oscillator; x = 1, v = 0 at the start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Oscillator {
+    /// [N/m]
+    pub k: f64,
+    /// [N s/m]
+    pub c: f64,
+}
+
+impl System for Oscillator {
+    fn n_dof(&self) -> usize {
+        1
+    }
+
+    fn initial_state(&self) -> State {
+        State { t: 0.0, x: vec![1.0], v: vec![0.0] }
+    }
+
+    fn terms(&self) -> &[TermInfo] {
+        &TERMS
+    }
+
+    fn new_forces(&self) -> Forces {
+        let tallies = vec![Tally::default(); 2];
+        Forces { total: vec![0.0], external: vec![], dissipative: vec![0.0], reactions: vec![], tallies }
+    }
+
+    fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
+        let (x, v) = (at.x[0], at.v[0]);
+        out.dissipative[0] = -self.c * v;
+        out.total[0] = -self.k * x + out.dissipative[0];
+        out.tallies[0].energy = 0.5 * self.k * x * x;
+        out.tallies[1].power = out.dissipative[0] * v;
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &[1.0]
+    }
+
+    fn mass_times(&self, a: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(a);
+    }
+
+    fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        0.5 * v[0] * v[0]
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        self.c != 0.0
+    }
+}
+
+impl TangentSystem for Oscillator {
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn assembler(&self) -> Result<Assembler, PatternError> {
+        Ok(Assembler::dense(1))
+    }
+
+    fn assemble(&self, _at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        assembler.values_mut()[0] = w.m + w.c * self.c + w.k * self.k;
+    }
+
+    fn stiffness_scale(&self) -> f64 {
+        self.k
+    }
+
+    fn force_scale(&self, _forces: &Forces) -> f64 {
+        self.k
+    }
+}

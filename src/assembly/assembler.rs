@@ -1,0 +1,221 @@
+//! The slot of every entry of every block, found once.
+
+use super::pattern::{Pattern, PatternError};
+use super::record::Recorder;
+use crate::force::TangentSink;
+use glam::DMat3;
+use std::sync::Arc;
+
+/// No unknown.
+const FIXED: u32 = u32::MAX;
+
+/// W: pattern, values, and where each emitted block goes.
+#[derive(Clone, Debug)]
+pub struct Assembler {
+    /// the pattern, shared with the linear solver
+    pub pattern: Arc<Pattern>,
+    /// entries of W in the order of the pattern, and one spare slot at the end for what is eliminated
+    values: Vec<f64>,
+    /// slots of the entries (column by column) of every distinct node-pair block; entry 0 is all spare
+    blocks: Vec<[u32; 9]>,
+    /// block of every emitted node pair, in order of emission
+    emitted: Vec<u32>,
+    /// slot of the diagonal entry of every unknown
+    diagonal: Vec<u32>,
+}
+
+/// Where the nodes are and which of their degrees of freedom are free.
+#[derive(Clone, Copy, Debug)]
+pub struct Nodes<'a> {
+    /// [m] positions
+    pub position: &'a [[f64; 3]],
+    /// whether each of x, y, z is fixed
+    pub fixed: &'a [[bool; 3]],
+}
+
+impl Assembler {
+    /// Finds pattern and slots from what the terms emit. Every free degree of freedom gets a diagonal entry (its mass).
+    ///
+    /// # Errors
+    /// When W would have more entries than 32 bits can number.
+    pub fn new(nodes: Nodes<'_>, recorder: &Recorder, symmetric: bool) -> Result<Self, PatternError> {
+        let pairs = distinct_pairs(nodes, recorder, symmetric);
+        let unknown = number_unknowns(nodes.fixed);
+        let nonzeros: usize = pairs.iter().map(|&p| block_entries(p, &unknown, symmetric)).sum();
+        if nonzeros >= u32::MAX as usize {
+            return Err(PatternError::TooLarge { nonzeros });
+        }
+        let pattern = build_pattern(nodes, &pairs, &unknown, symmetric);
+        let spare = pattern.nonzeros() as u32;
+        let mut blocks = vec![[spare; 9]];
+        blocks.extend(pairs.iter().map(|&(j, i)| block_slots(&pattern, unknown[i as usize], unknown[j as usize])));
+        let mut emitted = Vec::new();
+        for &emission in &recorder.emissions {
+            emission.blocks(symmetric, |p, q| {
+                emitted.push(pairs.binary_search(&(q, p)).map_or(0, |at| at as u32 + 1));
+            });
+        }
+        let diagonal = (0..pattern.n() as u32).map(|i| pattern.slot(i, i).unwrap_or(spare)).collect();
+        let values = vec![0.0; pattern.nonzeros() + 1];
+        Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal })
+    }
+
+    /// A full matrix over unknowns without nodes (a pendulum has one).
+    pub fn dense(n: u32) -> Self {
+        let pattern = Pattern {
+            col_ptr: (0..=n).map(|j| j * n).collect(),
+            row_idx: (0..n).flat_map(|_| 0..n).collect(),
+            symmetric: false,
+            dof: (0..n).collect(),
+            node_start: (0..=n).collect(),
+            position: vec![[0.0; 3]; n as usize],
+        };
+        let values = vec![0.0; pattern.nonzeros() + 1];
+        let diagonal = (0..n).map(|i| i * n + i).collect();
+        Assembler { pattern: Arc::new(pattern), values, blocks: Vec::new(), emitted: Vec::new(), diagonal }
+    }
+
+    /// Entries of W in the order of the pattern.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.pattern.nonzeros()]
+    }
+
+    /// The same, to be written (a system without nodes fills them itself).
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        let n = self.pattern.nonzeros();
+        &mut self.values[..n]
+    }
+
+    /// Clears W, adds `mass(dof)` [kg, times its weight] to the diagonal, and returns the sink for the terms.
+    pub fn sink(&mut self, mass: impl Fn(usize) -> f64) -> MatrixSink<'_> {
+        self.values.fill(0.0);
+        for (&slot, &dof) in self.diagonal.iter().zip(&self.pattern.dof) {
+            self.values[slot as usize] = mass(dof as usize);
+        }
+        MatrixSink {
+            values: &mut self.values,
+            blocks: &self.blocks,
+            emitted: self.emitted.iter(),
+            symmetric: self.pattern.symmetric,
+        }
+    }
+}
+
+/// Adds blocks into the values of W; the terms must emit what the recorder saw, in the same order.
+#[derive(Debug)]
+pub struct MatrixSink<'a> {
+    values: &'a mut [f64],
+    blocks: &'a [[u32; 9]],
+    emitted: std::slice::Iter<'a, u32>,
+    symmetric: bool,
+}
+
+impl MatrixSink<'_> {
+    #[inline]
+    fn add(&mut self, block: &DMat3) {
+        let Some(&id) = self.emitted.next() else {
+            debug_assert!(false, "a force term emitted more elements than when the pattern was recorded");
+            return;
+        };
+        for (&slot, value) in self.blocks[id as usize].iter().zip(block.to_cols_array()) {
+            self.values[slot as usize] += value;
+        }
+    }
+}
+
+impl TangentSink for MatrixSink<'_> {
+    fn node(&mut self, _i: u32, block: DMat3) {
+        self.add(&block);
+    }
+
+    #[inline]
+    fn edge(&mut self, [a, b]: [u32; 2], block: DMat3) {
+        let minus = -block;
+        // The order of `Emission::blocks`: (a, a), (a, b), (b, a), (b, b), lower triangle only if symmetric.
+        self.add(&block);
+        if !self.symmetric || a >= b {
+            self.add(&minus);
+        }
+        if !self.symmetric || b >= a {
+            self.add(&minus);
+        }
+        self.add(&block);
+    }
+
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
+        for (p, row) in nodes.iter().zip(blocks) {
+            for (q, block) in nodes.iter().zip(row) {
+                if !self.symmetric || p >= q {
+                    self.add(block);
+                }
+            }
+        }
+    }
+}
+
+/// Distinct (column node, row node) pairs between nodes with free degrees of freedom, ascending; diagonals always.
+fn distinct_pairs(nodes: Nodes<'_>, recorder: &Recorder, symmetric: bool) -> Vec<(u32, u32)> {
+    let free = |i: u32| nodes.fixed[i as usize] != [true; 3];
+    let mut pairs: Vec<(u32, u32)> = (0..nodes.fixed.len() as u32).filter(|&i| free(i)).map(|i| (i, i)).collect();
+    for &emission in &recorder.emissions {
+        emission.blocks(symmetric, |p, q| {
+            if p != q && free(p) && free(q) {
+                pairs.push((q, p));
+            }
+        });
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs.shrink_to_fit();
+    pairs
+}
+
+fn number_unknowns(fixed: &[[bool; 3]]) -> Vec<[u32; 3]> {
+    let mut next = 0;
+    let mut number = |held: bool| {
+        if held {
+            return FIXED;
+        }
+        next += 1;
+        next - 1
+    };
+    fixed.iter().map(|f| f.map(&mut number)).collect()
+}
+
+fn block_entries((j, i): (u32, u32), unknown: &[[u32; 3]], symmetric: bool) -> usize {
+    let free = |node: u32| unknown[node as usize].iter().filter(|&&u| u != FIXED).count();
+    if symmetric && i == j { free(i) * (free(i) + 1) / 2 } else { free(i) * free(j) }
+}
+
+fn build_pattern(nodes: Nodes<'_>, pairs: &[(u32, u32)], unknown: &[[u32; 3]], symmetric: bool) -> Pattern {
+    let mut p = Pattern { symmetric, col_ptr: vec![0], node_start: vec![0], ..Pattern::default() };
+    for column in pairs.chunk_by(|a, b| a.0 == b.0) {
+        let j = column[0].0 as usize;
+        for (c, &u) in unknown[j].iter().enumerate().filter(|&(_, &u)| u != FIXED) {
+            for &(_, i) in column {
+                let rows = unknown[i as usize].iter().copied().filter(|&r| r != FIXED && (!symmetric || r >= u));
+                p.row_idx.extend(rows);
+            }
+            p.col_ptr.push(p.row_idx.len() as u32);
+            p.dof.push((3 * j + c) as u32);
+        }
+        p.node_start.push(p.dof.len() as u32);
+        p.position.push(nodes.position[j]);
+    }
+    p.row_idx.shrink_to_fit();
+    p
+}
+
+/// Slots of a block's entries, column by column; the spare slot for what is fixed or in the upper triangle.
+fn block_slots(pattern: &Pattern, rows: [u32; 3], columns: [u32; 3]) -> [u32; 9] {
+    let spare = pattern.nonzeros() as u32;
+    let mut slots = [spare; 9];
+    for (c, &j) in columns.iter().enumerate() {
+        for (r, &i) in rows.iter().enumerate() {
+            if i != FIXED && j != FIXED {
+                slots[3 * c + r] = pattern.slot(i, j).unwrap_or(spare);
+            }
+        }
+    }
+    slots
+}

@@ -1,0 +1,68 @@
+//! The compressed-column pattern of W over the unknowns.
+
+/// Why a pattern cannot be built.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+pub enum PatternError {
+    /// More nonzeros than 32-bit slots can number.
+    #[error(
+        "the matrix would hold {nonzeros} entries, more than 32 bits can number; use an explicit method or a coarser mesh"
+    )]
+    TooLarge {
+        /// entries counted
+        nonzeros: usize,
+    },
+}
+
+/// Compressed columns with ascending rows; the lower triangle only where `symmetric`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pattern {
+    /// start of every column in `row_idx`, and the number of entries at the end
+    pub col_ptr: Vec<u32>,
+    /// rows
+    pub row_idx: Vec<u32>,
+    /// whether W is symmetric, and only its lower triangle stored
+    pub symmetric: bool,
+    /// degree of freedom of every unknown, ascending
+    pub dof: Vec<u32>,
+    /// first unknown of every node that has any, and the number of unknowns at the end; what an ordering permutes
+    pub node_start: Vec<u32>,
+    /// [m] position of these nodes on the mesh as given; a geometric ordering cuts along it
+    pub position: Vec<[f64; 3]>,
+}
+
+impl Pattern {
+    /// Number of unknowns.
+    pub fn n(&self) -> usize {
+        self.dof.len()
+    }
+
+    /// Number of stored entries.
+    pub fn nonzeros(&self) -> usize {
+        self.row_idx.len()
+    }
+
+    /// Rows of column `j`.
+    pub fn column(&self, j: usize) -> &[u32] {
+        &self.row_idx[self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize]
+    }
+
+    /// Slot of entry (i, j), if it is stored.
+    pub fn slot(&self, i: u32, j: u32) -> Option<u32> {
+        let first = *self.col_ptr.get(j as usize)?;
+        self.column(j as usize).binary_search(&i).ok().map(|p| first + p as u32)
+    }
+
+    /// y = W p for values on this pattern (both triangles of a symmetric W), for tests and estimates.
+    pub fn multiply(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for j in 0..self.n() {
+            for slot in self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize {
+                let i = self.row_idx[slot] as usize;
+                y[i] += values[slot] * p[j];
+                if self.symmetric && i != j {
+                    y[j] += values[slot] * p[i];
+                }
+            }
+        }
+    }
+}

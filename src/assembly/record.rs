@@ -1,0 +1,57 @@
+//! Which elements the terms emit, in which order.
+
+use crate::force::TangentSink;
+use glam::DMat3;
+
+/// One emitted element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Emission {
+    /// a diagonal block
+    Node(u32),
+    /// a two-node element
+    Edge([u32; 2]),
+    /// a three-node element
+    Triangle([u32; 3]),
+}
+
+/// A sink that only takes notes.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    /// in order of emission
+    pub emissions: Vec<Emission>,
+}
+
+impl TangentSink for Recorder {
+    fn node(&mut self, i: u32, _block: DMat3) {
+        self.emissions.push(Emission::Node(i));
+    }
+
+    fn edge(&mut self, nodes: [u32; 2], _block: DMat3) {
+        self.emissions.push(Emission::Edge(nodes));
+    }
+
+    fn triangle(&mut self, nodes: [u32; 3], _blocks: &[[DMat3; 3]; 3]) {
+        self.emissions.push(Emission::Triangle(nodes));
+    }
+}
+
+impl Emission {
+    /// Calls `visit(row node, column node)` for every block of the element, in the order the sink fills them.
+    /// Of a symmetric matrix the blocks with row node >= column node only.
+    pub(super) fn blocks(self, symmetric: bool, mut visit: impl FnMut(u32, u32)) {
+        let mut pairs = |nodes: &[u32]| {
+            for &p in nodes {
+                for &q in nodes {
+                    if !symmetric || p >= q {
+                        visit(p, q);
+                    }
+                }
+            }
+        };
+        match self {
+            Emission::Node(i) => pairs(&[i]),
+            Emission::Edge(nodes) => pairs(&nodes),
+            Emission::Triangle(nodes) => pairs(&nodes),
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Times of a run with a fixed step: multiples of it, and the end met exactly.
+
+/// A fixed step from 0 to the end; only the last step may be shorter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedSteps {
+    /// [s] step
+    step: f64,
+    /// [s] end
+    end: f64,
+    /// number of steps, the last included
+    count: u64,
+}
+
+/// One step of the clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// [s] step size
+    pub h: f64,
+    /// [s] time at its end
+    pub t: f64,
+}
+
+/// Share of a step by which the end may miss a multiple of the step without a step of its own.
+const SLACK: f64 = 1e-9;
+
+impl FixedSteps {
+    /// A clock for positive finite `step` and `end` [s]; a step above the end is cut to it.
+    pub fn new(step: f64, end: f64) -> Self {
+        let ratio = end / step;
+        let nearest = ratio.round();
+        let whole = nearest >= 1.0 && (ratio - nearest).abs() <= SLACK.max(4.0 * f64::EPSILON * nearest);
+        let count = if whole { nearest } else { ratio.ceil().max(1.0) };
+        FixedSteps { step, end, count: count as u64 }
+    }
+
+    /// Number of steps.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Step number `k`, counted from 1.
+    pub fn tick(&self, k: u64) -> Tick {
+        if k < self.count {
+            return Tick { h: self.step, t: k as f64 * self.step };
+        }
+        let rest = self.end - (self.count - 1) as f64 * self.step;
+        // A last step that is whole but for rounding keeps the size of the others.
+        let h = if (rest - self.step).abs() <= 1e-6 * self.step { self.step } else { rest };
+        Tick { h, t: self.end }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_steps_keep_their_size_and_end_exactly() {
+        for (step, end, count) in [(0.1, 1.0, 10), (1e-12, 1.5e-10, 150), (2e-3, 2.0, 1000), (0.3, 0.9, 3)] {
+            let clock = FixedSteps::new(step, end);
+            assert_eq!(clock.count(), count, "{step} {end}");
+            assert!((1..=count).all(|k| clock.tick(k).h == step));
+            assert_eq!(clock.tick(count).t, end);
+        }
+    }
+
+    #[test]
+    fn only_the_last_step_is_cut() {
+        let clock = FixedSteps::new(0.3, 1.0);
+        assert_eq!(clock.count(), 4);
+        assert_eq!(clock.tick(3).h, 0.3);
+        assert!((clock.tick(4).h - 0.1).abs() < 1e-15);
+        assert_eq!(FixedSteps::new(5.0, 1.0).tick(1), Tick { h: 1.0, t: 1.0 });
+    }
+}

@@ -1,0 +1,84 @@
+//! The energy ledger.
+//!
+//! ```text
+//! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
+//! ```
+//! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
+//! Runge-Kutta and PEC schemes). `numerical` is the remainder: what the scheme itself lost (above 0) or made (below 0).
+
+use super::observer::LedgerRow;
+use crate::integrate::{StageWork, StepReport};
+use crate::model::forces::Role;
+use crate::model::point::Point;
+use crate::model::system::System;
+
+/// Running account of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ledger {
+    first: LedgerRow,
+    work: StageWork,
+    largest_numerical: f64,
+    exchanged: f64,
+}
+
+impl Ledger {
+    /// Opens the account.
+    pub fn open(system: &dyn System, at: &Point) -> (Self, LedgerRow) {
+        let mut ledger = Ledger::default();
+        ledger.first = ledger.row(system, at);
+        ledger.first.numerical = 0.0;
+        (ledger, ledger.first)
+    }
+
+    /// Accounts for an accepted step.
+    pub fn step(&mut self, system: &dyn System, from: &Point, to: &Point, report: &StepReport) -> LedgerRow {
+        let work = report.work.unwrap_or_else(|| StageWork {
+            external: trapezoid(&from.forces.external, &to.forces.external, from, to),
+            dissipated: -trapezoid(&from.forces.dissipative, &to.forces.dissipative, from, to),
+        });
+        self.work.external += work.external;
+        self.work.dissipated += work.dissipated;
+        let row = self.row(system, to);
+        let first = self.first;
+        self.largest_numerical = self.largest_numerical.max(row.numerical.abs());
+        let parts =
+            [row.kinetic, row.elastic - first.elastic, row.gravity - first.gravity, row.external_work, row.dissipated];
+        self.exchanged = parts.iter().fold(self.exchanged, |m, p| m.max(p.abs()));
+        row
+    }
+
+    /// Largest |numerical| over the largest energy exchanged so far; 0 when nothing was exchanged.
+    pub fn energy_error(&self) -> f64 {
+        if self.exchanged > 0.0 { self.largest_numerical / self.exchanged } else { 0.0 }
+    }
+
+    fn row(&self, system: &dyn System, at: &Point) -> LedgerRow {
+        let mut row = LedgerRow {
+            kinetic: system.kinetic_energy(&at.state.v),
+            external_work: self.work.external,
+            dissipated: self.work.dissipated,
+            ..Default::default()
+        };
+        for (term, tally) in system.terms().iter().zip(&at.forces.tallies) {
+            match term.role {
+                Role::Elastic => row.elastic += tally.energy,
+                Role::Gravity => row.gravity += tally.energy,
+                Role::External | Role::Dissipative => {}
+            }
+        }
+        let f = &self.first;
+        // Differences first: a large constant energy does not swamp a small remainder.
+        row.numerical =
+            (f.kinetic - row.kinetic) + (f.elastic - row.elastic) + (f.gravity - row.gravity) + row.external_work
+                - row.dissipated;
+        row
+    }
+}
+
+fn trapezoid(f_n: &[f64], f_n1: &[f64], from: &Point, to: &Point) -> f64 {
+    let mut lanes = [0.0; 4];
+    for (i, (((a, b), x), y)) in f_n.iter().zip(f_n1).zip(&from.state.x).zip(&to.state.x).enumerate() {
+        lanes[i % 4] += 0.5 * (a + b) * (y - x);
+    }
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
+}

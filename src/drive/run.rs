@@ -1,0 +1,227 @@
+//! The loop.
+
+use super::clock::{FixedSteps, Tick};
+use super::failure::{Failure, Scenery};
+use super::ledger::Ledger;
+use super::observer::{LedgerRow, ObserveError, Observer, StepView};
+use crate::integrate::registry::MethodInfo;
+use crate::integrate::stepper::{Attempt, Stepper};
+use crate::integrate::{Counters, StepError, StepReport};
+use crate::model::point::Point;
+use crate::scene::Scene;
+use crate::solve::LinearStats;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How many times its size a scene may spread before it counts as blown up.
+const BLOW_UP: f64 = 1e4;
+
+/// What to run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunSpec {
+    /// [s] end of the run
+    pub end: f64,
+    /// [s] fixed step
+    pub step: f64,
+    /// go on past a blow-up until a value stops being finite
+    pub keep_going: bool,
+    /// the method, for reports
+    pub method: &'static MethodInfo,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// reached its end
+    Completed,
+    /// a state was not finite or left the scene
+    Diverged,
+    /// an implicit step could not be solved
+    NotConverged,
+    /// stopped from outside
+    Interrupted,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// how it ended
+    pub status: Status,
+    /// accepted steps
+    pub steps: u64,
+    /// [s] time of the last good state
+    pub t_end: f64,
+    /// work done
+    pub counters: Counters,
+    /// [-] largest numerical energy over the largest energy exchanged
+    pub energy_error: f64,
+    /// the account at the last good state
+    pub ledger: LedgerRow,
+    /// what went wrong, if anything did
+    pub failure: Option<Failure>,
+    /// the linear solver's account, for implicit methods
+    pub linear: Option<LinearStats>,
+}
+
+/// Why a run could not start or its results not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scheme cannot start.
+    #[error(transparent)]
+    Start(#[from] StepError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+}
+
+/// Runs a scene to its end, to a failure, or until `stop` is set.
+///
+/// # Errors
+/// When the scheme cannot start or an observer cannot write. A diverged or unsolvable run is not an error but an
+/// [`Outcome`].
+pub fn run(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let mut run = Run::start(scene, stepper, spec)?;
+    for o in observers.iter_mut() {
+        o.started(&run.from, run.row)?;
+    }
+    let clock = FixedSteps::new(spec.step, spec.end);
+    let mut status = Status::Completed;
+    for k in 1..=clock.count() {
+        if stop.load(Ordering::Relaxed) {
+            status = Status::Interrupted;
+            break;
+        }
+        match run.step(stepper, k, clock.tick(k)) {
+            Ok(report) => {
+                let view = StepView {
+                    step: k,
+                    from: &run.to,
+                    to: &run.from,
+                    ledger: run.row,
+                    newton_iterations: report.newton_iterations,
+                    residual: report.residual,
+                };
+                for o in observers.iter_mut() {
+                    o.accepted(view)?;
+                }
+            }
+            Err(stopped) => {
+                status = stopped;
+                break;
+            }
+        }
+    }
+    for o in observers.iter_mut() {
+        o.finished(&run.from)?;
+    }
+    if run.failure.is_some() && status == Status::Completed {
+        status = Status::Diverged;
+    }
+    Ok(run.outcome(status, stepper))
+}
+
+/// State of the loop. After a step `from` is the accepted point and `to` the one before it.
+struct Run<'a> {
+    scene: &'a dyn Scene,
+    spec: RunSpec,
+    from: Point,
+    to: Point,
+    counters: Counters,
+    ledger: Ledger,
+    row: LedgerRow,
+    steps: u64,
+    /// [m] extent beyond which the scene counts as blown up
+    limit: f64,
+    failure: Option<Failure>,
+}
+
+impl<'a> Run<'a> {
+    fn start(scene: &'a dyn Scene, stepper: &mut Stepper<'_>, spec: RunSpec) -> Result<Self, RunError> {
+        let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+        let mut counters = Counters::default();
+        counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
+        stepper.start(&from)?;
+        let (ledger, row) = Ledger::open(scene, &from);
+        let size = scene.size();
+        let limit = if size > 0.0 { BLOW_UP * size } else { f64::INFINITY };
+        let to = from.clone();
+        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: 0, limit, failure: None })
+    }
+
+    /// Attempts step `k`; on success the points have changed places.
+    fn step(&mut self, stepper: &mut Stepper<'_>, k: u64, Tick { h, t }: Tick) -> Result<StepReport, Status> {
+        let attempt = Attempt { from: &self.from, h, t_next: t };
+        let report = match stepper.attempt(attempt, &mut self.to, &mut self.counters) {
+            Ok(report) => report,
+            Err(error) => {
+                let worst = match &error {
+                    StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
+                    _ => 0,
+                };
+                self.failure = Some(self.scenery(k, h, t).not_converged(&error, worst));
+                return Err(Status::NotConverged);
+            }
+        };
+        if !report.forces_at_end {
+            // The ledger and observers want them; the scheme does not, so they are not counted.
+            self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
+        }
+        let before = self.ledger;
+        let row = self.ledger.step(self.scene, &self.from, &self.to, &report);
+        let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
+        let extent = self.scene.extent(self.to.state.as_ref());
+        if !finite || !(extent <= self.limit) {
+            self.blown_up(k, Tick { h, t }, finite);
+            if !finite || !self.spec.keep_going {
+                self.ledger = before;
+                return Err(Status::Diverged);
+            }
+        }
+        stepper.accept();
+        std::mem::swap(&mut self.from, &mut self.to);
+        self.row = row;
+        self.steps = k;
+        Ok(report)
+    }
+
+    fn blown_up(&mut self, k: u64, Tick { h, t }: Tick, finite: bool) {
+        if self.failure.is_some() {
+            return;
+        }
+        let how = if finite {
+            format!("the nodes have spread beyond {BLOW_UP:.0e} times the scene's size")
+        } else {
+            "a value is not finite".to_owned()
+        };
+        let mut failure = self.scenery(k, h, t).diverged(&self.to, &how);
+        failure.blow_up_time = Some(t);
+        self.failure = Some(failure);
+    }
+
+    fn scenery(&self, step: u64, h: f64, t: f64) -> Scenery<'_> {
+        Scenery { scene: self.scene, method: self.spec.method, from: &self.from, step, h, t }
+    }
+
+    fn outcome(self, status: Status, stepper: &Stepper<'_>) -> Outcome {
+        Outcome {
+            status,
+            steps: self.steps,
+            t_end: self.from.state.t,
+            counters: self.counters,
+            energy_error: self.ledger.energy_error(),
+            ledger: self.row,
+            failure: self.failure,
+            linear: stepper.linear_stats(),
+        }
+    }
+}
+
+fn is_finite(row: &LedgerRow) -> bool {
+    (row.kinetic + row.elastic + row.gravity + row.external_work + row.dissipated).is_finite()
+}

@@ -1,0 +1,132 @@
+//! The air on porous cloth: a pressure jump that depends on the velocity through the cloth (thesis Eq. 6 with its
+//! sign restored; Ergun 1952; Darcy-Forchheimer).
+//!
+//! ```text
+//! u = wind - mean vertex velocity,  N = unit normal,  A = current area,  v_n = N . u
+//! dp = a v_n + b v_n |v_n|,         F = dp A N, a third to each vertex,  power = F . mean(v)
+//! ```
+//! With S = A N and dp' = a + 2 b |v_n| the exact tangents are
+//! ```text
+//! -df_i/dx_j = -1/3 [ dp I + S (dp'/A) ((I - N N^T) u)^T ] dS/dx_j     (not symmetric)
+//! -df_i/dv_j = dp'/9 S N^T                                             (symmetric)
+//! ```
+//! A triangle of zero area has no normal: force and tangents are 0.
+
+use super::batch::{Batch, Kernel, Threads};
+use super::series::interpolate;
+use super::triangle::{AreaVector, mean};
+use super::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::spec::Series;
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The air on a batch of triangles.
+#[derive(Debug)]
+pub struct Air(Batch<AirData, 3>);
+
+/// Plain data of the batch.
+#[derive(Clone, Debug)]
+pub struct AirData {
+    /// vertices
+    pub triangles: Arc<[[u32; 3]]>,
+    /// [Pa s/m] viscous coefficient a
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient b
+    pub quadratic: f64,
+    /// [m/s] wind over time
+    pub wind: Series<DVec3>,
+}
+
+struct Flow {
+    area: AreaVector,
+    /// [m^2]
+    a: f64,
+    n: DVec3,
+    /// mean vertex velocity
+    v: DVec3,
+    /// wind relative to it
+    u: DVec3,
+    dp: f64,
+    /// d(dp)/d(v_n)
+    slope: f64,
+}
+
+impl Air {
+    /// Makes the term.
+    pub fn new(data: AirData) -> Self {
+        Air(Batch::new(data))
+    }
+}
+
+impl AirData {
+    #[inline]
+    fn flow(&self, at: NodeState<'_>, wind: DVec3, nodes: [u32; 3]) -> Flow {
+        let area = AreaVector::new(at.x, nodes);
+        let a = area.s.length();
+        let n = if a > 0.0 { area.s / a } else { DVec3::ZERO };
+        let v = mean(at.v, nodes);
+        let u = wind - v;
+        let vn = n.dot(u);
+        let dp = self.linear * vn + self.quadratic * vn * vn.abs();
+        Flow { area, a, n, v, u, dp, slope: self.linear + 2.0 * self.quadratic * vn.abs() }
+    }
+}
+
+impl Kernel<3> for AirData {
+    const SIGNS: [f64; 3] = [1.0; 3];
+
+    fn elements(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        let wind = interpolate(&self.wind, at.t);
+        let mut power = 0.0;
+        for (&nodes, out) in self.triangles[range].iter().zip(out) {
+            let flow = self.flow(at, wind, nodes);
+            let force = flow.dp * flow.area.s;
+            power += force.dot(flow.v);
+            *out = force / 3.0;
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for Air {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "air", role: Role::External }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        true
+    }
+
+    fn symmetric(&self) -> bool {
+        false
+    }
+
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
+        self.0.add(at, threads, f)
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        let wind = interpolate(&data.wind, at.t);
+        for &nodes in data.triangles.iter() {
+            let flow = data.flow(at, wind, nodes);
+            if flow.a == 0.0 {
+                sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
+                continue;
+            }
+            let (s, n) = (flow.area.s, flow.n);
+            let tangential = flow.u - n.dot(flow.u) * n;
+            let ds = DMat3::from_diagonal(DVec3::splat(flow.dp)) + outer(s, tangential) * (flow.slope / flow.a);
+            let dv = outer(s, n) * (w.c * flow.slope / 9.0);
+            let row = [0, 1, 2].map(|j| ds * flow.area.derivative(j) * (-w.k / 3.0) + dv);
+            sink.triangle(nodes, &[row; 3]);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Dashpots along a spring, clamped together with it (thesis Eq. 4, whose c is divided by l0: rule `per_strain`).
+//!
+//! Spring and dashpot act as one element of tension `T = max(k e + c ldot, floor)`, so that a spring going slack does
+//! not make the force jump and an implicit step has a solution. This term is the part beyond the elastic one:
+//! ```text
+//! T_d = max(k (e - offset) + c ldot, floor) - T_elastic(e)      force on a = T_d n, on b = -T_d n
+//! power = -T_d ldot,     ldot = n . (vb - va)
+//! dT_d/dldot = c on the taut branch, else 0;      dT_d/dl = (slope of the sum) - (slope of the elastic part)
+//! -df/dx = (T_d/l)(I - n n^T) + (dT_d/dl) n n^T + (c/l) n [(I - n n^T)(vb - va)]^T      (not symmetric)
+//! -df/dv = c n n^T
+//! ```
+
+use super::batch::{Batch, Kernel, Threads};
+use super::slack::{clamped, tension};
+use super::spring::{Coefficient, SpringData, Stretch};
+use super::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::system::{TermInfo, Weights};
+use glam::DVec3;
+use std::ops::Range;
+
+/// Axial dashpots parallel to a batch of springs.
+#[derive(Debug)]
+pub struct AxialDashpots(Batch<AxialData, 2>);
+
+/// Plain arrays of the batch.
+#[derive(Clone, Debug)]
+pub struct AxialData {
+    /// the springs they belong to (arrays are shared, not copied)
+    pub springs: SpringData,
+    /// [N s/m] c
+    pub coefficient: Coefficient,
+}
+
+struct Damping {
+    stretch: Stretch,
+    /// vb - va
+    dv: DVec3,
+    ldot: f64,
+    force: f64,
+    /// dT_d/dl
+    slope: f64,
+    /// dT_d/dldot
+    c: f64,
+}
+
+impl AxialDashpots {
+    /// Makes the term.
+    pub fn new(data: AxialData) -> Self {
+        AxialDashpots(Batch::new(data))
+    }
+}
+
+impl AxialData {
+    #[inline]
+    fn damping(&self, at: NodeState<'_>, i: usize) -> Damping {
+        let springs = &self.springs;
+        let stretch = springs.stretch(at.x, i);
+        let [a, b] = springs.nodes[i];
+        let dv = at.v[b as usize] - at.v[a as usize];
+        let ldot = stretch.n.dot(dv);
+        let c = self.coefficient.at(i);
+        let Some(law) = clamped(springs.slack) else {
+            return Damping { stretch, dv, ldot, force: c * ldot, slope: 0.0, c };
+        };
+        let k = springs.stiffness.at(i);
+        let elastic = tension(springs.slack, k, stretch.elongation);
+        let floor = k * (law.threshold - law.offset);
+        let sum = k * (stretch.elongation - law.offset) + c * ldot;
+        if sum >= floor {
+            Damping { stretch, dv, ldot, force: sum - elastic.force, slope: k - elastic.slope, c }
+        } else {
+            Damping { stretch, dv, ldot, force: floor - elastic.force, slope: -elastic.slope, c: 0.0 }
+        }
+    }
+}
+
+impl Kernel<2> for AxialData {
+    const SIGNS: [f64; 2] = [1.0, -1.0];
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.springs.nodes
+    }
+
+    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        let mut power = 0.0;
+        for (i, out) in range.zip(out) {
+            let d = self.damping(at, i);
+            *out = d.force * d.stretch.n;
+            power -= d.force * d.ldot;
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for AxialDashpots {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "axial dashpots", role: Role::Dissipative }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        true
+    }
+
+    fn symmetric(&self) -> bool {
+        false
+    }
+
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
+        self.0.add(at, threads, f)
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        for (i, &nodes) in data.springs.nodes.iter().enumerate() {
+            let d = data.damping(at, i);
+            let n = d.stretch.n;
+            let mut block = d.stretch.block(d.force, d.slope) * w.k + outer(n, n) * (w.c * d.c);
+            if d.stretch.length > 0.0 {
+                block += outer(n, d.dv - d.ldot * n) * (w.k * d.c / d.stretch.length);
+            }
+            sink.edge(nodes, block);
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Pressure along the current normal: p A N on a triangle, a third to each vertex.
+//!
+//! ```text
+//! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
+//! ```
+
+use super::batch::{Batch, Kernel, Threads};
+use super::series::factor;
+use super::triangle::{AreaVector, mean};
+use super::{ForceTerm, NodeState, TangentSink};
+use crate::model::forces::{Role, Tally};
+use crate::model::spec::Series;
+use crate::model::system::{TermInfo, Weights};
+use glam::DVec3;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A follower pressure on a batch of triangles.
+#[derive(Debug)]
+pub struct FollowerPressure(Batch<FollowerData, 3>);
+
+/// Plain data of the batch.
+#[derive(Clone, Debug)]
+pub struct FollowerData {
+    /// vertices, right-handed about the side the pressure pushes to
+    pub triangles: Arc<[[u32; 3]]>,
+    /// [Pa] p
+    pub pressure: f64,
+    /// optional factor over time
+    pub factor: Option<Series<f64>>,
+}
+
+impl FollowerPressure {
+    /// Makes the term.
+    pub fn new(data: FollowerData) -> Self {
+        FollowerPressure(Batch::new(data))
+    }
+}
+
+impl Kernel<3> for FollowerData {
+    const SIGNS: [f64; 3] = [1.0; 3];
+
+    fn elements(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        let p = self.pressure * factor(self.factor.as_ref(), at.t);
+        let mut power = 0.0;
+        for (&nodes, out) in self.triangles[range].iter().zip(out) {
+            let force = p * AreaVector::new(at.x, nodes).s;
+            power += force.dot(mean(at.v, nodes));
+            *out = force / 3.0;
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for FollowerPressure {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "follower pressure", role: Role::External }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        false
+    }
+
+    fn symmetric(&self) -> bool {
+        false
+    }
+
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
+        self.0.add(at, threads, f)
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        let p = data.pressure * factor(data.factor.as_ref(), at.t);
+        for &nodes in data.triangles.iter() {
+            let area = AreaVector::new(at.x, nodes);
+            let row = [0, 1, 2].map(|j| area.derivative(j) * (-w.k * p / 3.0));
+            sink.triangle(nodes, &[row; 3]);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Forces that do not depend on the state: nodal forces, and dead pressure lumped to its nodes.
+//!
+//! f = factor(t) F, tangents zero, power = f . v.
+
+use super::batch::Threads;
+use super::series::factor;
+use super::triangle::AreaVector;
+use super::{ForceTerm, NodeState, TangentSink};
+use crate::model::forces::{Role, Tally};
+use crate::model::spec::Series;
+use crate::model::system::{TermInfo, Weights};
+use glam::DVec3;
+
+/// Given forces on some nodes.
+#[derive(Clone, Debug)]
+pub struct NodalForces {
+    /// `forces` or `dead pressure`
+    pub name: &'static str,
+    /// the nodes
+    pub nodes: Vec<u32>,
+    /// [N] force on each of them at factor 1
+    pub force: Vec<DVec3>,
+    /// optional factor over time
+    pub factor: Option<Series<f64>>,
+}
+
+/// A pressure that keeps the area it starts with.
+#[derive(Clone, Debug)]
+pub struct DeadPressure<'a> {
+    /// the triangles
+    pub triangles: &'a [[u32; 3]],
+    /// [Pa] pressure
+    pub pressure: f64,
+    /// unit direction; `None` = every triangle's own normal at the start
+    pub direction: Option<DVec3>,
+    /// optional factor over time
+    pub factor: Option<Series<f64>>,
+}
+
+impl DeadPressure<'_> {
+    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m].
+    pub fn lump(self, x: &[DVec3]) -> NodalForces {
+        let mut sum = vec![DVec3::ZERO; x.len()];
+        for &nodes in self.triangles {
+            let s = AreaVector::new(x, nodes).s;
+            let force = self.pressure / 3.0 * self.direction.map_or(s, |d| s.length() * d);
+            for i in nodes {
+                sum[i as usize] += force;
+            }
+        }
+        let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != DVec3::ZERO).collect();
+        let force = nodes.iter().map(|&i| sum[i as usize]).collect();
+        NodalForces { name: "dead pressure", nodes, force, factor: self.factor }
+    }
+}
+
+impl ForceTerm for NodalForces {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: self.name, role: Role::External }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        false
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn add(&self, at: NodeState<'_>, _threads: &Threads, f: &mut [DVec3]) -> Tally {
+        let scale = factor(self.factor.as_ref(), at.t);
+        let mut power = 0.0;
+        for (&i, &force) in self.nodes.iter().zip(&self.force) {
+            let force = scale * force;
+            f[i as usize] += force;
+            power += force.dot(at.v[i as usize]);
+        }
+        Tally { energy: 0.0, power }
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, _w: Weights, _sink: &mut dyn TangentSink) {}
+}

@@ -1,0 +1,119 @@
+//! Rayleigh damping (Rayleigh 1877; any structural dynamics text): f = -(alpha M + beta K0) v.
+//!
+//! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
+//! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
+
+use super::batch::{Batch, Kernel, Threads};
+use super::spring::Coefficient;
+use super::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The mass-proportional part.
+#[derive(Clone, Debug)]
+pub struct RayleighMass {
+    /// [1/s] alpha
+    pub factor: f64,
+    /// [kg] lumped mass of every node
+    pub mass: Arc<[f64]>,
+}
+
+impl ForceTerm for RayleighMass {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "rayleigh mass damping", role: Role::Dissipative }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        true
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn add(&self, at: NodeState<'_>, _threads: &Threads, f: &mut [DVec3]) -> Tally {
+        let mut power = 0.0;
+        for ((f, &v), m) in f.iter_mut().zip(at.v).zip(self.mass.iter()) {
+            let force = -(self.factor * m) * v;
+            power += force.dot(v);
+            *f += force;
+        }
+        Tally { energy: 0.0, power }
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        for (i, m) in self.mass.iter().enumerate() {
+            sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
+        }
+    }
+}
+
+/// The stiffness-proportional part.
+#[derive(Debug)]
+pub struct RayleighStiffness(Batch<RayleighData, 2>);
+
+/// Plain arrays of the stiffness-proportional part.
+#[derive(Clone, Debug)]
+pub struct RayleighData {
+    /// end nodes of every spring
+    pub nodes: Arc<[[u32; 2]]>,
+    /// [N s/m] beta k
+    pub coefficient: Coefficient,
+    /// unit vector of every spring on the mesh as given
+    pub direction: Arc<[DVec3]>,
+}
+
+impl RayleighStiffness {
+    /// Makes the term.
+    pub fn new(data: RayleighData) -> Self {
+        RayleighStiffness(Batch::new(data))
+    }
+}
+
+impl Kernel<2> for RayleighData {
+    const SIGNS: [f64; 2] = [1.0, -1.0];
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.nodes
+    }
+
+    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        let mut power = 0.0;
+        for (i, out) in range.zip(out) {
+            let ([a, b], n) = (self.nodes[i], self.direction[i]);
+            let rate = n.dot(at.v[b as usize] - at.v[a as usize]);
+            let c = self.coefficient.at(i);
+            *out = c * rate * n;
+            power -= c * rate * rate;
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for RayleighStiffness {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "rayleigh stiffness damping", role: Role::Dissipative }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        true
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
+        self.0.add(at, threads, f)
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
+            sink.edge(nodes, outer(n, n) * (w.c * data.coefficient.at(i)));
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The three slack kinds and the plain spring as tension laws T(e), e = l - l0 (thesis Eq. 3, both readings).
+
+use crate::model::spec::Slack;
+
+/// A spring's elastic tension at one elongation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tension {
+    /// [N] tension T
+    pub force: f64,
+    /// [N/m] dT/dl; at the threshold the taut branch's
+    pub slope: f64,
+    /// [J] stored energy, zero at rest
+    pub energy: f64,
+}
+
+/// A tension law for springs of stiffness `k`. Monomorphised into the kernels, so that a plain spring pays no branch.
+pub trait TensionLaw: Copy + Send + Sync {
+    /// [m] where the law clamps: the tension is k (max(e, threshold) - offset); -inf = never.
+    fn threshold(&self) -> f64;
+
+    /// [m] elongation at which the taut branch has no tension.
+    fn offset(&self) -> f64;
+
+    /// Tension, slope and energy at elongation `e` [m] with stiffness `k` [N/m].
+    #[inline(always)]
+    fn at(&self, k: f64, e: f64) -> Tension {
+        let (threshold, offset) = (self.threshold(), self.offset());
+        let taut = e >= threshold;
+        let c = if taut { e } else { threshold };
+        let force = k * (c - offset);
+        // Below the threshold the force is constant: its work is linear in the rest of the elongation.
+        Tension { force, slope: if taut { k } else { 0.0 }, energy: 0.5 * force * (c - offset) + force * (e - c) }
+    }
+}
+
+/// T = k e.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain;
+
+impl TensionLaw for Plain {
+    #[inline(always)]
+    fn threshold(&self) -> f64 {
+        f64::NEG_INFINITY
+    }
+    #[inline(always)]
+    fn offset(&self) -> f64 {
+        0.0
+    }
+    #[inline(always)]
+    fn at(&self, k: f64, e: f64) -> Tension {
+        let force = k * e;
+        Tension { force, slope: k, energy: 0.5 * force * e }
+    }
+}
+
+/// T = k (max(e, threshold) - offset): tension-only (0, 0), dead zone (eps, eps), compression limit (-eps, 0).
+#[derive(Clone, Copy, Debug)]
+pub struct Clamped {
+    /// [m] elongation below which the tension is constant
+    pub threshold: f64,
+    /// [m] elongation of zero tension on the taut branch
+    pub offset: f64,
+}
+
+impl TensionLaw for Clamped {
+    #[inline(always)]
+    fn threshold(&self) -> f64 {
+        self.threshold
+    }
+    #[inline(always)]
+    fn offset(&self) -> f64 {
+        self.offset
+    }
+}
+
+/// The clamped law of a slack kind, `None` for the plain spring.
+pub fn clamped(slack: Slack) -> Option<Clamped> {
+    match slack {
+        Slack::None => None,
+        Slack::TensionOnly => Some(Clamped { threshold: 0.0, offset: 0.0 }),
+        Slack::DeadZone { eps } => Some(Clamped { threshold: eps, offset: eps }),
+        Slack::CompressionLimit { eps } => Some(Clamped { threshold: -eps, offset: 0.0 }),
+    }
+}
+
+/// The law of any slack kind, when speed does not matter.
+pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
+    match clamped(slack) {
+        None => Plain.at(k, e),
+        Some(law) => law.at(k, e),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const K: f64 = 7.0;
+    const EPS: f64 = 0.2;
+
+    fn kinds() -> [Slack; 4] {
+        [Slack::None, Slack::TensionOnly, Slack::DeadZone { eps: EPS }, Slack::CompressionLimit { eps: EPS }]
+    }
+
+    #[test]
+    fn tension_follows_the_written_laws() {
+        for i in -40..=40 {
+            let e = 0.025 * f64::from(i);
+            let expected = [K * e, K * e.max(0.0), K * (e - EPS).max(0.0), K * e.max(-EPS)]
+                .map(|t| if t == 0.0 { 0.0 } else { t });
+            for (slack, t) in kinds().into_iter().zip(expected) {
+                assert!((tension(slack, K, e).force - t).abs() < 1e-14, "{slack:?} at e = {e}");
+            }
+        }
+    }
+
+    #[test]
+    fn energy_is_the_integral_of_tension_and_zero_at_rest() {
+        for slack in kinds() {
+            assert_eq!(tension(slack, K, 0.0).energy, 0.0, "{slack:?} at rest");
+            for i in -40..40 {
+                // Midpoint rule is exact where the law is linear; the kinks lie on the grid.
+                let (e0, e1) = (0.025 * f64::from(i), 0.025 * f64::from(i + 1));
+                let work = tension(slack, K, 0.5 * (e0 + e1)).force * (e1 - e0);
+                let gain = tension(slack, K, e1).energy - tension(slack, K, e0).energy;
+                assert!((gain - work).abs() < 1e-14, "{slack:?} between {e0} and {e1}: {gain} against {work}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_threshold_itself_is_taut() {
+        assert_eq!(tension(Slack::TensionOnly, K, 0.0).slope, K);
+        assert_eq!(tension(Slack::DeadZone { eps: EPS }, K, EPS).slope, K);
+        assert_eq!(tension(Slack::CompressionLimit { eps: EPS }, K, -EPS).slope, K);
+        assert_eq!(tension(Slack::TensionOnly, K, -1e-9).slope, 0.0);
+    }
+}

@@ -1,0 +1,209 @@
+//! Linear springs, slack or not (thesis Eq. 3, 52 and 67; Provot 1995).
+//!
+//! ```text
+//! e = l - l0,  n = (xb - xa)/l      force on a = T(e) n,  on b = -T(e) n      energy = integral of T de
+//! -df/dx = [[B, -B], [-B, B]],      B = (T/l)(I - n n^T) + (dT/dl) n n^T      -df/dv = 0
+//! ```
+//! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
+
+use super::batch::{BLOCK, Batch, Kernel, Threads, lane_sum};
+use super::slack::{Clamped, Plain, TensionLaw, clamped, tension};
+use super::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::spec::Slack;
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// One value for all elements, or one each; a uniform value is not read from memory again and again.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coefficient {
+    /// the same for all
+    Uniform(f64),
+    /// one an element
+    Each(Arc<[f64]>),
+}
+
+impl Coefficient {
+    /// Chooses the compact form.
+    pub fn from_values(values: &[f64]) -> Self {
+        match values.first() {
+            Some(&first) if values.iter().all(|&v| v == first) => Coefficient::Uniform(first),
+            _ => Coefficient::Each(values.into()),
+        }
+    }
+
+    /// The value of element `i`.
+    #[inline]
+    pub fn at(&self, i: usize) -> f64 {
+        match self {
+            Coefficient::Uniform(c) => *c,
+            Coefficient::Each(values) => values[i],
+        }
+    }
+
+    /// Fills `out` with the values of a range.
+    #[inline]
+    fn fill(&self, range: Range<usize>, out: &mut [f64]) {
+        match self {
+            Coefficient::Uniform(c) => out.fill(*c),
+            Coefficient::Each(values) => out.copy_from_slice(&values[range]),
+        }
+    }
+}
+
+/// Plain arrays of a batch of springs.
+#[derive(Clone, Debug)]
+pub struct SpringData {
+    /// end nodes a, b
+    pub nodes: Arc<[[u32; 2]]>,
+    /// [m] rest length l0, one a spring
+    pub rest_length: Arc<[f64]>,
+    /// [N/m] stiffness k
+    pub stiffness: Coefficient,
+    /// slack kind of the batch
+    pub slack: Slack,
+}
+
+/// A batch of springs as a force term.
+#[derive(Debug)]
+pub struct Springs {
+    batch: Batch<SpringData, 2>,
+    stiffness_scale: f64,
+}
+
+impl Springs {
+    /// Makes the term; node numbers must be below the number of nodes it will be used with.
+    pub fn new(data: SpringData) -> Self {
+        let n_nodes = data.nodes.as_flattened().iter().max().map_or(0, |&m| m as usize + 1);
+        let mut sum = vec![0.0; n_nodes];
+        for (i, &[a, b]) in data.nodes.iter().enumerate() {
+            sum[a as usize] += data.stiffness.at(i);
+            sum[b as usize] += data.stiffness.at(i);
+        }
+        let stiffness_scale = sum.iter().copied().fold(0.0, f64::max);
+        Springs { batch: Batch::new(data), stiffness_scale }
+    }
+
+    /// The arrays.
+    pub fn data(&self) -> &SpringData {
+        self.batch.kernel()
+    }
+}
+
+impl SpringData {
+    /// Vector from a to b, length, and elongation of spring `i`.
+    #[inline]
+    pub(crate) fn stretch(&self, x: &[DVec3], i: usize) -> Stretch {
+        let [a, b] = self.nodes[i];
+        let d = x[b as usize] - x[a as usize];
+        let length = d.length();
+        let n = if length > 0.0 { d / length } else { DVec3::ZERO };
+        Stretch { n, length, elongation: length - self.rest_length[i] }
+    }
+
+    /// [N] elastic tension of spring `i`.
+    pub fn tension(&self, x: &[DVec3], i: usize) -> f64 {
+        tension(self.slack, self.stiffness.at(i), self.stretch(x, i).elongation).force
+    }
+
+    /// [-] strain (l - l0)/l0 of spring `i`.
+    pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
+        self.stretch(x, i).elongation / self.rest_length[i]
+    }
+
+    #[inline(always)]
+    fn block_forces<L: TensionLaw>(&self, law: L, x: &[DVec3], range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        let n = range.len();
+        let mut buffers = [[0.0; BLOCK]; 4];
+        let [k, scale, energy, square] = &mut buffers;
+        let (k, scale, energy, square) = (&mut k[..n], &mut scale[..n], &mut energy[..n], &mut square[..n]);
+        self.stiffness.fill(range.clone(), k);
+        for ((&[a, b], d), q) in self.nodes[range.clone()].iter().zip(out.iter_mut()).zip(square.iter_mut()) {
+            *d = x[b as usize] - x[a as usize];
+            *q = d.length_squared();
+        }
+        // No memory access by node number in this loop, so that it vectorises.
+        for ((((s, u), q), k), l0) in
+            scale.iter_mut().zip(energy.iter_mut()).zip(square.iter()).zip(k.iter()).zip(&self.rest_length[range])
+        {
+            let l = q.sqrt();
+            let t = law.at(*k, l - l0);
+            *s = if l > 0.0 { t.force / l } else { 0.0 };
+            *u = t.energy;
+        }
+        for (d, s) in out.iter_mut().zip(scale.iter()) {
+            *d *= *s;
+        }
+        Tally { energy: lane_sum(energy), power: 0.0 }
+    }
+}
+
+/// Direction, length and elongation of a spring.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    /// unit vector from a to b, zero for coincident nodes
+    pub n: DVec3,
+    /// [m]
+    pub length: f64,
+    /// [m] l - l0
+    pub elongation: f64,
+}
+
+impl Stretch {
+    /// `(t/l)(I - n n^T) + s n n^T`, zero for coincident nodes.
+    pub(crate) fn block(&self, t: f64, s: f64) -> DMat3 {
+        if self.length == 0.0 {
+            return DMat3::ZERO;
+        }
+        let g = t / self.length;
+        DMat3::from_diagonal(DVec3::splat(g)) + outer(self.n, self.n) * (s - g)
+    }
+}
+
+impl Kernel<2> for SpringData {
+    const SIGNS: [f64; 2] = [1.0, -1.0];
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.nodes
+    }
+
+    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
+        match clamped(self.slack) {
+            None => self.block_forces::<Plain>(Plain, at.x, range, out),
+            Some(law) => self.block_forces::<Clamped>(law, at.x, range, out),
+        }
+    }
+}
+
+impl ForceTerm for Springs {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "springs", role: Role::Elastic }
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        false
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
+        self.batch.add(at, threads, f)
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.data();
+        for (i, &nodes) in data.nodes.iter().enumerate() {
+            let s = data.stretch(at.x, i);
+            let t = tension(data.slack, data.stiffness.at(i), s.elongation);
+            sink.edge(nodes, s.block(t.force, t.slope) * w.k);
+        }
+    }
+
+    fn stiffness_scale(&self) -> f64 {
+        self.stiffness_scale
+    }
+}

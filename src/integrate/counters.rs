@@ -1,0 +1,28 @@
+//! Work counters: the same on every machine, unlike seconds.
+
+use crate::model::forces::Forces;
+use crate::model::state::StateRef;
+use crate::model::system::System;
+
+/// What a run cost, in operations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counters {
+    /// force passes the scheme asked for
+    pub force_evaluations: u64,
+    /// assemblies of W
+    pub tangent_assemblies: u64,
+    /// factorisations of W
+    pub factorizations: u64,
+    /// solves with a factorised W
+    pub linear_solves: u64,
+    /// Newton iterations
+    pub newton_iterations: u64,
+}
+
+impl Counters {
+    /// A counted force pass.
+    pub fn evaluate<S: System + ?Sized>(&mut self, system: &S, at: StateRef<'_>, out: &mut Forces) {
+        self.force_evaluations += 1;
+        system.evaluate(at, out);
+    }
+}

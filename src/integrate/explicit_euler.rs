@@ -1,0 +1,37 @@
+//! Explicit Euler (thesis Eq. 11-12; Euler 1768). Order 1, one evaluation a step.
+//!
+//! ```text
+//! x_{n+1} = x_n + h v_n
+//! v_{n+1} = v_n + h M^-1 f(t_n, x_n, v_n)
+//! ```
+//! Undamped oscillations grow for every h: the amplitude by sqrt(1 + (w h)^2) a step. With damping ratio zeta the limit is
+//! w h < 2 zeta (oscillating case).
+
+use super::updates::{add_scaled, kick};
+use super::{Counters, Integrator, StepError, StepInput, StepReport};
+use crate::model::point::Point;
+use crate::model::system::System;
+
+/// Explicit Euler; carries nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExplicitEuler;
+
+impl Integrator<dyn System> for ExplicitEuler {
+    fn start(&mut self, _system: &dyn System, _at: &Point) -> Result<(), StepError> {
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let n = &from.state;
+        to.state.t = t_next;
+        add_scaled(&mut to.state.x, &n.x, h, &n.v);
+        kick(system, &mut to.state.v, &n.v, h, &from.forces.total);
+        counters.evaluate(system, to.state.as_ref(), &mut to.forces);
+        Ok(StepReport { forces_at_end: true, ..Default::default() })
+    }
+}

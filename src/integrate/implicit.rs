@@ -1,0 +1,200 @@
+//! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear solver.
+//!
+//! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend
+//! on where the origin is. Per iteration: one force pass, W = cm M + cc C + ck K assembled into its slots, one
+//! factorisation, one solve.
+
+use super::stage::StageMap;
+use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
+use crate::assembly::Assembler;
+use crate::model::point::Point;
+use crate::model::system::{TangentSystem, Weights};
+use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales, norm};
+use crate::solve::{LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+
+/// A scheme of the family: nothing but its stage map.
+pub trait ImplicitScheme: Send {
+    /// The map for a step of size `h` [s].
+    fn map(&self, h: f64) -> StageMap;
+}
+
+/// How implicit steps are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolverSpec {
+    /// Newton's iteration
+    pub newton: NewtonSpec,
+    /// linear solver
+    pub linear: LinearChoice,
+}
+
+/// A scheme with its solver; carries the algorithmic acceleration.
+pub struct Implicit<M> {
+    scheme: M,
+    spec: SolverSpec,
+    /// a_n, what the scheme carries
+    a: Vec<f64>,
+    solver: Option<Solver>,
+}
+
+/// What a step works with, made once.
+struct Solver {
+    assembler: Assembler,
+    linear: Box<dyn LinearSolver>,
+    newton: Newton,
+    z: Vec<f64>,
+    a_next: Vec<f64>,
+    inertia: Vec<f64>,
+    weighted: Vec<f64>,
+}
+
+/// F(z) = 0 of one step.
+struct Stage<'a> {
+    system: &'a dyn TangentSystem,
+    map: StageMap,
+    from: &'a Point,
+    a: &'a [f64],
+    to: &'a mut Point,
+    counters: &'a mut Counters,
+    assembler: &'a mut Assembler,
+    linear: &'a mut dyn LinearSolver,
+    a_next: &'a mut [f64],
+    /// (1 - am) a_{n+1} + am a_n
+    weighted: &'a mut [f64],
+    /// M times that
+    inertia: &'a mut [f64],
+}
+
+impl<M: ImplicitScheme> Implicit<M> {
+    /// A scheme with its solver settings.
+    pub fn new(scheme: M, spec: SolverSpec) -> Self {
+        Implicit { scheme, spec, a: Vec::new(), solver: None }
+    }
+}
+
+impl NonlinearProblem for Stage<'_> {
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) {
+        let (n, map) = (&self.from.state, self.map);
+        let pattern = &self.assembler.pattern;
+        for (&dof, z) in pattern.dof.iter().zip(z) {
+            let i = dof as usize;
+            self.to.state.x[i] = n.x[i] + z;
+            self.to.state.v[i] = map.cv * z + map.vv * n.v[i] + map.va * self.a[i];
+            self.a_next[i] = map.ca * z + map.av * n.v[i] + map.aa * self.a[i];
+            self.weighted[i] = (1.0 - map.am) * self.a_next[i] + map.am * self.a[i];
+        }
+        self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
+        self.system.mass_times(self.weighted, self.inertia);
+        let (f, f_n) = (&self.to.forces.total, &self.from.forces.total);
+        for (&dof, r) in pattern.dof.iter().zip(r) {
+            let i = dof as usize;
+            *r = self.inertia[i] - ((1.0 - map.af) * f[i] + map.af * f_n[i]);
+        }
+    }
+
+    fn linearise(&mut self) -> Result<(), LinearError> {
+        let new = 1.0 - self.map.af;
+        let w = Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new };
+        self.counters.newton_iterations += 1;
+        self.counters.tangent_assemblies += 1;
+        self.system.assemble(self.to.state.as_ref(), w, self.assembler);
+        self.counters.factorizations += 1;
+        self.linear.factor(self.assembler.values())
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+        self.counters.linear_solves += 1;
+        self.linear.solve(self.assembler.values(), b)
+    }
+}
+
+impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
+    fn start(&mut self, system: &dyn TangentSystem, at: &Point) -> Result<(), StepError> {
+        let assembler = system.assembler()?;
+        let linear = solver_for(assembler.pattern.clone(), self.spec.linear)?;
+        let (n, unknowns) = (system.n_dof(), assembler.pattern.n());
+        let newton = Newton::new(self.spec.newton, unknowns);
+        self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
+        let zero = || vec![0.0; n];
+        let z = vec![0.0; unknowns];
+        self.solver = Some(Solver { assembler, linear, newton, z, a_next: zero(), inertia: zero(), weighted: zero() });
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn TangentSystem>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let Some(s) = &mut self.solver else {
+            return Err(StepError::Newton(NewtonFailure::NotFinite { worst: 0 }));
+        };
+        let map = self.scheme.map(h);
+        to.state.copy_from(from.state.as_ref());
+        to.state.t = t_next;
+        let scales = scales(system, from, &self.a, map, &mut s.inertia);
+        // Constant acceleration is a second-order guess: one iteration less than starting from rest.
+        for (&dof, z) in s.assembler.pattern.dof.iter().zip(s.z.iter_mut()) {
+            let i = dof as usize;
+            *z = h * (from.state.v[i] + 0.5 * h * self.a[i]);
+        }
+        let mut stage = Stage {
+            system,
+            map,
+            from,
+            a: &self.a,
+            to,
+            counters,
+            assembler: &mut s.assembler,
+            linear: &mut *s.linear,
+            a_next: &mut s.a_next,
+            weighted: &mut s.weighted,
+            inertia: &mut s.inertia,
+        };
+        let report = s.newton.solve(&mut stage, &mut s.z, scales)?;
+        Ok(StepReport {
+            newton_iterations: report.iterations,
+            residual: report.residual,
+            work: None,
+            forces_at_end: true,
+        })
+    }
+
+    fn accept(&mut self) {
+        if let Some(s) = &mut self.solver {
+            std::mem::swap(&mut self.a, &mut s.a_next);
+        }
+    }
+
+    fn save(&self) -> Carried {
+        Carried { vectors: vec![self.a.clone()] }
+    }
+
+    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+        carried.take_into(&mut [&mut self.a])
+    }
+
+    fn dof_of_unknown(&self, unknown: usize) -> usize {
+        let pattern = self.solver.as_ref().map(|s| &s.assembler.pattern);
+        pattern.and_then(|p| p.dof.get(unknown)).map_or(0, |&dof| dof as usize)
+    }
+
+    fn linear_stats(&self) -> Option<LinearStats> {
+        self.solver.as_ref().map(|s| s.linear.stats())
+    }
+}
+
+/// The sizes at the step's start that residuals and increments are compared with.
+fn scales(system: &dyn TangentSystem, from: &Point, a: &[f64], map: StageMap, product: &mut [f64]) -> Scales {
+    let eps = f64::EPSILON;
+    let x = &from.state.x;
+    let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let root = (x.len() as f64).sqrt();
+    system.mass_times(a, product);
+    let residual = system.force_scale(&from.forces).max(norm(product));
+    // Positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as M v/(beta h).
+    system.mass_times(&from.state.v, product);
+    let residual_floor = 4.0 * eps * (system.stiffness_scale() * largest * root + map.av.abs() * norm(product));
+    let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
+    Scales { residual, residual_floor, increment, increment_floor: 4.0 * eps * largest * root }
+}

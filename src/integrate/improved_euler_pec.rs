@@ -1,0 +1,89 @@
+//! Improved Euler in the thesis text's reading, "never corrected" (Hanna 1988): predict, evaluate, correct. Order 2,
+//! one evaluation a step.
+//!
+//! With y = (x, v) and d_n the derivative evaluated at the *predicted* state of step n (d_0 at the initial state):
+//! ```text
+//! y~_{n+1} = y_n + h d_n,      d_{n+1} = (v~, M^-1 f(t_{n+1}, x~, v~))
+//! y_{n+1} = y_n + h/2 (d_n + d_{n+1})
+//! ```
+//! On linear problems the predicted states follow Adams-Bashforth 2 exactly. The forces at the corrected state are never
+//! evaluated by the scheme.
+
+use super::updates::{acceleration, accumulate, add_scaled, power, weigh};
+use super::{Carried, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
+use crate::model::point::Point;
+use crate::model::state::State;
+use crate::model::system::System;
+
+/// The derivative at a predicted state.
+#[derive(Clone, Debug, Default)]
+struct Derivative {
+    x: Vec<f64>,
+    v: Vec<f64>,
+    power: StageWork,
+}
+
+/// Improved Euler, PEC; carries the derivative of the last predicted state.
+#[derive(Clone, Debug, Default)]
+pub struct ImprovedEulerPec {
+    now: Derivative,
+    next: Derivative,
+    predicted: State,
+}
+
+impl Integrator<dyn System> for ImprovedEulerPec {
+    fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
+        let mut a = vec![0.0; at.state.v.len()];
+        acceleration(system, &mut a, &at.forces.total);
+        self.now = Derivative { x: at.state.v.clone(), v: a, power: power(system, &at.forces) };
+        self.next = self.now.clone();
+        self.predicted = at.state.clone();
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let (n, p) = (&from.state, &mut self.predicted);
+        p.t = t_next;
+        add_scaled(&mut p.x, &n.x, h, &self.now.x);
+        add_scaled(&mut p.v, &n.v, h, &self.now.v);
+        counters.evaluate(system, p.as_ref(), &mut to.forces);
+        self.next.x.copy_from_slice(&p.v);
+        acceleration(system, &mut self.next.v, &to.forces.total);
+        self.next.power = power(system, &to.forces);
+
+        to.state.t = t_next;
+        add_scaled(&mut to.state.x, &n.x, 0.5 * h, &self.now.x);
+        accumulate(&mut to.state.x, 0.5 * h, &self.next.x);
+        add_scaled(&mut to.state.v, &n.v, 0.5 * h, &self.now.v);
+        accumulate(&mut to.state.v, 0.5 * h, &self.next.v);
+        let work = weigh([(0.5 * h, self.now.power), (0.5 * h, self.next.power)]);
+        Ok(StepReport { work: Some(work), forces_at_end: false, ..Default::default() })
+    }
+
+    fn accept(&mut self) {
+        std::mem::swap(&mut self.now, &mut self.next);
+    }
+
+    fn save(&self) -> Carried {
+        let power = vec![self.now.power.external, self.now.power.dissipated];
+        Carried { vectors: vec![self.now.x.clone(), self.now.v.clone(), power] }
+    }
+
+    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+        let n = self.now.x.len();
+        match carried.vectors.as_slice() {
+            [x, v, power] if x.len() == n && v.len() == n && power.len() == 2 => {
+                self.now.x.copy_from_slice(x);
+                self.now.v.copy_from_slice(v);
+                self.now.power = StageWork { external: power[0], dissipated: power[1] };
+                Ok(())
+            }
+            other => Err(StepError::Carried { found: other.len(), expected: 3, length: n }),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The classical Runge-Kutta method (thesis Eq. 42-51; Kutta 1901). Order 4, four evaluations a step.
+//!
+//! ```text
+//!   0  |
+//!  1/2 | 1/2
+//!  1/2 |  0   1/2                 y = (x, v),   k_i = (v_i, M^-1 f(t_i, x_i, v_i))
+//!   1  |  0    0    1             y_{n+1} = y_n + h/6 (k_1 + 2 k_2 + 2 k_3 + k_4)
+//! -----+--------------------
+//!      | 1/6  1/3  1/3  1/6
+//! ```
+//! Limit on the imaginary axis w h < 2 sqrt 2.
+
+use super::updates::{accumulate, accumulate_kick, add_scaled, kick, power, weigh};
+use super::{Counters, Integrator, StageWork, StepError, StepInput, StepReport};
+use crate::model::forces::Forces;
+use crate::model::point::Point;
+use crate::model::state::State;
+use crate::model::system::System;
+
+/// The classical Runge-Kutta method; carries nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Rk4 {
+    stage: State,
+    /// velocity of the stage before, which the positions of the next one need
+    velocity: Vec<f64>,
+    forces: Forces,
+}
+
+impl Integrator<dyn System> for Rk4 {
+    fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
+        self.stage = at.state.clone();
+        self.velocity = at.state.v.clone();
+        self.forces = system.new_forces();
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let n = &from.state;
+        to.state.t = t_next;
+        add_scaled(&mut to.state.x, &n.x, h / 6.0, &n.v);
+        kick(system, &mut to.state.v, &n.v, h / 6.0, &from.forces.total);
+        let mut powers =
+            [power(system, &from.forces), StageWork::default(), StageWork::default(), StageWork::default()];
+
+        // (c_i = the only nonzero a_ij of the row, weight b_i)
+        let stages = [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
+        for (i, (c, b)) in stages.into_iter().enumerate() {
+            let s = &mut self.stage;
+            let (v, f) = if i == 0 { (&n.v, &from.forces.total) } else { (&self.velocity, &self.forces.total) };
+            s.t = if c == 1.0 { t_next } else { n.t + c * h };
+            add_scaled(&mut s.x, &n.x, c * h, v);
+            kick(system, &mut s.v, &n.v, c * h, f);
+            counters.evaluate(system, s.as_ref(), &mut self.forces);
+            self.velocity.copy_from_slice(&s.v);
+            accumulate(&mut to.state.x, b * h, &s.v);
+            accumulate_kick(system, &mut to.state.v, b * h, &self.forces.total);
+            powers[i + 1] = power(system, &self.forces);
+        }
+        counters.evaluate(system, to.state.as_ref(), &mut to.forces);
+        let [p1, p2, p3, p4] = powers;
+        let work = weigh([(h / 6.0, p1), (h / 3.0, p2), (h / 3.0, p3), (h / 6.0, p4)]);
+        Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
+    }
+}

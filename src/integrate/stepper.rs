@@ -1,0 +1,116 @@
+//! A scheme bound to a scene that can do what the scheme needs.
+
+use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
+use crate::model::point::Point;
+use crate::model::system::{Abilities, SpringGraph, System, TangentSystem};
+use crate::solve::LinearStats;
+
+/// A scheme by what it needs of a system.
+pub enum Scheme {
+    /// forces
+    Explicit(Box<dyn Integrator<dyn System>>),
+    /// forces and tangents
+    Implicit(Box<dyn Integrator<dyn TangentSystem>>),
+    /// forces and the spring graph
+    Graph(Box<dyn Integrator<dyn SpringGraph>>),
+}
+
+/// The scene cannot do what the scheme needs.
+#[derive(Clone, Copy, Debug, thiserror::Error, PartialEq, Eq)]
+#[error("this method filters a spring network and the scene has none; choose another method")]
+pub struct NeedsNetwork;
+
+/// A scheme bound to a scene.
+pub struct Stepper<'a>(Bound<'a>);
+
+enum Bound<'a> {
+    Explicit(Box<dyn Integrator<dyn System>>, &'a (dyn System + 'static)),
+    Implicit(Box<dyn Integrator<dyn TangentSystem>>, &'a (dyn TangentSystem + 'static)),
+    Graph(Box<dyn Integrator<dyn SpringGraph>>, &'a (dyn SpringGraph + 'static)),
+}
+
+/// One step to attempt by a bound scheme.
+#[derive(Clone, Copy, Debug)]
+pub struct Attempt<'a> {
+    /// where the step starts
+    pub from: &'a Point,
+    /// [s] step size
+    pub h: f64,
+    /// [s] time at the end
+    pub t_next: f64,
+}
+
+macro_rules! each {
+    ($self:expr, $scheme:ident, $system:ident => $body:expr) => {
+        match $self {
+            Bound::Explicit($scheme, $system) => $body,
+            Bound::Implicit($scheme, $system) => $body,
+            Bound::Graph($scheme, $system) => $body,
+        }
+    };
+}
+
+impl<'a> Stepper<'a> {
+    /// Binds a scheme to a scene.
+    ///
+    /// # Errors
+    /// When the scheme needs a spring network and the scene has none.
+    pub fn bind(scheme: Scheme, scene: Abilities<'a>) -> Result<Self, NeedsNetwork> {
+        Ok(Stepper(match scheme {
+            Scheme::Explicit(s) => Bound::Explicit(s, scene.system),
+            Scheme::Implicit(s) => Bound::Implicit(s, scene.tangent),
+            Scheme::Graph(s) => Bound::Graph(s, scene.graph.ok_or(NeedsNetwork)?),
+        }))
+    }
+
+    /// See [`Integrator::start`].
+    ///
+    /// # Errors
+    /// When matrices or solvers cannot be set up.
+    pub fn start(&mut self, at: &Point) -> Result<(), StepError> {
+        each!(&mut self.0, scheme, system => scheme.start(*system, at))
+    }
+
+    /// See [`Integrator::attempt`].
+    ///
+    /// # Errors
+    /// When an implicit step does not converge.
+    pub fn attempt(
+        &mut self,
+        Attempt { from, h, t_next }: Attempt<'_>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        each!(&mut self.0, scheme, system => {
+            scheme.attempt(StepInput { system: *system, from, h, t_next }, to, counters)
+        })
+    }
+
+    /// See [`Integrator::accept`].
+    pub fn accept(&mut self) {
+        each!(&mut self.0, scheme, _system => scheme.accept());
+    }
+
+    /// See [`Integrator::save`].
+    pub fn save(&self) -> Carried {
+        each!(&self.0, scheme, _system => scheme.save())
+    }
+
+    /// See [`Integrator::restore`].
+    ///
+    /// # Errors
+    /// When the saved state does not fit.
+    pub fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+        each!(&mut self.0, scheme, _system => scheme.restore(carried))
+    }
+
+    /// Degree of freedom of an unknown of an implicit scheme.
+    pub fn dof_of_unknown(&self, unknown: usize) -> usize {
+        each!(&self.0, scheme, _system => scheme.dof_of_unknown(unknown))
+    }
+
+    /// See [`Integrator::linear_stats`].
+    pub fn linear_stats(&self) -> Option<LinearStats> {
+        each!(&self.0, scheme, _system => scheme.linear_stats())
+    }
+}

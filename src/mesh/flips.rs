@@ -1,0 +1,134 @@
+//! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than triangulating anew.
+
+use glam::DVec2;
+
+/// No triangle beyond this side.
+const NONE: u32 = u32::MAX;
+/// [-] by how much the two angles opposite an edge must exceed 180 degrees (as the sine of the excess) before it is flipped;
+/// without it rounding could flip the edges of a square for ever
+const EXCESS: f64 = 1e-9;
+
+/// Triangles with their neighbours.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Flips {
+    triangles: Vec<[u32; 3]>,
+    /// triangle beyond the side that starts at each corner
+    beyond: Vec<[u32; 3]>,
+    /// whether that side must stay
+    kept: Vec<[bool; 3]>,
+}
+
+impl Flips {
+    /// Takes over a triangulation; `constraints` are edges that must stay.
+    pub fn new(triangles: Vec<[u32; 3]>, constraints: &[[usize; 2]]) -> Self {
+        let key = |a: u32, b: u32| [a.min(b), a.max(b)];
+        let mut fixed: Vec<[u32; 2]> = constraints.iter().map(|&[a, b]| key(a as u32, b as u32)).collect();
+        fixed.sort_unstable();
+        let mut sides: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(3 * triangles.len());
+        for (t, corners) in triangles.iter().enumerate() {
+            sides.extend((0..3).map(|s| (key(corners[s], corners[(s + 1) % 3]), t as u32, s)));
+        }
+        sides.sort_unstable();
+        let mut beyond = vec![[NONE; 3]; triangles.len()];
+        let mut kept = vec![[false; 3]; triangles.len()];
+        for pair in sides.windows(2) {
+            let [(first, t, s), (second, u, r)] = [pair[0], pair[1]];
+            if first == second {
+                beyond[t as usize][s] = u;
+                beyond[u as usize][r] = t;
+                let stays = !fixed.is_empty() && fixed.binary_search(&first).is_ok();
+                kept[t as usize][s] = stays;
+                kept[u as usize][r] = stays;
+            }
+        }
+        Self { triangles, beyond, kept }
+    }
+
+    /// The edges, each once.
+    pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.triangles.iter().zip(&self.beyond).enumerate().flat_map(|(t, (corners, beyond))| {
+            let own = move |&s: &usize| beyond[s] == NONE || (t as u32) < beyond[s];
+            (0..3).filter(own).map(move |s| [corners[s], corners[(s + 1) % 3]])
+        })
+    }
+
+    /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do not end,
+    /// and a new triangulation is needed.
+    pub fn follow(&mut self, points: &[DVec2]) -> bool {
+        let turned = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|n| points[n as usize]);
+            !((b - a).perp_dot(c - a) > 0.0)
+        };
+        if self.triangles.is_empty() || self.triangles.iter().any(turned) {
+            return false;
+        }
+        let mut stack: Vec<u32> = (0..self.triangles.len() as u32).rev().collect();
+        // Far more flips than a small movement can call for.
+        let mut left = 10 * self.triangles.len() + 100;
+        while let Some(t) = stack.pop() {
+            for side in 0..3 {
+                if self.wants_flip(t, side, points) {
+                    let other = self.flip(t, side);
+                    stack.extend([t, other]);
+                    left -= 1;
+                    break;
+                }
+            }
+            if left == 0 {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Where in `of` the neighbour `t` lies.
+    fn side_towards(&self, of: u32, t: u32) -> usize {
+        self.beyond[of as usize].iter().position(|&n| n == t).unwrap_or(0)
+    }
+
+    /// Whether the angles opposite a side add up to more than 180 degrees.
+    fn wants_flip(&self, t: u32, side: usize, points: &[DVec2]) -> bool {
+        let other = self.beyond[t as usize][side];
+        if other == NONE || self.kept[t as usize][side] {
+            return false;
+        }
+        let corners = self.triangles[t as usize];
+        let far = self.triangles[other as usize][(self.side_towards(other, t) + 2) % 3];
+        let [a, b, c, d] =
+            [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3], far].map(|n| points[n as usize]);
+        let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
+        // Sine of the sum of the angles at c and d, times the four lengths.
+        let sine = ca.perp_dot(cb) * da.dot(db) + ca.dot(cb) * db.perp_dot(da);
+        // The sum of the squares bounds the product of lengths from above, without square roots.
+        sine < -EXCESS * (ca.length_squared() * cb.length_squared() + da.length_squared() * db.length_squared())
+    }
+
+    /// Replaces the side a-b of triangles abc and bad by c-d; returns the other triangle.
+    fn flip(&mut self, t: u32, side: usize) -> u32 {
+        let other = self.beyond[t as usize][side];
+        let across = self.side_towards(other, t);
+        let (ti, oi) = (t as usize, other as usize);
+        let next = |s: usize| (s + 1) % 3;
+        let last = |s: usize| (s + 2) % 3;
+        let (a, b, c) = (self.triangles[ti][side], self.triangles[ti][next(side)], self.triangles[ti][last(side)]);
+        let d = self.triangles[oi][last(across)];
+        // Sides of t: a-b, b-c, c-a; of other: b-a, a-d, d-b.
+        let (bc, ca) = (self.beyond[ti][next(side)], self.beyond[ti][last(side)]);
+        let (ad, db) = (self.beyond[oi][next(across)], self.beyond[oi][last(across)]);
+        let (keep_bc, keep_ca) = (self.kept[ti][next(side)], self.kept[ti][last(side)]);
+        let (keep_ad, keep_db) = (self.kept[oi][next(across)], self.kept[oi][last(across)]);
+        for (neighbour, from, to) in [(bc, t, other), (ad, other, t)] {
+            if neighbour != NONE {
+                let at = self.side_towards(neighbour, from);
+                self.beyond[neighbour as usize][at] = to;
+            }
+        }
+        self.triangles[ti] = [c, a, d];
+        self.beyond[ti] = [ca, ad, other];
+        self.kept[ti] = [keep_ca, keep_ad, false];
+        self.triangles[oi] = [d, b, c];
+        self.beyond[oi] = [db, bc, t];
+        self.kept[oi] = [keep_db, keep_bc, false];
+        other
+    }
+}

@@ -1,0 +1,256 @@
+//! From a plain specification to force terms in internal numbering.
+
+use super::network::{Network, SpringBatch};
+use super::numbering::Numbering;
+use crate::force::ForceTerm;
+use crate::force::air::{Air, AirData};
+use crate::force::axial_dashpot::{AxialDashpots, AxialData};
+use crate::force::batch::Threads;
+use crate::force::follower_pressure::{FollowerData, FollowerPressure};
+use crate::force::gravity::Gravity;
+use crate::force::nodal::{DeadPressure, NodalForces};
+use crate::force::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
+use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
+use crate::force::series::vectors;
+use crate::force::spring::{Coefficient, SpringData, Springs};
+use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, SpringGroup};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Why a specification cannot be built. The case reader finds these first, with better words; a library user may not.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum BuildError {
+    /// A list has not one entry a node, or not one a spring of its group.
+    #[error("{what}: {found} entries where {expected} are needed")]
+    Length {
+        /// which list
+        what: &'static str,
+        /// its length
+        found: usize,
+        /// what it should be
+        expected: usize,
+    },
+    /// A node, edge or triangle number is too large.
+    #[error("{what} {index} does not exist; there are {count}")]
+    Index {
+        /// node, edge or triangle
+        what: &'static str,
+        /// the number
+        index: u32,
+        /// how many there are
+        count: usize,
+    },
+    /// A free node without mass cannot be accelerated.
+    #[error("node {node} is free and has the mass {mass} kg; a free node needs a positive finite mass")]
+    Mass {
+        /// user's number
+        node: u32,
+        /// [kg] its mass
+        mass: f64,
+    },
+    /// Nothing can move.
+    #[error("the scene has no free degree of freedom")]
+    NothingFree,
+}
+
+/// Builds a network; the mesh is kept for pictures.
+///
+/// # Errors
+/// A specification that contradicts itself.
+pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, BuildError> {
+    check(&spec)?;
+    let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let links = spec.mesh.edges.iter().copied().chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
+    let numbering = Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links);
+    let at = |i: usize| numbering.user[i] as usize;
+    let n = spec.mesh.nodes.len();
+    let reference: Vec<DVec3> = (0..n).map(|i| DVec3::from_array(spec.mesh.nodes[at(i)])).collect();
+    let displaced = |i: usize| spec.displacement.get(at(i)).map_or(DVec3::ZERO, |&u| DVec3::from_array(u));
+    let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
+    let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
+    let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
+    let mut builder = Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new() };
+    builder.springs_and_dashpots();
+    builder.gravity(&fixed, &mass, &start);
+    builder.air();
+    builder.loads(&start);
+    builder.rayleigh(&mass, &reference);
+    let Builder { terms, springs, .. } = builder;
+    let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| spec.velocity[at(i)]).collect() };
+    let gravity = spec.gravity.map(DVec3::from_array);
+    Ok(Network::assemble_parts(super::network::Parts {
+        numbering,
+        fixed,
+        mass,
+        start,
+        velocity,
+        gravity,
+        terms,
+        springs,
+        threads,
+        mesh: spec.mesh,
+    }))
+}
+
+struct Builder<'a> {
+    spec: &'a NetworkSpec,
+    numbering: &'a Numbering,
+    terms: Vec<Box<dyn ForceTerm>>,
+    springs: Vec<SpringBatch>,
+}
+
+impl Builder<'_> {
+    fn node(&self, user: u32) -> u32 {
+        self.numbering.internal[user as usize]
+    }
+
+    fn triangles(&self, ids: impl Iterator<Item = u32>) -> Arc<[[u32; 3]]> {
+        let mut list: Vec<[u32; 3]> = ids.map(|t| self.spec.mesh.triangles[t as usize].map(|i| self.node(i))).collect();
+        list.sort_unstable_by_key(|t| (t[0].min(t[1]).min(t[2]), *t));
+        list.into()
+    }
+
+    fn springs_and_dashpots(&mut self) {
+        for group in self.spec.springs.iter().filter(|g| !g.edges.is_empty()) {
+            let batch = self.spring_batch(group);
+            self.terms.push(Box::new(Springs::new(batch.data.clone())));
+            self.springs.push(batch);
+        }
+        for (group, b) in self.spec.springs.iter().filter(|g| !g.edges.is_empty()).zip(0..) {
+            let Some(dashpot) = &group.dashpot else { continue };
+            let batch = &self.springs[b];
+            let data = batch.data.clone();
+            let coefficient = batch.dashpot.clone();
+            self.terms.push(match dashpot.kind {
+                DashpotKind::Axial => Box::new(AxialDashpots::new(AxialData { springs: data, coefficient })),
+                DashpotKind::Relative => {
+                    Box::new(RelativeDashpots::new(RelativeData { nodes: data.nodes, coefficient }))
+                }
+            });
+        }
+    }
+
+    fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
+        let nodes = |i: usize| self.spec.mesh.edges[group.edges[i] as usize].map(|n| self.node(n));
+        let mut order: Vec<usize> = (0..group.edges.len()).collect();
+        order.sort_unstable_by_key(|&i| {
+            let [a, b] = nodes(i);
+            (a.min(b), a.max(b), i)
+        });
+        let pick = |values: &[f64]| -> Vec<f64> { order.iter().map(|&i| values[i]).collect() };
+        let data = SpringData {
+            nodes: order.iter().map(|&i| nodes(i)).collect(),
+            rest_length: pick(&group.rest_length).into(),
+            stiffness: Coefficient::from_values(&pick(&group.stiffness)),
+            slack: group.slack,
+        };
+        let (dashpot, in_filter) = match &group.dashpot {
+            None => (Coefficient::Uniform(0.0), false),
+            Some(d) => {
+                let in_filter = d.from_step && d.kind == DashpotKind::Relative;
+                (Coefficient::from_values(&pick(&d.coefficient)), in_filter)
+            }
+        };
+        SpringBatch { data, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, in_filter }
+    }
+
+    fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
+        let Some(g) = self.spec.gravity else { return };
+        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m }).collect();
+        self.terms.push(Box::new(Gravity { g: DVec3::from_array(g), mass, origin: start.clone() }));
+    }
+
+    fn air(&mut self) {
+        let Some(air) = &self.spec.air else { return };
+        let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
+        let wind = vectors(&air.wind);
+        let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, wind };
+        self.terms.push(Box::new(Air::new(data)));
+    }
+
+    fn loads(&mut self, start: &[DVec3]) {
+        for load in &self.spec.pressures {
+            let triangles = self.triangles(load.triangles.iter().copied());
+            let (pressure, factor) = (load.pressure, load.factor.clone());
+            self.terms.push(match load.kind {
+                PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
+                PressureKind::Dead(direction) => {
+                    let direction = direction.map(DVec3::from_array);
+                    Box::new(DeadPressure { triangles: &triangles, pressure, direction, factor }.lump(start))
+                }
+            });
+        }
+        for load in &self.spec.forces {
+            let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
+            nodes.sort_unstable();
+            let force = vec![DVec3::from_array(load.force); nodes.len()];
+            self.terms.push(Box::new(NodalForces { name: "forces", nodes, force, factor: load.factor.clone() }));
+        }
+    }
+
+    fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[DVec3]) {
+        let Some(rayleigh) = self.spec.rayleigh else { return };
+        if rayleigh.mass != 0.0 {
+            self.terms.push(Box::new(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
+        }
+        if rayleigh.stiffness == 0.0 {
+            return;
+        }
+        for batch in &self.springs {
+            let data = &batch.data;
+            let coefficient: Vec<f64> =
+                (0..data.nodes.len()).map(|i| rayleigh.stiffness * data.stiffness.at(i)).collect();
+            let direction =
+                data.nodes.iter().map(|&[a, b]| (reference[b as usize] - reference[a as usize]).normalize_or_zero());
+            self.terms.push(Box::new(RayleighStiffness::new(RayleighData {
+                nodes: data.nodes.clone(),
+                coefficient: Coefficient::from_values(&coefficient),
+                direction: direction.collect(),
+            })));
+        }
+    }
+}
+
+fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let n = spec.mesh.nodes.len();
+    let length = |what, found, expected| {
+        if found == expected { Ok(()) } else { Err(BuildError::Length { what, found, expected }) }
+    };
+    let below = |what, indices: &[u32], count: usize| match indices.iter().find(|&&i| i as usize >= count) {
+        None => Ok(()),
+        Some(&index) => Err(BuildError::Index { what, index, count }),
+    };
+    length("mass", spec.mass.len(), n)?;
+    length("fixed", spec.fixed.len(), n)?;
+    for (what, list) in [("displacement", &spec.displacement), ("velocity", &spec.velocity)] {
+        if !list.is_empty() {
+            length(what, list.len(), n)?;
+        }
+    }
+    below("node", spec.mesh.edges.as_flattened(), n)?;
+    below("node", spec.mesh.triangles.as_flattened(), n)?;
+    for group in &spec.springs {
+        let m = group.edges.len();
+        below("edge", &group.edges, spec.mesh.edges.len())?;
+        length("stiffness", group.stiffness.len(), m)?;
+        length("rest_length", group.rest_length.len(), m)?;
+        if let Some(d) = &group.dashpot {
+            length("dashpot coefficient", d.coefficient.len(), m)?;
+        }
+    }
+    for load in &spec.pressures {
+        below("triangle", &load.triangles, spec.mesh.triangles.len())?;
+    }
+    for load in &spec.forces {
+        below("node", &load.nodes, n)?;
+    }
+    let free = |f: &[bool; 3]| *f != [true; 3];
+    if !spec.fixed.iter().any(free) {
+        return Err(BuildError::NothingFree);
+    }
+    let massless = |(_, (m, f)): &(usize, (&f64, &[bool; 3]))| free(f) && !(**m > 0.0 && m.is_finite());
+    match spec.mass.iter().zip(&spec.fixed).enumerate().find(massless) {
+        None => Ok(()),
+        Some((node, (&mass, _))) => Err(BuildError::Mass { node: node as u32, mass }),
+    }
+}

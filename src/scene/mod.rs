@@ -1,0 +1,51 @@
+//! Scenes: a spring network or a pendulum, built from a plain specification, ready for any scheme.
+//!
+//! Inside a network nodes are renumbered for locality ([`numbering`]); everything a person sees goes through
+//! [`crate::model::picture::Picture`] and is in the user's numbering again.
+
+mod build;
+pub mod network;
+pub mod numbering;
+mod pendulum;
+mod picture;
+mod suspect;
+
+pub use build::{BuildError, build_network};
+pub use network::Network;
+pub use pendulum::Pendulum;
+
+use crate::model::picture::Picture;
+use crate::model::state::StateRef;
+use crate::model::system::{Abilities, TangentSystem};
+
+/// What a failure report points at, in the user's numbering.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Suspect {
+    /// the node
+    pub node: Option<u32>,
+    /// the most strained spring at that node
+    pub spring: Option<u32>,
+    /// the term with the largest force on that node
+    pub term: Option<&'static str>,
+}
+
+/// What a run needs of a scene beyond forces, tangents and looks.
+pub trait Scene: TangentSystem + Picture {
+    /// What schemes may use.
+    fn abilities(&self) -> Abilities<'_>;
+
+    /// [m] the scene's size: half the largest extent of its nodes at t = 0; 0 for a single node.
+    fn size(&self) -> f64;
+
+    /// [m] half the largest extent of the nodes in a state.
+    fn extent(&self, at: StateRef<'_>) -> f64;
+
+    /// Who is at fault at a degree of freedom of a state.
+    fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect;
+
+    /// Node (user's number) and axis of a degree of freedom.
+    fn name_of(&self, dof: usize) -> (u32, &'static str);
+
+    /// y = (c C + k K) p at a state, without a matrix; `scratch`-free, sequential.
+    fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
+}

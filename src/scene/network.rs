@@ -1,0 +1,247 @@
+//! A spring network: mass, force terms and fixed degrees of freedom.
+
+use super::numbering::Numbering;
+use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
+use crate::force::batch::{Threads, lane_sum};
+use crate::force::spring::{Coefficient, SpringData};
+use crate::force::{ForceTerm, NodeState};
+use crate::mesh::Mesh;
+use crate::model::forces::{Forces, Role, Tally};
+use crate::model::state::{State, StateRef};
+use crate::model::system::{GraphEdge, SpringGraph, System, TangentSystem, TermInfo, Weights};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A scene of springs, masses and what acts on them.
+pub struct Network {
+    pub(super) numbering: Numbering,
+    /// which of x, y, z is fixed, by internal node
+    pub(super) fixed: Vec<[bool; 3]>,
+    fixed_dofs: Vec<u32>,
+    mass: Arc<[f64]>,
+    inverse_mass: Vec<f64>,
+    pub(super) start: Arc<[DVec3]>,
+    velocity: Vec<[f64; 3]>,
+    gravity: Option<DVec3>,
+    pub(super) terms: Vec<Box<dyn ForceTerm>>,
+    infos: Vec<TermInfo>,
+    pub(super) springs: Vec<SpringBatch>,
+    pub(super) threads: Threads,
+    /// the user's mesh, for pictures
+    pub(super) mesh: Mesh,
+}
+
+/// Springs of one rule, as the terms hold them, with their way back to the user's edges.
+#[derive(Clone, Debug)]
+pub struct SpringBatch {
+    /// arrays shared with the terms
+    pub data: SpringData,
+    /// user's edge of every spring
+    pub edges: Vec<u32>,
+    /// [N s/m] dashpot coefficients, 0 without
+    pub dashpot: Coefficient,
+    /// whether the dashpots are relative with c = k h, which Kang's filter contains
+    pub in_filter: bool,
+}
+
+/// What `build` hands over; all arrays in internal numbering but the mesh.
+pub(super) struct Parts {
+    pub numbering: Numbering,
+    pub fixed: Vec<[bool; 3]>,
+    pub mass: Arc<[f64]>,
+    pub start: Arc<[DVec3]>,
+    pub velocity: Vec<[f64; 3]>,
+    pub gravity: Option<DVec3>,
+    pub terms: Vec<Box<dyn ForceTerm>>,
+    pub springs: Vec<SpringBatch>,
+    pub threads: Threads,
+    pub mesh: Mesh,
+}
+
+pub(super) fn by_node(dofs: &[f64]) -> &[DVec3] {
+    bytemuck::cast_slice(dofs)
+}
+
+pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
+    NodeState { t: at.t, x: by_node(at.x), v: by_node(at.v) }
+}
+
+impl Network {
+    pub(super) fn assemble_parts(p: Parts) -> Self {
+        let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
+        let inverse_mass =
+            p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
+        let infos = p.terms.iter().map(|t| t.info()).collect();
+        Network {
+            inverse_mass: inverse_mass.collect(),
+            fixed_dofs,
+            infos,
+            numbering: p.numbering,
+            fixed: p.fixed,
+            mass: p.mass,
+            start: p.start,
+            velocity: p.velocity,
+            gravity: p.gravity,
+            terms: p.terms,
+            springs: p.springs,
+            threads: p.threads,
+            mesh: p.mesh,
+        }
+    }
+
+    /// Gives the memory of the picture back; frames can then not be drawn any more.
+    pub fn forget_picture(&mut self) {
+        self.mesh = Mesh::default();
+    }
+
+    fn has_role(&self, role: Role) -> bool {
+        self.infos.iter().any(|i| i.role == role)
+    }
+}
+
+impl System for Network {
+    fn n_dof(&self) -> usize {
+        3 * self.mass.len()
+    }
+
+    fn initial_state(&self) -> State {
+        let x = self.start.iter().flat_map(|p| p.to_array()).collect();
+        let v = match self.velocity.as_slice() {
+            [] => vec![0.0; self.n_dof()],
+            v => v.as_flattened().to_vec(),
+        };
+        State { t: 0.0, x, v }
+    }
+
+    fn terms(&self) -> &[TermInfo] {
+        &self.infos
+    }
+
+    fn new_forces(&self) -> Forces {
+        let sized = |role| if self.has_role(role) { vec![0.0; self.n_dof()] } else { Vec::new() };
+        Forces {
+            total: vec![0.0; self.n_dof()],
+            external: sized(Role::External),
+            dissipative: sized(Role::Dissipative),
+            reactions: vec![0.0; self.fixed_dofs.len()],
+            tallies: vec![Tally::default(); self.terms.len()],
+        }
+    }
+
+    fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
+        let at = node_state(at);
+        let Forces { total, external, dissipative, reactions, tallies } = out;
+        for role in [&mut *total, &mut *external, &mut *dissipative] {
+            role.fill(0.0);
+        }
+        for ((term, info), tally) in self.terms.iter().zip(&self.infos).zip(tallies) {
+            let target = match info.role {
+                Role::Elastic | Role::Gravity => &mut *total,
+                Role::External => &mut *external,
+                Role::Dissipative => &mut *dissipative,
+            };
+            *tally = term.add(at, &self.threads, bytemuck::cast_slice_mut(target));
+        }
+        for role in [&*external, &*dissipative] {
+            for (total, f) in total.iter_mut().zip(role) {
+                *total += f;
+            }
+        }
+        for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
+            *reaction = -std::mem::take(&mut total[dof as usize]);
+        }
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &self.inverse_mass
+    }
+
+    fn mass_times(&self, a: &[f64], out: &mut [f64]) {
+        for ((out, a), m) in out.chunks_exact_mut(3).zip(a.chunks_exact(3)).zip(self.mass.iter()) {
+            for (out, a) in out.iter_mut().zip(a) {
+                *out = m * a;
+            }
+        }
+    }
+
+    fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        let mut buffer = [0.0; 64];
+        let mut sum = 0.0;
+        for (v, m) in by_node(v).chunks(64).zip(self.mass.chunks(64)) {
+            let buffer = &mut buffer[..m.len()];
+            for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
+                *e = 0.5 * m * v.length_squared();
+            }
+            sum += lane_sum(buffer);
+        }
+        sum
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        self.terms.iter().any(|t| t.velocity_dependent())
+    }
+}
+
+impl TangentSystem for Network {
+    fn symmetric(&self) -> bool {
+        self.terms.iter().all(|t| t.symmetric())
+    }
+
+    fn assembler(&self) -> Result<Assembler, PatternError> {
+        let state = self.initial_state();
+        let mut recorder = Recorder::default();
+        for term in &self.terms {
+            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
+        }
+        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
+        Assembler::new(nodes, &recorder, self.symmetric())
+    }
+
+    fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            term.tangent(node_state(at), w, &mut sink);
+        }
+    }
+
+    fn stiffness_scale(&self) -> f64 {
+        self.terms.iter().map(|t| t.stiffness_scale()).sum()
+    }
+
+    fn force_scale(&self, forces: &Forces) -> f64 {
+        let (mut internal, mut external) = (0.0, 0.0);
+        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
+            let free = DVec3::select(inverse.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+            let weight = self.gravity.map_or(DVec3::ZERO, |g| self.mass[i] * g);
+            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight) * free;
+            external += load.length_squared();
+            internal += (*total - load).length_squared();
+        }
+        f64::max(internal, external).sqrt()
+    }
+}
+
+impl SpringGraph for Network {
+    fn edges(&self) -> Vec<GraphEdge> {
+        let batch = |b: &SpringBatch| {
+            let edge = |i: usize| GraphEdge {
+                nodes: b.data.nodes[i],
+                stiffness: b.data.stiffness.at(i),
+                step_dashpot: if b.in_filter { b.dashpot.at(i) } else { 0.0 },
+            };
+            (0..b.edges.len()).map(edge).collect::<Vec<_>>()
+        };
+        self.springs.iter().flat_map(batch).collect()
+    }
+
+    fn spring_forces(&self, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let at = NodeState { t: 0.0, x: by_node(x), v: &[] };
+        for term in self.terms.iter().filter(|t| t.info().role == Role::Elastic) {
+            term.add(at, &self.threads, bytemuck::cast_slice_mut(out));
+        }
+        for &dof in &self.fixed_dofs {
+            out[dof as usize] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The simple pendulum (thesis Eq. 58-61 with Eq. 61's g/(mL) corrected to g/L): one angle from the lowest position.
+//!
+//! ```text
+//! m L^2 theta'' = -m g L sin(theta) - c theta'
+//! ```
+
+use super::{Scene, Suspect};
+use crate::assembly::{Assembler, PatternError};
+use crate::model::forces::{Forces, Role, Tally};
+use crate::model::picture::Picture;
+use crate::model::spec::PendulumSpec;
+use crate::model::state::{State, StateRef};
+use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+
+/// A pendulum; its one degree of freedom is the angle [rad], its mass the moment of inertia.
+#[derive(Clone, Debug)]
+pub struct Pendulum {
+    spec: PendulumSpec,
+    inverse_inertia: [f64; 1],
+    reference: [[f64; 3]; 1],
+    terms: Vec<TermInfo>,
+}
+
+impl Pendulum {
+    /// Makes a pendulum; the case reader has checked the numbers.
+    pub fn new(spec: PendulumSpec) -> Self {
+        let mut terms = vec![TermInfo { name: "gravity", role: Role::Gravity }];
+        if spec.damping != 0.0 {
+            terms.push(TermInfo { name: "damping", role: Role::Dissipative });
+        }
+        let inverse_inertia = [1.0 / (spec.mass * spec.length * spec.length)];
+        let mut pendulum = Pendulum { spec, inverse_inertia, reference: [[0.0; 3]], terms };
+        pendulum.reference = [pendulum.bob(spec.angle)];
+        pendulum
+    }
+
+    fn bob(&self, angle: f64) -> [f64; 3] {
+        [self.spec.length * angle.sin(), 0.0, -self.spec.length * angle.cos()]
+    }
+
+    fn weight_moment(&self) -> f64 {
+        self.spec.mass * self.spec.gravity * self.spec.length
+    }
+}
+
+impl System for Pendulum {
+    fn n_dof(&self) -> usize {
+        1
+    }
+
+    fn initial_state(&self) -> State {
+        State { t: 0.0, x: vec![self.spec.angle], v: vec![self.spec.rate] }
+    }
+
+    fn terms(&self) -> &[TermInfo] {
+        &self.terms
+    }
+
+    fn new_forces(&self) -> Forces {
+        Forces {
+            total: vec![0.0],
+            external: Vec::new(),
+            dissipative: vec![0.0; self.terms.len() - 1],
+            reactions: Vec::new(),
+            tallies: vec![Tally::default(); self.terms.len()],
+        }
+    }
+
+    fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
+        let (theta, rate) = (at.x[0], at.v[0]);
+        out.total[0] = -self.weight_moment() * theta.sin();
+        // Zero at the lowest position; 2 sin^2(theta/2) = 1 - cos(theta) without its cancellation.
+        out.tallies[0].energy = 2.0 * self.weight_moment() * (0.5 * theta).sin().powi(2);
+        if let (Some(f), Some(tally)) = (out.dissipative.first_mut(), out.tallies.get_mut(1)) {
+            *f = -self.spec.damping * rate;
+            tally.power = *f * rate;
+            out.total[0] += *f;
+        }
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &self.inverse_inertia
+    }
+
+    fn mass_times(&self, a: &[f64], out: &mut [f64]) {
+        out[0] = a[0] / self.inverse_inertia[0];
+    }
+
+    fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        0.5 * v[0] * v[0] / self.inverse_inertia[0]
+    }
+
+    fn velocity_dependent(&self) -> bool {
+        self.spec.damping != 0.0
+    }
+}
+
+impl TangentSystem for Pendulum {
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn assembler(&self) -> Result<Assembler, PatternError> {
+        Ok(Assembler::dense(1))
+    }
+
+    fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        let k = self.weight_moment() * at.x[0].cos();
+        assembler.values_mut()[0] = w.m / self.inverse_inertia[0] + w.c * self.spec.damping + w.k * k;
+    }
+
+    fn stiffness_scale(&self) -> f64 {
+        self.weight_moment()
+    }
+
+    fn force_scale(&self, _forces: &Forces) -> f64 {
+        self.weight_moment()
+    }
+}
+
+impl Picture for Pendulum {
+    fn reference(&self) -> &[[f64; 3]] {
+        &self.reference
+    }
+
+    fn triangles(&self) -> &[[u32; 3]] {
+        &[]
+    }
+
+    fn edges(&self) -> &[[u32; 2]] {
+        &[]
+    }
+
+    fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {
+        let (theta, speed) = (at.x[0], self.spec.length * at.v[0]);
+        positions[0] = self.bob(theta);
+        velocities[0] = [speed * theta.cos(), 0.0, speed * theta.sin()];
+    }
+
+    fn node_forces(&self, forces: &Forces, out: &mut [[f64; 3]]) {
+        // The moment as a force along the path; its direction is not known here, so the component that does work is given.
+        out[0] = [forces.total[0] / self.spec.length, 0.0, 0.0];
+    }
+
+    fn node_reactions(&self, _forces: &Forces, out: &mut [[f64; 3]]) {
+        out[0] = [0.0; 3];
+    }
+
+    fn edge_tension(&self, _at: StateRef<'_>, _tension: &mut [f64], _strain: &mut [f64]) {}
+
+    fn max_strain(&self, _at: StateRef<'_>) -> f64 {
+        0.0
+    }
+
+    fn max_speed(&self, at: StateRef<'_>) -> f64 {
+        self.spec.length * at.v[0].abs()
+    }
+}
+
+impl Scene for Pendulum {
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities { system: self, tangent: self, graph: None }
+    }
+
+    fn size(&self) -> f64 {
+        0.0
+    }
+
+    fn extent(&self, _at: StateRef<'_>) -> f64 {
+        0.0
+    }
+
+    fn suspect(&self, _at: StateRef<'_>, _dof: usize) -> Suspect {
+        Suspect { node: Some(0), spring: None, term: self.terms.first().map(|t| t.name) }
+    }
+
+    fn name_of(&self, _dof: usize) -> (u32, &'static str) {
+        (0, "angle")
+    }
+
+    fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
+        y[0] = (w.c * self.spec.damping + w.k * self.weight_moment() * at.x[0].cos()) * p[0];
+    }
+}

@@ -1,0 +1,110 @@
+//! Who is at fault: what a failure report says about a node of a network, and its size.
+
+use super::network::{Network, by_node, node_state};
+use super::{Scene, Suspect};
+use crate::force::TangentSink;
+use crate::model::state::StateRef;
+use crate::model::system::{Abilities, Weights};
+use glam::{DMat3, DVec3};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Scene for Network {
+    fn abilities(&self) -> Abilities<'_> {
+        Abilities { system: self, tangent: self, graph: Some(self) }
+    }
+
+    fn size(&self) -> f64 {
+        extent(&self.start)
+    }
+
+    fn extent(&self, at: StateRef<'_>) -> f64 {
+        extent(by_node(at.x))
+    }
+
+    fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect {
+        let node = dof / 3;
+        let mut strongest = (0.0, None);
+        let mut f = vec![DVec3::ZERO; self.fixed.len()];
+        for term in &self.terms {
+            f.fill(DVec3::ZERO);
+            term.add(node_state(at), &self.threads, &mut f);
+            let size = f[node].length();
+            // A force that is not finite is the strongest there is.
+            let size = if size.is_finite() { size } else { f64::INFINITY };
+            if size > strongest.0 {
+                strongest = (size, Some(term.info().name));
+            }
+        }
+        Suspect {
+            node: Some(self.numbering.user[node]),
+            spring: self.most_strained_at(node as u32, by_node(at.x)),
+            term: strongest.1,
+        }
+    }
+
+    fn name_of(&self, dof: usize) -> (u32, &'static str) {
+        (self.numbering.user[dof / 3], AXES[dof % 3])
+    }
+
+    fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
+        for term in &self.terms {
+            term.tangent(node_state(at), w, &mut product);
+        }
+        for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
+            if fixed {
+                *y = 0.0;
+            }
+        }
+    }
+}
+
+impl Network {
+    fn most_strained_at(&self, node: u32, x: &[DVec3]) -> Option<u32> {
+        let mut worst: Option<(f64, u32)> = None;
+        for batch in &self.springs {
+            for (i, nodes) in batch.data.nodes.iter().enumerate().filter(|(_, n)| n.contains(&node)) {
+                let strain = batch.data.strain(x, i).abs();
+                if worst.is_none_or(|(w, _)| strain > w || strain.is_nan()) {
+                    worst = Some((strain, batch.edges[i]));
+                }
+                debug_assert!(nodes.contains(&node));
+            }
+        }
+        worst.map(|(_, edge)| edge)
+    }
+}
+
+fn extent(x: &[DVec3]) -> f64 {
+    let low = x.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = x.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    0.5 * (high - low).max_element()
+}
+
+/// Multiplies emitted blocks with a vector instead of storing them.
+struct Product<'a> {
+    p: &'a [DVec3],
+    y: &'a mut [DVec3],
+}
+
+impl TangentSink for Product<'_> {
+    fn node(&mut self, i: u32, block: DMat3) {
+        self.y[i as usize] += block * self.p[i as usize];
+    }
+
+    fn edge(&mut self, [a, b]: [u32; 2], block: DMat3) {
+        let d = block * (self.p[a as usize] - self.p[b as usize]);
+        self.y[a as usize] += d;
+        self.y[b as usize] -= d;
+    }
+
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
+        for (&i, row) in nodes.iter().zip(blocks) {
+            for (&j, block) in nodes.iter().zip(row) {
+                self.y[i as usize] += *block * self.p[j as usize];
+            }
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What Newton needs of a linear solver, and which one a matrix gets.
+
+use super::{Cholesky, Lu};
+use crate::assembly::Pattern;
+use std::sync::Arc;
+
+/// Which direct solver to use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LinearChoice {
+    /// Cholesky for a symmetric W, LU else.
+    #[default]
+    Auto,
+    /// Cholesky; refused for a non-symmetric W.
+    Cholesky,
+    /// LU, of a symmetric W too.
+    Lu,
+}
+
+/// What a solver is and what it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LinearStats {
+    /// `cholesky` or `lu`
+    pub name: &'static str,
+    /// entries stored of W
+    pub matrix_nonzeros: usize,
+    /// entries stored of the factor; 0 before the first factorisation where it is not known in advance
+    pub factor_nonzeros: usize,
+    /// factorisations for which Cholesky was not positive definite and LDLT or LBLT stepped in
+    pub indefinite: u64,
+}
+
+/// Why a linear system cannot be solved.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum LinearError {
+    /// An entry of W is not a finite number.
+    #[error("the tangent matrix holds a value that is not finite in the column of unknown {unknown}")]
+    NotFinite {
+        /// the column
+        unknown: usize,
+    },
+    /// W has no inverse.
+    #[error("the tangent matrix is singular{}", unknown.map(|u| format!(" at unknown {u}")).unwrap_or_default())]
+    Singular {
+        /// an unknown without pivot, if the factorisation tells
+        unknown: Option<usize>,
+    },
+    /// Cholesky was asked for a non-symmetric matrix.
+    #[error(
+        "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cholesky\" cannot solve \
+         it; use \"linear\": \"lu\" or \"auto\""
+    )]
+    NotSymmetric,
+    /// The analysis ran out of memory or index range.
+    #[error("the symbolic analysis of a matrix with {unknowns} unknowns failed: {reason}")]
+    Analysis {
+        /// size
+        unknowns: usize,
+        /// what the library said
+        reason: String,
+    },
+}
+
+/// Factorises W on a fixed pattern and solves with it. The analysis is done at construction, once.
+pub trait LinearSolver: Send {
+    /// Factorises the values of W (in the order of the pattern).
+    ///
+    /// # Errors
+    /// Values that are not finite, or a singular W.
+    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError>;
+
+    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`.
+    ///
+    /// # Errors
+    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision.
+    fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
+
+    /// What the solver is and holds.
+    fn stats(&self) -> LinearStats;
+}
+
+/// The solver for a pattern.
+///
+/// # Errors
+/// When the choice does not fit the pattern or the analysis fails.
+pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
+    match (choice, pattern.symmetric) {
+        (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
+        (LinearChoice::Auto | LinearChoice::Cholesky, true) => Ok(Box::new(Cholesky::new(pattern)?)),
+        (LinearChoice::Auto | LinearChoice::Lu, _) => Ok(Box::new(Lu::new(pattern)?)),
+    }
+}
+
+pub(super) fn check_finite(pattern: &Pattern, values: &[f64]) -> Result<(), LinearError> {
+    if values.iter().all(|v| v.is_finite()) {
+        return Ok(());
+    }
+    let slot = values.iter().position(|v| !v.is_finite()).unwrap_or(0) as u32;
+    Err(LinearError::NotFinite { unknown: pattern.col_ptr.partition_point(|&p| p <= slot).saturating_sub(1) })
+}

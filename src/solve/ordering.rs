@@ -1,0 +1,189 @@
+//! Fill-reducing ordering of the unknowns.
+//!
+//! The graph of the *nodes* is ordered, not that of the degrees of freedom: it is nine times smaller and keeps the
+//! three of a node together, which supernodes want. Up to [`AMD_LIMIT`] nodes by approximate minimum degree (Amestoy,
+//! Davis & Duff 1996, from faer), above by nested dissection (George 1973) along the node coordinates: the separator is the
+//! part of one half that touches the other. The elimination tree is then postordered (Liu 1990), because faer
+//! takes a given permutation as it is.
+
+use crate::assembly::Pattern;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
+
+/// Nodes up to which minimum degree is as good as dissection, and quicker to make.
+const AMD_LIMIT: usize = 2000;
+/// Nodes a dissected part may keep undivided.
+const LEAF: usize = 24;
+const NONE: u32 = u32::MAX;
+
+/// A permutation of the unknowns: `new_to_old[i]` is eliminated as number `i`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Permutation {
+    /// old number of every new one
+    pub new_to_old: Vec<u32>,
+    /// new number of every old one
+    pub old_to_new: Vec<u32>,
+}
+
+/// Orders the unknowns of a pattern. `None` when the library reports a failure; the caller then uses its own default.
+pub fn fill_reducing(pattern: &Pattern) -> Option<Permutation> {
+    let graph = Graph::new(pattern);
+    let order = if graph.len() <= AMD_LIMIT { graph.minimum_degree()? } else { graph.dissect(&pattern.position) };
+    let order = graph.postorder(&order);
+    let mut new_to_old = Vec::with_capacity(pattern.n());
+    for node in order {
+        new_to_old.extend(pattern.node_start[node as usize]..pattern.node_start[node as usize + 1]);
+    }
+    let old_to_new = invert(&new_to_old);
+    Some(Permutation { new_to_old, old_to_new })
+}
+
+fn invert(order: &[u32]) -> Vec<u32> {
+    let mut inverse = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        inverse[old as usize] = new as u32;
+    }
+    inverse
+}
+
+/// Adjacency of the nodes that have unknowns, both directions, without loops.
+struct Graph {
+    start: Vec<u32>,
+    neighbour: Vec<u32>,
+}
+
+impl Graph {
+    fn new(pattern: &Pattern) -> Self {
+        let n = pattern.node_start.len() - 1;
+        let node_of: Vec<u32> = (0..n as u32)
+            .flat_map(|g| {
+                let width = pattern.node_start[g as usize + 1] - pattern.node_start[g as usize];
+                std::iter::repeat_n(g, width as usize)
+            })
+            .collect();
+        let mut pairs = Vec::new();
+        for g in 0..n as u32 {
+            let mut last = NONE;
+            for &row in pattern.column(pattern.node_start[g as usize] as usize) {
+                let other = node_of[row as usize];
+                if other != g && other != last {
+                    pairs.extend([(g, other), (other, g)]);
+                }
+                last = other;
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut start = vec![0; n + 1];
+        for &(g, _) in &pairs {
+            start[g as usize + 1] += 1;
+        }
+        for g in 0..n {
+            start[g + 1] += start[g];
+        }
+        Graph { start, neighbour: pairs.into_iter().map(|(_, other)| other).collect() }
+    }
+
+    fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    fn neighbours(&self, g: u32) -> &[u32] {
+        &self.neighbour[self.start[g as usize] as usize..self.start[g as usize + 1] as usize]
+    }
+
+    fn minimum_degree(&self) -> Option<Vec<u32>> {
+        let n = self.len();
+        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.start, None, &self.neighbour);
+        let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+        let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, self.neighbour.len())).ok()?;
+        amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory)).ok()?;
+        Some(order)
+    }
+
+    fn dissect(&self, position: &[[f64; 3]]) -> Vec<u32> {
+        let mut nodes: Vec<u32> = (0..self.len() as u32).collect();
+        let mut side = vec![0; self.len()];
+        let mut stamp = 0;
+        // Parts still to be divided, as ranges of `nodes`; a part's separator goes to its end.
+        let mut open = vec![0..nodes.len()];
+        while let Some(range) = open.pop() {
+            let part = &mut nodes[range.clone()];
+            if part.len() <= LEAF {
+                continue;
+            }
+            let axis = longest_axis(part, position);
+            let middle = part.len() / 2;
+            part.select_nth_unstable_by(middle, |&a, &b| {
+                let coordinate = |g: u32| position[g as usize][axis];
+                coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b))
+            });
+            stamp += 1;
+            for &g in &part[middle..] {
+                side[g as usize] = stamp;
+            }
+            // The separator: nodes of the first half that touch the second.
+            let touches = |g: u32| self.neighbours(g).iter().any(|&o| side[o as usize] == stamp);
+            let (left, separator): (Vec<u32>, Vec<u32>) = part[..middle].iter().partition(|&&g| !touches(g));
+            let right = part[middle..].to_vec();
+            let reordered = left.iter().chain(&right).chain(&separator);
+            for (slot, &g) in part.iter_mut().zip(reordered) {
+                *slot = g;
+            }
+            let cut = range.start + left.len();
+            open.push(range.start..cut);
+            open.push(cut..cut + right.len());
+        }
+        nodes
+    }
+
+    /// The same elimination in the order of a depth-first walk of the elimination tree.
+    fn postorder(&self, order: &[u32]) -> Vec<u32> {
+        let n = order.len();
+        let new = invert(order);
+        let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
+        for i in 0..n as u32 {
+            for &old in self.neighbours(order[i as usize]) {
+                let mut k = new[old as usize];
+                while k < i && k != NONE {
+                    let next = std::mem::replace(&mut ancestor[k as usize], i);
+                    if next == NONE {
+                        parent[k as usize] = i;
+                    }
+                    k = next;
+                }
+            }
+        }
+        let (mut first_child, mut sibling) = (vec![NONE; n + 1], vec![NONE; n]);
+        for i in (0..n).rev() {
+            let p = if parent[i] == NONE { n } else { parent[i] as usize };
+            sibling[i] = std::mem::replace(&mut first_child[p], i as u32);
+        }
+        let mut result = Vec::with_capacity(n);
+        let mut node = first_child[n];
+        let mut path = Vec::new();
+        loop {
+            while node != NONE {
+                path.push(node);
+                node = first_child[node as usize];
+            }
+            let Some(done) = path.pop() else { return result };
+            result.push(order[done as usize]);
+            node = sibling[done as usize];
+        }
+    }
+}
+
+fn longest_axis(part: &[u32], position: &[[f64; 3]]) -> usize {
+    let mut extent = [0.0; 3];
+    for (axis, extent) in extent.iter_mut().enumerate() {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &g in part {
+            low = low.min(position[g as usize][axis]);
+            high = high.max(position[g as usize][axis]);
+        }
+        *extent = high - low;
+    }
+    (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0)
+}

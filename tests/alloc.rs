@@ -1,0 +1,70 @@
+//! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky. LU allocates inside the library.
+
+mod common;
+
+use canopy_fem::force::batch::Threads;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::model::point::Point;
+use canopy_fem::model::spec::*;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::{Network, Scene, build_network};
+use common::{patch, spring_group};
+use std::collections::BTreeMap;
+
+#[global_allocator]
+static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+
+fn scene(with_air: bool) -> Network {
+    let mut spec = patch();
+    let mut group = spring_group(&spec, Slack::TensionOnly);
+    let coefficient = vec![0.5; group.edges.len()];
+    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient, from_step: false });
+    spec.springs = vec![group];
+    spec.gravity = Some([0.0, 0.0, -9.81]);
+    if with_air {
+        let wind = Series { t: vec![0.0], value: vec![[0.0, 0.0, 5.0]] };
+        spec.air = Some(AirSpec { linear: 1.0, quadratic: 0.5, wind });
+    }
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+/// Heap blocks allocated by `steps` steps after ten steps of warm-up.
+fn blocks(scene: &Network, method: &str, steps: u32) -> u64 {
+    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(from.state.as_ref(), &mut from.forces);
+    stepper.start(&from).expect("a small scene");
+    let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
+    let mut advance = |n: u32| {
+        for _ in 0..n {
+            let t_next = from.state.t + h;
+            stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("an easy step");
+            stepper.accept();
+            std::mem::swap(&mut from, &mut to);
+        }
+    };
+    advance(10);
+    let before = dhat::HeapStats::get().total_blocks;
+    advance(steps);
+    dhat::HeapStats::get().total_blocks - before
+}
+
+#[test]
+fn steps_do_not_allocate() {
+    let _profiler = dhat::Profiler::builder().testing().build();
+    let (calm, windy) = (scene(false), scene(true));
+    for method in methods() {
+        assert_eq!(blocks(&calm, method.name, 50), 0, "{} on a symmetric scene", method.name);
+        if method.family != Family::Implicit {
+            assert_eq!(blocks(&windy, method.name, 50), 0, "{} with air", method.name);
+        }
+    }
+    // The measurement itself sees an allocation when there is one.
+    let before = dhat::HeapStats::get().total_blocks;
+    drop(std::hint::black_box(vec![0u8; 100]));
+    assert_eq!(dhat::HeapStats::get().total_blocks - before, 1, "the counter is dead");
+}

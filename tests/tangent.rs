@@ -1,0 +1,297 @@
+//! Every force term against finite differences, at random states, slack and compressed springs included; and its energy or
+//! power against its force. A failure names the term, the state and the bad entry.
+
+mod common;
+
+use canopy_fem::force::NodeState;
+use canopy_fem::force::batch::Threads;
+use canopy_fem::model::forces::Role;
+use canopy_fem::model::spec::*;
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::scene::{Network, Scene, build_network};
+use common::{Random, patch, spring_group};
+
+const STATES: u64 = 12;
+
+fn with_dashpots(slack: Slack, kind: DashpotKind) -> NetworkSpec {
+    let mut spec = patch();
+    let mut group = spring_group(&spec, slack);
+    let coefficient = (0..group.edges.len()).map(|i| 5.0 + i as f64).collect();
+    group.dashpot = Some(DashpotSpec { kind, coefficient, from_step: false });
+    spec.springs = vec![group];
+    spec
+}
+
+fn with_springs(slack: Slack) -> NetworkSpec {
+    let mut spec = patch();
+    spec.springs = vec![spring_group(&spec, slack)];
+    spec
+}
+
+fn air(linear: f64, quadratic: f64) -> NetworkSpec {
+    let wind = Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] };
+    NetworkSpec { air: Some(AirSpec { linear, quadratic, wind }), ..patch() }
+}
+
+fn pressure(kind: PressureKind) -> NetworkSpec {
+    let factor = Some(Series { t: vec![0.0, 2.0], value: vec![0.5, 1.5] });
+    let load = PressureLoad { triangles: vec![0, 1, 4, 7], pressure: 30.0, kind, factor };
+    NetworkSpec { pressures: vec![load], ..patch() }
+}
+
+/// Every term, alone in a scene, with its name.
+fn scenes() -> Vec<(&'static str, NetworkSpec)> {
+    let slacks = [
+        ("plain", Slack::None),
+        ("tension-only", Slack::TensionOnly),
+        ("dead zone", Slack::DeadZone { eps: 0.11 }),
+        ("compression limit", Slack::CompressionLimit { eps: 0.13 }),
+    ];
+    let mut list = Vec::new();
+    for (name, slack) in slacks {
+        list.push((name, with_springs(slack)));
+        list.push((name, with_dashpots(slack, DashpotKind::Axial)));
+    }
+    list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
+    let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });
+    list.push(("rayleigh", NetworkSpec { rayleigh, ..with_springs(Slack::TensionOnly) }));
+    list.push(("gravity", NetworkSpec { gravity: Some([1.0, -2.0, -9.81]), ..patch() }));
+    list.push(("viscous air", air(3.0, 0.0)));
+    list.push(("inertial air", air(0.0, 2.0)));
+    list.push(("porous air", air(1.5, 2.5)));
+    list.push(("follower pressure", pressure(PressureKind::Follower)));
+    list.push(("dead pressure along a direction", pressure(PressureKind::Dead(Some([0.0, 0.6, 0.8])))));
+    list.push(("dead pressure along the first normal", pressure(PressureKind::Dead(None))));
+    let forces = vec![NodalLoad { nodes: vec![3, 8], force: [1.0, 2.0, 3.0], factor: None }];
+    list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
+    list
+}
+
+struct Sample {
+    t: f64,
+    x: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl Sample {
+    fn new(scene: &Network, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let mut state = scene.initial_state();
+        // Up to 0.3 m off a mesh of 1 m: stretched, slack and compressed springs, tilted triangles.
+        state.x.iter_mut().for_each(|x| *x += 0.3 * random.next());
+        state.v.iter_mut().for_each(|v| *v = 2.0 * random.next());
+        Sample { t: 0.5 + 0.4 * random.next(), x: state.x, v: state.v }
+    }
+
+    fn at(&self) -> StateRef<'_> {
+        StateRef { t: self.t, x: &self.x, v: &self.v }
+    }
+}
+
+fn force(scene: &Network, at: StateRef<'_>) -> Vec<f64> {
+    let mut forces = scene.new_forces();
+    scene.evaluate(at, &mut forces);
+    forces.total
+}
+
+fn build(spec: NetworkSpec) -> Network {
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+/// Fourth-order central difference of -f along one degree of freedom of x (or of v).
+fn minus_slope(scene: &Network, sample: &Sample, dof: usize, of_velocity: bool) -> Vec<f64> {
+    let d = 2e-4;
+    let shifted = |s: f64| {
+        let (mut x, mut v) = (sample.x.clone(), sample.v.clone());
+        if of_velocity { v[dof] += s * d } else { x[dof] += s * d }
+        force(scene, StateRef { t: sample.t, x: &x, v: &v })
+    };
+    let (p1, m1, p2, m2) = (shifted(1.0), shifted(-1.0), shifted(2.0), shifted(-2.0));
+    (0..p1.len()).map(|i| -(8.0 * (p1[i] - m1[i]) - (p2[i] - m2[i])) / (12.0 * d)).collect()
+}
+
+#[test]
+fn every_tangent_equals_its_finite_difference() {
+    let mut compared = 0;
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        for seed in 0..STATES {
+            let sample = Sample::new(&scene, seed);
+            compared += compare(name, &scene, &sample, seed);
+        }
+    }
+    assert!(compared > 100_000, "only {compared} entries were compared");
+}
+
+fn compare(name: &str, scene: &Network, sample: &Sample, seed: u64) -> usize {
+    let n = scene.n_dof();
+    let mut product = vec![0.0; n];
+    let free: Vec<bool> = scene.inverse_mass().iter().map(|m| *m > 0.0).collect();
+    let mut compared = 0;
+    for (of_velocity, w) in [(false, Weights { m: 0.0, c: 0.0, k: 1.0 }), (true, Weights { m: 0.0, c: 1.0, k: 0.0 })] {
+        let matrix = if of_velocity { "-df/dv" } else { "-df/dx" };
+        for j in (0..n).filter(|&j| free[j]) {
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            scene.tangent_times(sample.at(), w, &unit, &mut product);
+            let expected = minus_slope(scene, sample, j, of_velocity);
+            for i in (0..n).filter(|&i| free[i]) {
+                let scale = 1.0 + expected[i].abs();
+                let error = (product[i] - expected[i]).abs() / scale;
+                // A kink of the force inside the difference stencil spoils the difference, not the tangent.
+                if error > 1e-6 && kink_nearby(scene, sample, j) {
+                    continue;
+                }
+                assert!(
+                    error < 1e-6,
+                    "{name}, state {seed}: {matrix}[{:?}, {:?}] is {} by its formula and {} by differences",
+                    scene.name_of(i),
+                    scene.name_of(j),
+                    product[i],
+                    expected[i]
+                );
+                compared += 1;
+            }
+        }
+    }
+    compared
+}
+
+/// Whether the tangent itself changes by a jump across the difference stencil in direction `j`.
+fn kink_nearby(scene: &Network, sample: &Sample, j: usize) -> bool {
+    let w = Weights { m: 0.0, c: 0.3, k: 1.0 };
+    let product = |shift_x: f64, shift_v: f64| {
+        let (mut x, mut v) = (sample.x.clone(), sample.v.clone());
+        x[j] += shift_x;
+        v[j] += shift_v;
+        let mut out = vec![0.0; x.len()];
+        let ones: Vec<f64> = (0..x.len()).map(|i| (i as f64 * 0.7).sin()).collect();
+        scene.tangent_times(StateRef { t: sample.t, x: &x, v: &v }, w, &ones, &mut out);
+        out
+    };
+    let jump = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(&b).any(|(a, b)| (a - b).abs() > 0.5);
+    jump(product(-4e-4, 0.0), product(4e-4, 0.0)) || jump(product(0.0, -4e-4), product(0.0, 4e-4))
+}
+
+#[test]
+fn the_assembled_matrix_is_the_one_the_terms_emit() {
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        let mut assembler = scene.assembler().expect("small");
+        for seed in 0..3 {
+            let sample = Sample::new(&scene, seed);
+            let w = Weights { m: 2.0, c: 0.3, k: 1.7 };
+            scene.assemble(sample.at(), w, &mut assembler);
+            let pattern = assembler.pattern.clone();
+            let (mut y, mut expected) = (vec![0.0; pattern.n()], vec![0.0; scene.n_dof()]);
+            for j in 0..pattern.n() {
+                let (mut unit, mut full) = (vec![0.0; pattern.n()], vec![0.0; scene.n_dof()]);
+                unit[j] = 1.0;
+                full[pattern.dof[j] as usize] = 1.0;
+                pattern.multiply(assembler.values(), &unit, &mut y);
+                scene.tangent_times(sample.at(), w, &full, &mut expected);
+                for (i, &dof) in pattern.dof.iter().enumerate() {
+                    let mass = if i == j { w.m / scene.inverse_mass()[dof as usize] } else { 0.0 };
+                    let value = expected[dof as usize] + mass;
+                    assert!((y[i] - value).abs() <= 1e-12 * (1.0 + value.abs()), "{name}: W[{i}, {j}] {} {value}", y[i]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn symmetry_is_declared_truthfully() {
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        let mut largest: f64 = 0.0;
+        for seed in 0..STATES {
+            let sample = Sample::new(&scene, seed);
+            let (n, w) = (scene.n_dof(), Weights { m: 0.0, c: 0.5, k: 1.0 });
+            let mut k = vec![vec![0.0; n]; n];
+            for (j, column) in k.iter_mut().enumerate().filter(|(j, _)| scene.inverse_mass()[*j] > 0.0) {
+                let mut unit = vec![0.0; n];
+                unit[j] = 1.0;
+                scene.tangent_times(sample.at(), w, &unit, column);
+            }
+            for i in 0..n {
+                for j in 0..i {
+                    largest = largest.max((k[i][j] - k[j][i]).abs());
+                }
+            }
+        }
+        assert_eq!(scene.symmetric(), largest < 1e-9, "{name}: largest difference {largest}");
+    }
+}
+
+#[test]
+fn energies_are_potentials_and_powers_are_force_times_velocity() {
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        for seed in 0..STATES {
+            let sample = Sample::new(&scene, seed);
+            let mut forces = scene.new_forces();
+            scene.evaluate(sample.at(), &mut forces);
+            let role = |r: Role| scene.terms().iter().zip(&forces.tallies).filter(move |(i, _)| i.role == r);
+            let dot = |f: &[f64]| f.iter().zip(&sample.v).map(|(f, v)| f * v).sum::<f64>();
+            for (r, f) in [(Role::External, &forces.external), (Role::Dissipative, &forces.dissipative)] {
+                let power: f64 = role(r).map(|(_, t)| t.power).sum();
+                assert!((power - dot(f)).abs() < 1e-10 * (1.0 + power.abs()), "{name}: {r:?} power {power}");
+                if r == Role::Dissipative {
+                    assert!(power <= 0.0, "{name}: a dissipative term gave {power} W");
+                }
+            }
+            conservative_power_is_minus_the_rate_of_energy(name, &scene, &sample);
+        }
+    }
+}
+
+fn conservative_power_is_minus_the_rate_of_energy(name: &str, scene: &Network, sample: &Sample) {
+    let stored = |s: f64| {
+        let x: Vec<f64> = sample.x.iter().zip(&sample.v).map(|(x, v)| x + s * v).collect();
+        let mut forces = scene.new_forces();
+        scene.evaluate(StateRef { t: sample.t, x: &x, v: &sample.v }, &mut forces);
+        (forces.tallies.iter().map(|t| t.energy).sum::<f64>(), forces)
+    };
+    let d = 1e-5;
+    let (plus, _) = stored(d);
+    let (minus, _) = stored(-d);
+    let (_, forces) = stored(0.0);
+    let rest = |i: usize| {
+        forces.external.get(i).copied().unwrap_or(0.0) + forces.dissipative.get(i).copied().unwrap_or(0.0)
+    };
+    // Fixed degrees of freedom move in this virtual motion, so their reactions belong to the forces.
+    let mut total = forces.total.clone();
+    let fixed = (0..total.len()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>();
+    for (&dof, r) in fixed.iter().zip(&forces.reactions) {
+        total[dof] = -r;
+    }
+    let weightless = |i: usize| scene.terms().iter().any(|t| t.role == Role::Gravity) && fixed.contains(&i);
+    let power: f64 =
+        (0..total.len()).filter(|&i| !weightless(i)).map(|i| (total[i] - rest(i)) * sample.v[i]).sum();
+    let rate = (plus - minus) / (2.0 * d);
+    if scene.terms().iter().any(|t| t.role == Role::Gravity) {
+        return gravity_energy(name, scene, sample);
+    }
+    assert!((rate + power).abs() < 2e-3 * (1.0 + power.abs()), "{name}: energy rate {rate}, power {power}");
+}
+
+/// Gravity: nodes held in all directions carry no weight; the others lose m g . u.
+fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
+    let (mut forces, start) = (scene.new_forces(), scene.initial_state());
+    scene.evaluate(sample.at(), &mut forces);
+    let mut f = vec![glam::DVec3::ZERO; scene.n_dof() / 3];
+    let _ = NodeState { t: 0.0, x: &[], v: &[] };
+    f.iter_mut().zip(forces.total.chunks(3)).for_each(|(f, t)| *f = glam::DVec3::from_slice(t));
+    for (&dof, r) in (0..scene.n_dof()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>().iter().zip(&forces.reactions) {
+        f[dof / 3][dof % 3] = -r;
+    }
+    let work: f64 = f
+        .iter()
+        .zip(sample.x.chunks(3).zip(start.x.chunks(3)))
+        .map(|(f, (x, o))| f.dot(glam::DVec3::from_slice(x) - glam::DVec3::from_slice(o)))
+        .sum();
+    let energy: f64 = forces.tallies.iter().map(|t| t.energy).sum();
+    assert!((energy + work).abs() < 1e-12 * (1.0 + work.abs()), "{name}: {energy} {work}");
+}

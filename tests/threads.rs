@@ -1,0 +1,82 @@
+//! The same bytes for every number of threads, for every scheme, with every kind of term.
+
+mod common;
+
+use canopy_fem::force::batch::Threads;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::{MethodChoice, methods};
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::mesh::source::MeshSource;
+use canopy_fem::model::point::Point;
+use canopy_fem::model::spec::*;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::{Scene, build_network};
+use common::spring_group;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A sheet with every kind of term, larger than one block of elements and one task of nodes.
+fn sheet() -> NetworkSpec {
+    let json = serde_json::json!({"rectangle": {"width": 1.0, "height": 1.0, "columns": 40, "rows": 40, "pattern": "regular"}});
+    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
+    let mesh = source.build(Path::new(".")).expect("a rectangle");
+    let n = mesh.nodes.len();
+    let mut spec = NetworkSpec { mesh, mass: vec![1e-3; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    spec.fixed[0] = [true; 3];
+    let mut group = spring_group(&spec, Slack::TensionOnly);
+    let count = group.edges.len();
+    group.stiffness = (0..count).map(|i| 50.0 + (i % 7) as f64).collect();
+    let mut relative = group.clone();
+    let split = count / 2;
+    for g in [&mut group, &mut relative] {
+        g.dashpot = Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1e-3; count], from_step: false });
+    }
+    let cut = |g: &mut SpringGroup, range: std::ops::Range<usize>| {
+        g.edges = g.edges[range.clone()].to_vec();
+        g.stiffness = g.stiffness[range.clone()].to_vec();
+        g.rest_length = g.rest_length[range.clone()].to_vec();
+        g.dashpot.iter_mut().for_each(|d| d.coefficient = d.coefficient[range.clone()].to_vec());
+    };
+    cut(&mut group, 0..split);
+    cut(&mut relative, split..count);
+    relative.dashpot.iter_mut().for_each(|d| d.kind = DashpotKind::Relative);
+    spec.springs = vec![group, relative];
+    spec.gravity = Some([0.1, 0.2, -9.81]);
+    let wind = Series { t: vec![0.0, 1.0], value: vec![[0.0, 1.0, 5.0], [1.0, 0.0, 8.0]] };
+    spec.air = Some(AirSpec { linear: 0.1, quadratic: 0.05, wind });
+    let triangles = (0..spec.mesh.triangles.len() as u32).collect();
+    spec.pressures = vec![PressureLoad { triangles, pressure: 3.0, kind: PressureKind::Follower, factor: None }];
+    spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
+    spec
+}
+
+fn bits_after(threads: usize, method: &str, steps: u32) -> Vec<u64> {
+    let scene = build_network(sheet(), Threads::new(threads).expect("threads")).expect("the fixture is sound");
+    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(from.state.as_ref(), &mut from.forces);
+    stepper.start(&from).expect("a small scene");
+    let (mut to, mut counters, h) = (from.clone(), Counters::default(), 2e-4);
+    for _ in 0..steps {
+        let t_next = from.state.t + h;
+        stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("an easy step");
+        stepper.accept();
+        std::mem::swap(&mut from, &mut to);
+    }
+    let tallies = from.forces.tallies.iter().flat_map(|t| [t.energy, t.power]);
+    from.state.x.iter().chain(&from.state.v).copied().chain(tallies).map(f64::to_bits).collect()
+}
+
+#[test]
+fn one_two_and_three_threads_give_the_same_bits() {
+    for method in methods() {
+        let steps = if method.evaluations == [0, 0] { 3 } else { 40 };
+        let one = bits_after(1, method.name, steps);
+        assert!(one.iter().any(|&b| f64::from_bits(b).abs() > 1e-3), "{} moved", method.name);
+        for threads in [2, 3] {
+            assert!(one == bits_after(threads, method.name, steps), "{} differs with {threads} threads", method.name);
+        }
+    }
+}
