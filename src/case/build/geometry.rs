@@ -1,0 +1,126 @@
+//! The mesh with what the other sections ask of it: lengths, areas, selections, sound triangles.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::mesh::source::MeshSource;
+use crate::mesh::{Mesh, MeshError, Topology};
+
+/// A mesh and its topology.
+#[derive(Debug)]
+pub(crate) struct Geometry {
+    /// where it came from, to know it again
+    source: MeshSource,
+    /// the mesh as given
+    pub mesh: Mesh,
+    /// boundary loops and the triangles at every edge
+    pub topology: Topology,
+    /// [m] length of every edge on the mesh as given
+    pub length: Vec<f64>,
+    /// [m^2] area of every triangle on the mesh as given
+    pub area: Vec<f64>,
+}
+
+impl Geometry {
+    fn new(source: &MeshSource, mesh: Mesh) -> Result<Self, MeshError> {
+        let topology = Topology::new(&mesh)?;
+        let at = |node: u32| mesh.nodes.get(node as usize).map_or(DVec3::NAN, |p| DVec3::from_array(*p));
+        let length = mesh.edges.iter().map(|&[a, b]| at(a).distance(at(b))).collect();
+        let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length());
+        let area = area.collect();
+        Ok(Self { source: source.clone(), mesh, topology, length, area })
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.mesh.nodes.len()
+    }
+}
+
+/// Checks the mesh section and makes or reads the mesh, unless `known` came from the same section.
+pub(super) fn geometry(
+    at: &Pointer,
+    source: &MeshSource,
+    base: &Path,
+    known: Option<Arc<Geometry>>,
+    faults: &mut Faults<'_>,
+) -> Option<Arc<Geometry>> {
+    if let Some(known) = known.filter(|known| known.source == *source) {
+        return Some(known);
+    }
+    let before = faults.count();
+    source.check(&mut |below, value, allowed, hint| faults.add_value(&at.below(below), value, allowed, Some(hint)));
+    if faults.count() > before {
+        return None;
+    }
+    match source.build(base).and_then(|mesh| Geometry::new(source, mesh)) {
+        Ok(geometry) => Some(Arc::new(geometry)),
+        Err(error) => {
+            refuse(at, source, error, faults);
+            None
+        }
+    }
+}
+
+/// A mesh that cannot be had, put at the key that asks for it.
+fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faults<'_>) {
+    let key = match source {
+        MeshSource::Annulus(_) => "annulus",
+        MeshSource::Disc(_) => "disc",
+        MeshSource::Rectangle(_) => "rectangle",
+        MeshSource::Chain(_) => "chain",
+        MeshSource::File(_) => "file",
+        MeshSource::Explicit(_) => "explicit",
+    };
+    match error {
+        MeshError::Parameter { pointer, value, allowed, hint } => {
+            faults.add_value(&at.below(&pointer), value, allowed, Some(hint));
+        }
+        error @ MeshError::File { .. } => {
+            faults.add_hint(&at.key(key), "a mesh file that can be read", error.to_string());
+        }
+        error => faults.add_hint(&at.key(key), "a mesh that can be made and used", error.to_string()),
+    }
+}
+
+/// What a section needs of the triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Needs {
+    /// their areas
+    Areas,
+    /// their normals too: neighbours must turn the same way
+    Normals,
+}
+
+/// Notes a fault unless there are triangles that serve `user` (a section, in words). Degenerate triangles were refused
+/// with the mesh; orientation matters only where normals are used.
+pub(super) fn triangles(at: &Pointer, user: &str, geometry: &Geometry, needs: Needs, faults: &mut Faults<'_>) -> bool {
+    if geometry.mesh.triangles.is_empty() {
+        faults.add_value(
+            at,
+            "a mesh without triangles",
+            format!("{user} needs triangles"),
+            Some("give the mesh triangles, or leave this out".to_owned()),
+        );
+        return false;
+    }
+    if needs == Needs::Areas {
+        return true;
+    }
+    match geometry.topology.check_orientation(&geometry.mesh) {
+        Ok(()) => true,
+        Err(error) => {
+            faults.add_value(
+                at,
+                "triangles that turn opposite ways",
+                format!("{user} needs triangles that all turn the same way, with at most two at an edge"),
+                Some(error.to_string()),
+            );
+            false
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Initial displacement and velocity.
+
+use glam::DVec3;
+
+use super::geometry::Geometry;
+use super::numbers::first_few;
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Initial, Vectors};
+use crate::model::spec::SpringGroup;
+
+/// What the initial state is checked against.
+#[derive(Debug)]
+pub(super) struct Network<'a> {
+    /// the mesh
+    pub geometry: &'a Geometry,
+    /// which of x, y, z is fixed, one a node
+    pub fixed: &'a [[bool; 3]],
+    /// springs, whose ends must not meet
+    pub springs: &'a [SpringGroup],
+}
+
+/// Initial vectors of every node; empty = zero.
+#[derive(Debug, Default)]
+pub(super) struct Start {
+    /// [m]
+    pub displacement: Vec<[f64; 3]>,
+    /// [m/s]
+    pub velocity: Vec<[f64; 3]>,
+}
+
+/// Checks and resolves the `initial` section.
+pub(super) fn initial(at: &Pointer, section: Option<&Initial>, network: &Network<'_>, faults: &mut Faults<'_>) -> Start {
+    let Some(section) = section else { return Start::default() };
+    let mut start = Start::default();
+    if let Some(vectors) = &section.displacement {
+        let at = at.key("displacement");
+        start.displacement = each(&at, vectors, network.fixed, faults);
+        check_lengths(&at, &start.displacement, network, faults);
+    }
+    if let Some(vectors) = &section.velocity {
+        let at = at.key("velocity");
+        start.velocity = each(&at, vectors, network.fixed, faults);
+        if let Vectors::Each(_) = vectors {
+            check_held(&at, &start.velocity, network.fixed, faults);
+        }
+    }
+    start
+}
+
+/// One vector a node: a uniform one on the free degrees of freedom only.
+fn each(at: &Pointer, vectors: &Vectors, fixed: &[[bool; 3]], faults: &mut Faults<'_>) -> Vec<[f64; 3]> {
+    match vectors {
+        Vectors::Same(v) => fixed.iter().map(|f| std::array::from_fn(|i| if f[i] { 0.0 } else { v[i] })).collect(),
+        Vectors::Each(list) if list.len() == fixed.len() => list.clone(),
+        Vectors::Each(list) => {
+            let value = format!("{} vectors", list.len());
+            faults.add_value(at, value, format!("one vector, or a list of {} (one a node)", fixed.len()), None);
+            Vec::new()
+        }
+    }
+}
+
+fn check_held(at: &Pointer, velocity: &[[f64; 3]], fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
+    for (i, (v, f)) in velocity.iter().zip(fixed).enumerate() {
+        if (0..3).any(|c| f[c] && v[c] != 0.0) {
+            faults.add_hint(
+                &at.index(i),
+                "0 in the directions in which the node is held",
+                "a support holds its node at rest; set the component to 0 or free it in the supports section",
+            );
+        }
+    }
+}
+
+/// A displacement must not put both ends of a spring in one place, where the spring has no direction.
+fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>, faults: &mut Faults<'_>) {
+    let place = |node: u32| {
+        let x = network.geometry.mesh.nodes.get(node as usize)?;
+        let u = displacement.get(node as usize)?;
+        Some(DVec3::from_array(*x) + DVec3::from_array(*u))
+    };
+    let meet = |edge: u32| {
+        let ends = network.geometry.mesh.edges.get(edge as usize).copied();
+        ends.and_then(|[a, b]| Some((place(a)?, place(b)?))).is_some_and(|(a, b)| !(a.distance(b).is_normal()))
+    };
+    let edges: Vec<u32> = network.springs.iter().flat_map(|g| g.edges.iter().copied()).filter(|e| meet(*e)).collect();
+    if !edges.is_empty() {
+        let value = format!("springs without length on edges {}", first_few(&edges));
+        let hint = "the displaced ends of a spring fall together, or too far away for a double".to_owned();
+        faults.add_value(at, value, "a displacement that leaves every spring a length", Some(hint));
+    }
+}

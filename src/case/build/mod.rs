@@ -1,0 +1,79 @@
+//! From the structs of the file to the plain data of a run. Every section is checked where it is built, so that what
+//! a check allows and what the builder relies on stand side by side; faults are collected, not returned.
+
+mod air;
+mod initial;
+pub(crate) mod geometry;
+mod loads;
+mod mass;
+mod network;
+mod numbers;
+mod output;
+mod pendulum;
+mod select;
+mod series;
+mod springs;
+mod stiffness;
+mod study;
+mod time;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::fault::Faults;
+use super::pointer::Pointer;
+use super::schema::{CaseFile, System};
+use super::spec::{Problem, SystemSpec};
+use geometry::Geometry;
+
+/// What was built, and the geometry for the next build of a study.
+pub(crate) type Built = (Problem, Option<Arc<Geometry>>);
+
+/// Checks and builds a case. `None` means that there are faults; there may be faults without it.
+pub(crate) fn build(
+    file: &CaseFile,
+    base: &Path,
+    known: Option<Arc<Geometry>>,
+    faults: &mut Faults<'_>,
+) -> Option<Built> {
+    let root = Pointer::root();
+    name(&root.key("name"), &file.name, faults);
+    let timing = time::time(&file.time, &file.system, faults);
+    let solver = time::solver(file.solver.as_ref(), faults);
+    study::check(file.study.as_ref(), faults);
+    let at = root.key("system");
+    let (system, geometry) = match &file.system {
+        System::Pendulum(pendulum) => {
+            (Some(SystemSpec::Pendulum(pendulum::pendulum(&at.key("pendulum"), pendulum, faults))), None)
+        }
+        System::Network(network) => {
+            let at = at.key("network");
+            let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
+            let step = timing.as_ref().map(|t| t.spec.step);
+            let spec = network::network(&at, network, geometry.as_deref(), step, faults);
+            (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
+        }
+    };
+    let nodes = select::NodeSet::of(&file.system, geometry.as_deref());
+    let output = output::output(file.output.as_ref(), nodes, timing.as_ref().map(|t| t.spec), faults);
+    let timing = timing?;
+    let problem = Problem {
+        name: file.name.clone(),
+        system: system?,
+        method: timing.method,
+        time: timing.spec,
+        solver,
+        output: output?,
+        warnings: Vec::new(),
+        case_json: serde_json::Value::Null,
+    };
+    Some((problem, geometry))
+}
+
+/// A name that can stand in a file name, a table and a title.
+fn name(at: &Pointer, name: &str, faults: &mut Faults<'_>) {
+    let length = name.chars().count();
+    if name.trim().is_empty() || length > 200 || name.chars().any(char::is_control) {
+        faults.add(at, "1 to 200 characters, not only blanks, no control characters");
+    }
+}

@@ -1,0 +1,121 @@
+//! The network as a whole: supports, masses, and the sections put together.
+
+use super::geometry::Geometry;
+use super::initial::{self, initial};
+use super::numbers::{first_few, not_negative};
+use super::{air, loads, mass, select, springs};
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Damping, Network, Support};
+use crate::model::spec::{NetworkSpec, RayleighSpec};
+
+/// Checks and builds a network. Without a mesh the checks that need none still run.
+pub(super) fn network(
+    at: &Pointer,
+    network: &Network,
+    geometry: Option<&Geometry>,
+    step: Option<f64>,
+    faults: &mut Faults<'_>,
+) -> Option<NetworkSpec> {
+    let mut masses = geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
+    let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let before_springs = faults.count();
+    let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
+    let springs_good = faults.count() == before_springs;
+    let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
+    let air = air::air(&at.key("aero"), network.aero.as_ref(), geometry, faults);
+    let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
+    let geometry = geometry?;
+    // A faulty mass or spring section leaves masses too small, which would be reported a second time.
+    if springs_good {
+        check_masses(at, &masses, &fixed, faults);
+        warn_loose(&groups.iter().flat_map(|g| g.edges.iter().copied()).collect::<Vec<_>>(), &fixed, geometry, faults);
+    }
+    if fixed.iter().flatten().all(|held| *held) {
+        let hint = "free at least one direction of one node".to_owned();
+        faults.add_value(&at.key("supports"), "every node is held in x, y and z", "something that can move", Some(hint));
+    }
+    let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
+    let start = initial(&at.key("initial"), network.initial.as_ref(), &against, faults);
+    Some(NetworkSpec {
+        mesh: geometry.mesh.clone(),
+        mass: masses,
+        fixed,
+        springs: groups,
+        gravity: network.gravity,
+        air,
+        pressures: loads.pressures,
+        forces: loads.forces,
+        rayleigh,
+        displacement: start.displacement,
+        velocity: start.velocity,
+    })
+}
+
+/// Which of x, y, z is held, one a node. Supports add up.
+fn supports(at: &Pointer, list: &[Support], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Vec<[bool; 3]> {
+    let mut fixed = vec![[false; 3]; geometry.map_or(0, Geometry::nodes)];
+    for (i, support) in list.iter().enumerate() {
+        let at = at.index(i);
+        let directions = directions(&support.fix);
+        if directions.is_none() {
+            faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
+        }
+        let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
+        if let (Some(directions), Some(nodes)) = (directions, nodes) {
+            for node in nodes {
+                if let Some(held) = fixed.get_mut(node as usize) {
+                    held.iter_mut().zip(directions).for_each(|(held, more)| *held |= more);
+                }
+            }
+        }
+    }
+    fixed
+}
+
+fn directions(fix: &str) -> Option<[bool; 3]> {
+    let mut held = [false; 3];
+    for letter in fix.chars() {
+        let flag = &mut held["xyz".find(letter)?];
+        if *flag {
+            return None;
+        }
+        *flag = true;
+    }
+    held.contains(&true).then_some(held)
+}
+
+fn rayleigh(at: &Pointer, section: Option<&Damping>, faults: &mut Faults<'_>) -> Option<RayleighSpec> {
+    let rayleigh = section?.rayleigh;
+    let at = at.key("rayleigh");
+    let mass = not_negative(&at.key("mass"), rayleigh.mass, faults);
+    let stiffness = not_negative(&at.key("stiffness"), rayleigh.stiffness, faults);
+    let none = rayleigh.mass == 0.0 && rayleigh.stiffness == 0.0;
+    (mass && stiffness && !none).then_some(RayleighSpec { mass: rayleigh.mass, stiffness: rayleigh.stiffness })
+}
+
+/// Every node that can move needs a mass whose inverse is a number.
+fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
+    let free = |i: u32| fixed.get(i as usize).is_some_and(|f| f.contains(&false));
+    let numbered = mass.iter().zip(0_u32..);
+    let bad: Vec<u32> = numbered.filter(|(m, i)| free(*i) && !m.is_normal()).map(|(_, i)| i).collect();
+    if let Some(first) = bad.first() {
+        let value = format!("no usable mass on free nodes {} ({} kg on the first)", first_few(&bad), mass[*first as usize]);
+        let hint = "give areal_density (for nodes of triangles), nodal, or linear_density of a spring rule, or hold them";
+        faults.add_value(&at.key("mass"), value, "a mass above 0 on every node that can move", Some(hint.to_owned()));
+    }
+}
+
+/// Free nodes without a spring fly away: seldom meant, but a falling mass is one.
+fn warn_loose(edges: &[u32], fixed: &[[bool; 3]], geometry: &Geometry, faults: &mut Faults<'_>) {
+    let mut loose: Vec<bool> = fixed.iter().map(|f| f.contains(&false)).collect();
+    for node in edges.iter().filter_map(|e| geometry.mesh.edges.get(*e as usize)).flatten() {
+        if let Some(flag) = loose.get_mut(*node as usize) {
+            *flag = false;
+        }
+    }
+    let loose: Vec<u32> = loose.iter().zip(0_u32..).filter(|(loose, _)| **loose).map(|(_, i)| i).collect();
+    if !loose.is_empty() {
+        faults.warn(format!("no spring holds the free nodes {}", first_few(&loose)));
+    }
+}

@@ -1,0 +1,38 @@
+//! Range checks of single numbers.
+
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+
+/// Notes a fault unless `x` is above 0 and finite; says whether it is good.
+pub(super) fn positive(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
+    let good = x > 0.0 && x.is_finite();
+    if !good {
+        faults.add(at, "a number above 0");
+    }
+    good
+}
+
+/// Notes a fault unless `x` is 0 or more and finite.
+pub(super) fn not_negative(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
+    let good = x >= 0.0 && x.is_finite();
+    if !good {
+        faults.add(at, "a number of 0 or more");
+    }
+    good
+}
+
+/// Notes a fault unless 0 < x < 1.
+pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
+    let good = x > 0.0 && x < 1.0;
+    if !good {
+        faults.add(at, "a number above 0 and below 1");
+    }
+    good
+}
+
+/// Some items for a message: the first few and how many there are.
+pub(super) fn first_few(items: &[u32]) -> String {
+    let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();
+    let rest = if items.len() > 5 { format!(", … ({} in all)", items.len()) } else { String::new() };
+    format!("{}{rest}", shown.join(", "))
+}

@@ -1,0 +1,83 @@
+//! The output section.
+
+use std::collections::BTreeSet;
+
+use super::numbers::positive;
+use super::select::NodeSet;
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Every, Field, Output, Probe};
+use crate::case::spec::{OutputSpec, ProbeSpec, TimeSpec};
+
+/// [-] Rows of `history.csv` that the default interval keeps within, with the first and the last state.
+const HISTORY_ROWS: u64 = 10_000;
+
+/// [-] Most frames: their file names have six digits.
+const MOST_FRAMES: f64 = 999_999.0;
+
+/// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
+pub(super) fn output(
+    output: Option<&Output>,
+    nodes: NodeSet<'_>,
+    time: Option<TimeSpec>,
+    faults: &mut Faults<'_>,
+) -> Option<OutputSpec> {
+    let at = Pointer::root().key("output");
+    let section = output.cloned().unwrap_or_default();
+    frames(&at.key("frames").key("every"), section.frames, time, faults);
+    if let Some(checkpoint) = section.checkpoint {
+        positive(&at.key("checkpoint").key("every"), checkpoint.every, faults);
+        faults.warn("/output/checkpoint: checkpoints are not available in this version, so none is written");
+    }
+    let history = section.history.map(|h| h.every);
+    if history == Some(0) {
+        faults.add(&at.key("history").key("every"), "a whole number of 1 or more");
+    }
+    let probes = probes(&at.key("probes"), &section.probes, nodes, faults);
+    let rows = HISTORY_ROWS - 2;
+    Some(OutputSpec {
+        frames_every: section.frames.map(|f| f.every),
+        fields: unique(&section.fields),
+        probes,
+        history_every: history.unwrap_or(time?.steps().div_ceil(rows)).max(1),
+    })
+}
+
+fn frames(at: &Pointer, frames: Option<Every>, time: Option<TimeSpec>, faults: &mut Faults<'_>) {
+    let Some(frames) = frames else { return };
+    if !positive(at, frames.every, faults) {
+        return;
+    }
+    if let Some(time) = time
+        && time.end / frames.every > MOST_FRAMES
+    {
+        let least = format!("at least {:e}, which makes {MOST_FRAMES} frames until the end", time.end / MOST_FRAMES);
+        faults.add(at, least);
+    }
+}
+
+fn unique(fields: &[Field]) -> Vec<Field> {
+    let mut once = Vec::new();
+    for field in fields {
+        if !once.contains(field) {
+            once.push(*field);
+        }
+    }
+    once
+}
+
+fn probes(at: &Pointer, list: &[Probe], nodes: NodeSet<'_>, faults: &mut Faults<'_>) -> Vec<ProbeSpec> {
+    let mut names = BTreeSet::new();
+    let mut probes = Vec::new();
+    for (i, probe) in list.iter().enumerate() {
+        let at = at.index(i);
+        super::name(&at.key("name"), &probe.name, faults);
+        if !names.insert(probe.name.as_str()) {
+            faults.add(&at.key("name"), "a name that no other probe has");
+        }
+        if let Some(nodes) = nodes.select(&at.key("on"), &probe.on, faults) {
+            probes.push(ProbeSpec { name: probe.name.clone(), nodes });
+        }
+    }
+    probes
+}

@@ -1,0 +1,200 @@
+//! Selections of nodes, edges and triangles: from words to ascending numbers. A selection of nothing is a fault.
+
+use glam::DVec3;
+
+use super::geometry::Geometry;
+use super::numbers::positive;
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{EdgeSelection, NodeSelection, System};
+use crate::mesh::EdgeKind;
+
+/// The nodes that a probe may name.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum NodeSet<'a> {
+    /// of a network
+    Mesh(&'a Geometry),
+    /// the bob of a pendulum
+    Bob,
+    /// the mesh is faulty: nothing can be said
+    Unknown,
+}
+
+impl<'a> NodeSet<'a> {
+    /// The nodes of a system.
+    pub fn of(system: &System, geometry: Option<&'a Geometry>) -> Self {
+        match (system, geometry) {
+            (System::Pendulum(_), _) => Self::Bob,
+            (System::Network(_), Some(geometry)) => Self::Mesh(geometry),
+            (System::Network(_), None) => Self::Unknown,
+        }
+    }
+
+    /// The selected nodes, ascending; `None` with a fault if there are none, without one if the mesh is unknown.
+    pub fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+        match self {
+            Self::Mesh(geometry) => nodes(at, selection, geometry, faults),
+            Self::Unknown => None,
+            Self::Bob => match selection {
+                NodeSelection::All => Some(vec![0]),
+                NodeSelection::Ids(list) => ids(&at.key("ids"), list, Range { what: "node", count: 1 }, faults),
+                _ => {
+                    faults.add(at, "\"all\" or {\"ids\": [0]}: a pendulum has one node, its bob");
+                    None
+                }
+            },
+        }
+    }
+}
+
+/// The selected nodes of a mesh, ascending.
+pub(super) fn nodes(
+    at: &Pointer,
+    selection: &NodeSelection,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    let topology = &geometry.topology;
+    let inside = |test: &dyn Fn(DVec3) -> bool| {
+        let hits = geometry.mesh.nodes.iter().zip(0_u32..).filter(|(p, _)| test(DVec3::from_array(**p)));
+        hits.map(|(_, i)| i).collect::<Vec<_>>()
+    };
+    let found = match selection {
+        NodeSelection::Ids(list) => {
+            return ids(&at.key("ids"), list, Range { what: "node", count: geometry.nodes() }, faults);
+        }
+        NodeSelection::All => inside(&|_| true),
+        NodeSelection::Boundary => topology.boundary_nodes().to_vec(),
+        NodeSelection::Outer => topology.outer_nodes().to_vec(),
+        NodeSelection::Inner => topology.inner_nodes().to_vec(),
+        NodeSelection::Box([low, high]) => {
+            let (low, high) = (DVec3::from_array(*low), DVec3::from_array(*high));
+            if !low.cmple(high).all() {
+                faults.add(&at.key("box"), "the lowest corner first, then the highest: no coordinate may fall");
+                return None;
+            }
+            inside(&|p| low.cmple(p).all() && p.cmple(high).all())
+        }
+        NodeSelection::Sphere(ball) => {
+            if !positive(&at.key("sphere").key("radius"), ball.radius, faults) {
+                return None;
+            }
+            let center = DVec3::from_array(ball.center);
+            inside(&|p| p.distance(center) <= ball.radius)
+        }
+    };
+    if found.is_empty() {
+        let counts = format!(
+            "this mesh has {} nodes, {} of them \"boundary\", {} \"outer\", {} \"inner\"{}",
+            geometry.nodes(),
+            topology.boundary_nodes().len(),
+            topology.outer_nodes().len(),
+            topology.inner_nodes().len(),
+            extent(&geometry.mesh.nodes)
+        );
+        faults.add_hint(at, "a selection of at least one node", counts);
+        return None;
+    }
+    Some(found)
+}
+
+/// Where the nodes are, for a box or sphere that missed them.
+fn extent(nodes: &[[f64; 3]]) -> String {
+    let Some(first) = nodes.first().map(|p| DVec3::from_array(*p)) else { return String::new() };
+    let (low, high) = nodes.iter().map(|p| DVec3::from_array(*p)).fold((first, first), |(l, h), p| (l.min(p), h.max(p)));
+    format!("; they lie between {:?} and {:?}", low.to_array(), high.to_array())
+}
+
+/// Which edges a rule selects, one flag an edge.
+pub(super) fn edges(
+    at: &Pointer,
+    selection: &EdgeSelection,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<bool>> {
+    let count = geometry.mesh.edges.len();
+    let of_kind = |kind: EdgeKind| (0..count).map(|i| geometry.topology.edge_kind(i) == kind).collect::<Vec<_>>();
+    let flagged = |list: &[u32]| {
+        let mut flags = vec![false; count];
+        for &i in list {
+            if let Some(flag) = flags.get_mut(i as usize) {
+                *flag = true;
+            }
+        }
+        flags
+    };
+    let found = match selection {
+        EdgeSelection::All => vec![true; count],
+        EdgeSelection::Boundary => of_kind(EdgeKind::Boundary),
+        EdgeSelection::Interior => of_kind(EdgeKind::Interior),
+        EdgeSelection::Lines => of_kind(EdgeKind::Line),
+        EdgeSelection::Seams => flagged(&geometry.mesh.seams),
+        EdgeSelection::Ids(list) => flagged(&ids(&at.key("ids"), list, Range { what: "edge", count }, faults)?),
+    };
+    if !found.contains(&true) {
+        let number = |kind: EdgeKind| of_kind(kind).iter().filter(|hit| **hit).count();
+        let counts = format!(
+            "this mesh has {count} edges, {} of them \"boundary\", {} \"interior\", {} \"lines\", {} \"seams\"",
+            number(EdgeKind::Boundary),
+            number(EdgeKind::Interior),
+            number(EdgeKind::Line),
+            geometry.mesh.seams.len()
+        );
+        faults.add_hint(at, "a selection of at least one edge", counts);
+        return None;
+    }
+    Some(found)
+}
+
+/// The triangles of a pressure, ascending.
+pub(super) fn triangles(
+    at: &Pointer,
+    selection: &NodeSelection,
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    let count = geometry.mesh.triangles.len();
+    match selection {
+        NodeSelection::All => Some((0_u32..).take(count).collect()),
+        NodeSelection::Ids(list) => ids(&at.key("ids"), list, Range { what: "triangle", count }, faults),
+        other => {
+            let word = other.keyword();
+            faults.add_hint(
+                at,
+                "\"all\" or {\"ids\": [...]}: a pressure acts on triangles",
+                format!("\"{word}\" selects nodes, which serves a force"),
+            );
+            None
+        }
+    }
+}
+
+/// What ids number.
+#[derive(Clone, Copy)]
+struct Range {
+    what: &'static str,
+    count: usize,
+}
+
+/// A list of ids: in range, sorted, each once.
+fn ids(at: &Pointer, list: &[u32], range: Range, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
+    let Range { what, count } = range;
+    if list.is_empty() {
+        faults.add(at, format!("at least one {what}"));
+        return None;
+    }
+    let before = faults.count();
+    let allowed = match count.checked_sub(1) {
+        Some(last) => format!("{what} numbers from 0 to {last}"),
+        None => format!("nothing: the mesh has no {what}s"),
+    };
+    for (i, _) in list.iter().enumerate().filter(|(_, id)| **id as usize >= count) {
+        faults.add(&at.index(i), allowed.clone());
+    }
+    let mut sorted = list.to_vec();
+    sorted.sort_unstable();
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        faults.add_value(at, format!("{what} {} twice", pair[0]), format!("every {what} once"), None);
+    }
+    (faults.count() == before).then_some(sorted)
+}

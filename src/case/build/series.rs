@@ -1,0 +1,30 @@
+//! Tables over time.
+
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::model::spec::Series;
+
+/// A table whose rows begin with the time; `None` if it is empty or its times do not increase.
+pub(super) fn series<T>(
+    at: &Pointer,
+    rows: impl Iterator<Item = (f64, T)>,
+    faults: &mut Faults<'_>,
+) -> Option<Series<T>> {
+    let (t, value): (Vec<f64>, Vec<T>) = rows.unzip();
+    if t.is_empty() {
+        faults.add(at, "at least one row");
+        return None;
+    }
+    let before = faults.count();
+    for (i, pair) in t.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            faults.add_value(
+                &at.index(i + 1),
+                format!("time {} after {}", pair[1], pair[0]),
+                "times strictly increasing from row to row",
+                Some("sort the rows by time and keep one row a time; for a jump use two close times".to_owned()),
+            );
+        }
+    }
+    (faults.count() == before).then_some(Series { t, value })
+}

@@ -1,0 +1,129 @@
+//! Spring rules: which edge follows which rule, and what comes of it.
+
+use super::geometry::Geometry;
+use super::mass;
+use super::numbers::{first_few, not_negative};
+use super::select;
+use super::stiffness::{Springs, Stiffness, dashpot, rest_lengths, stiffness};
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{SlackRule, SpringRule};
+use crate::model::spec::{Slack, SpringGroup};
+
+/// Groups of springs in the order of the rules; adds the springs' own mass to the nodes.
+pub(super) fn springs(
+    at: &Pointer,
+    rules: &[SpringRule],
+    geometry: Option<&Geometry>,
+    step: Option<f64>,
+    mass: &mut [f64],
+    faults: &mut Faults<'_>,
+) -> Vec<SpringGroup> {
+    let mut taken = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
+    let mut groups = Vec::new();
+    for (i, rule) in rules.iter().enumerate() {
+        let at = at.index(i);
+        let values = values(&at, rule, faults);
+        let Some(geometry) = geometry else { continue };
+        let Some(edges) = claim(&at, rule, geometry, &mut taken, faults) else { continue };
+        if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
+            add_mass(density, &edges, geometry, mass);
+        }
+        if let Some(values) = values
+            && !edges.is_empty()
+            && let Some(group) = group(&at, &Members { rule, values, edges, step }, geometry, faults)
+        {
+            groups.push(group);
+        }
+    }
+    warn_bare(&taken, faults);
+    groups
+}
+
+/// Values of a rule that need no edge.
+#[derive(Clone, Copy, Debug)]
+struct Values {
+    stiffness: Stiffness,
+    slack: Slack,
+}
+
+fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Values> {
+    let stiffness = stiffness(at, rule, faults);
+    if let Some(density) = rule.linear_density {
+        not_negative(&at.key("linear_density"), density, faults);
+    }
+    let slack_at = at.key("slack");
+    let slack = match rule.slack {
+        None => Some(Slack::None),
+        Some(SlackRule::TensionOnly) => Some(Slack::TensionOnly),
+        Some(SlackRule::DeadZone(eps)) => {
+            not_negative(&slack_at.key("dead_zone"), eps, faults).then_some(Slack::DeadZone { eps })
+        }
+        Some(SlackRule::CompressionLimit(eps)) => {
+            not_negative(&slack_at.key("compression_limit"), eps, faults).then_some(Slack::CompressionLimit { eps })
+        }
+    };
+    Some(Values { stiffness: stiffness?, slack: slack? })
+}
+
+/// The edges that follow this rule: the selected ones that no earlier rule took.
+fn claim(
+    at: &Pointer,
+    rule: &SpringRule,
+    geometry: &Geometry,
+    taken: &mut [bool],
+    faults: &mut Faults<'_>,
+) -> Option<Vec<u32>> {
+    let selected = select::edges(&at.key("on"), &rule.on, geometry, faults)?;
+    let mut edges = Vec::new();
+    for ((taken, selected), edge) in taken.iter_mut().zip(selected).zip(0_u32..) {
+        if selected && !*taken {
+            *taken = true;
+            edges.push(edge);
+        }
+    }
+    if edges.is_empty() {
+        faults.warn(format!("{at}: earlier rules take all the edges it selects, so it has no effect; order the special rules first"));
+    }
+    Some(edges)
+}
+
+/// A rule with the edges that follow it.
+#[derive(Debug)]
+struct Members<'a> {
+    rule: &'a SpringRule,
+    values: Values,
+    edges: Vec<u32>,
+    step: Option<f64>,
+}
+
+fn group(at: &Pointer, members: &Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
+    let Members { rule, values, edges, step } = members;
+    let rest_length = rest_lengths(at, rule, edges, geometry, faults)?;
+    let stiffness = values.stiffness.of_edges(at, edges, &rest_length, geometry, faults)?;
+    let dashpot = match rule.dashpot {
+        None => None,
+        Some(rule) => {
+            let springs = Springs { stiffness: &stiffness, rest: &rest_length, step: *step };
+            Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
+        }
+    };
+    Some(SpringGroup { edges: edges.clone(), stiffness, rest_length, slack: values.slack, dashpot })
+}
+
+/// Half of an edge's mass to each of its ends.
+fn add_mass(density: f64, edges: &[u32], geometry: &Geometry, total: &mut [f64]) {
+    for &edge in edges {
+        let length = geometry.length.get(edge as usize).copied().unwrap_or_default();
+        for &node in geometry.mesh.edges.get(edge as usize).into_iter().flatten() {
+            mass::add(total, node, 0.5 * density * length);
+        }
+    }
+}
+
+fn warn_bare(taken: &[bool], faults: &mut Faults<'_>) {
+    let bare: Vec<u32> = taken.iter().zip(0_u32..).filter(|(taken, _)| !**taken).map(|(_, e)| e).collect();
+    if !bare.is_empty() {
+        faults.warn(format!("no spring rule selects the edges {}: they carry no spring", first_few(&bare)));
+    }
+}

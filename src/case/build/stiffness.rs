@@ -1,0 +1,171 @@
+//! Rest length, stiffness and dashpot coefficient of single edges.
+
+use super::geometry::{Geometry, Needs, triangles};
+use super::numbers::{first_few, not_negative, positive};
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Dashpot, DashpotRule, SpringRule};
+use crate::model::spec::{DashpotKind, DashpotSpec};
+
+/// Checked values of a rule, resolved for its edges one by one.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stiffness {
+    /// [N/m] k
+    Uniform(f64),
+    /// [N] EA
+    Axial(f64),
+    /// [N/m] E t
+    Membrane(f64),
+}
+
+/// Exactly one of the three stiffness rules, in range.
+pub(super) fn stiffness(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Stiffness> {
+    match (rule.stiffness, rule.axial_rigidity, rule.membrane) {
+        (Some(k), None, None) => positive(&at.key("stiffness"), k, faults).then_some(Stiffness::Uniform(k)),
+        (None, Some(ea), None) => positive(&at.key("axial_rigidity"), ea, faults).then_some(Stiffness::Axial(ea)),
+        (None, None, Some(m)) => {
+            let at = at.key("membrane");
+            let modulus = positive(&at.key("modulus"), m.modulus, faults);
+            let thickness = positive(&at.key("thickness"), m.thickness, faults);
+            (modulus && thickness).then_some(Stiffness::Membrane(m.modulus * m.thickness))
+        }
+        (None, None, None) => {
+            faults.add_value(
+                at,
+                "a spring rule without stiffness",
+                "exactly one of stiffness, axial_rigidity, membrane",
+                None,
+            );
+            None
+        }
+        _ => {
+            let hint = Some("keep the one that is meant".to_owned());
+            let value = "a spring rule with several stiffnesses";
+            faults.add_value(at, value, "exactly one of stiffness, axial_rigidity, membrane", hint);
+            None
+        }
+    }
+}
+
+/// [m] Rest lengths of the edges, by the rule's `rest_length` or `rest_scale`.
+pub(super) fn rest_lengths(
+    at: &Pointer,
+    rule: &SpringRule,
+    edges: &[u32],
+    geometry: &Geometry,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<f64>> {
+    let initial = edges.iter().filter_map(|&e| geometry.length.get(e as usize).copied());
+    match (rule.rest_length, rule.rest_scale) {
+        (Some(_), Some(_)) => {
+            let hint = "rest_length is absolute, rest_scale a factor of the initial length; keep one";
+            faults.add_hint(&at.key("rest_scale"), "not together with rest_length", hint);
+            None
+        }
+        (Some(length), None) => {
+            positive(&at.key("rest_length"), length, faults).then(|| vec![length; edges.len()])
+        }
+        (None, scale) => {
+            let scale = scale.unwrap_or(1.0);
+            positive(&at.key("rest_scale"), scale, faults).then(|| initial.map(|l| scale * l).collect())
+        }
+    }
+}
+
+impl Stiffness {
+    /// [N/m] Stiffness of every edge; a value that is no usable number is a fault that names the edges.
+    pub fn of_edges(
+        self,
+        at: &Pointer,
+        edges: &[u32],
+        rest: &[f64],
+        geometry: &Geometry,
+        faults: &mut Faults<'_>,
+    ) -> Option<Vec<f64>> {
+        if let Self::Membrane(_) = self {
+            let at = at.key("membrane");
+            let bare: Vec<u32> =
+                edges.iter().copied().filter(|&e| geometry.topology.edge_triangles(e as usize).is_empty()).collect();
+            if !bare.is_empty() {
+                let value = format!("edges without triangles: {}", first_few(&bare));
+                let hint = "put a rule {\"on\": \"lines\", \"stiffness\": ...} before this one".to_owned();
+                faults.add_value(&at, value, "edges of triangles", Some(hint));
+                return None;
+            }
+            if !triangles(&at, "a membrane stiffness", geometry, Needs::Areas, faults) {
+                return None;
+            }
+        }
+        let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
+        let bad: Vec<u32> = edges.iter().zip(&k).filter(|(_, k)| !k.is_normal()).map(|(e, _)| *e).collect();
+        if !bad.is_empty() {
+            let value = format!("no usable stiffness on edges {}", first_few(&bad));
+            faults.add_value(at, value, "values whose stiffness is a normal double above 0", None);
+            return None;
+        }
+        Some(k)
+    }
+
+    fn of(self, edge: usize, rest: f64, geometry: &Geometry) -> f64 {
+        match self {
+            Self::Uniform(k) => k,
+            Self::Axial(ea) => ea / rest,
+            // Van Gelder 1998: k = E t (sum of adjacent areas)/l^2.
+            Self::Membrane(et) => {
+                let length = geometry.length.get(edge).copied().unwrap_or(f64::NAN);
+                let triangles = geometry.topology.edge_triangles(edge).iter();
+                let area: f64 = triangles.filter_map(|&t| geometry.area.get(t as usize)).sum();
+                et * area / (length * length)
+            }
+        }
+    }
+}
+
+/// Dashpots of a rule: checked, with a coefficient for every edge.
+pub(super) fn dashpot(
+    at: &Pointer,
+    dashpot: Dashpot,
+    springs: &Springs<'_>,
+    faults: &mut Faults<'_>,
+) -> Option<DashpotSpec> {
+    let (kind, key, rule) = match dashpot {
+        Dashpot::Axial(rule) => (DashpotKind::Axial, "axial", rule),
+        Dashpot::Relative(rule) => (DashpotKind::Relative, "relative", rule),
+    };
+    let at = at.key(key);
+    let Springs { stiffness, rest, step } = springs;
+    let (good, coefficient): (bool, Vec<f64>) = match rule {
+        DashpotRule::Coefficient(c) => (not_negative(&at.key("coefficient"), c, faults), vec![c; stiffness.len()]),
+        DashpotRule::Time(tau) => {
+            (not_negative(&at.key("time"), tau, faults), stiffness.iter().map(|k| k * tau).collect())
+        }
+        DashpotRule::PerStrain(c) => {
+            (not_negative(&at.key("per_strain"), c, faults), rest.iter().map(|l0| c / l0).collect())
+        }
+        DashpotRule::Step => {
+            // Without a step there is a fault at /time already.
+            let h = (*step)?;
+            faults.warn(format!(
+                "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the \
+                 thesis, else {{\"time\": {h:e}}} means the same at this step and keeps its meaning at others"
+            ));
+            (true, stiffness.iter().map(|k| k * h).collect())
+        }
+    };
+    if good && coefficient.iter().any(|c| !c.is_finite()) {
+        faults.add(&at, "a coefficient that stays a finite number on every edge");
+        return None;
+    }
+    good.then_some(DashpotSpec { kind, coefficient, from_step: rule == DashpotRule::Step })
+}
+
+/// What a dashpot's coefficient is made from.
+#[derive(Debug)]
+pub(super) struct Springs<'a> {
+    /// [N/m] one an edge
+    pub stiffness: &'a [f64],
+    /// [m] one an edge
+    pub rest: &'a [f64],
+    /// [s] the fixed step, if it is known and good
+    pub step: Option<f64>,
+}

@@ -1,0 +1,130 @@
+//! The time and solver sections.
+
+use super::numbers::{fraction, positive};
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Linear, Method, Solver, Strategy, System, Time};
+use crate::case::spec::{LinearChoice, NewtonSpec, NewtonStrategy, SolverSpec, TimeSpec};
+use crate::case::typed::nearest;
+use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
+
+/// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
+const MOST_STEPS: f64 = 1e15;
+
+/// Method and times of a run.
+#[derive(Debug)]
+pub(super) struct Timing {
+    /// the method
+    pub method: MethodChoice,
+    /// end and step
+    pub spec: TimeSpec,
+}
+
+/// Checks the `time` section.
+pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Option<Timing> {
+    let at = Pointer::root().key("time");
+    let end = positive(&at.key("end"), time.end, faults).then_some(time.end);
+    let method = method(&at.key("method"), &time.method, faults);
+    if let (Some(choice), System::Pendulum(_)) = (&method, system)
+        && choice.info.family == Family::MatrixFree
+    {
+        let hint = "its filter runs over the springs of a network; take another method for a pendulum";
+        faults.add_hint(&at.key("method"), "a method that needs no network", hint);
+    }
+    let step = step(&at, time, faults)?;
+    let end = end?;
+    if end / step > MOST_STEPS {
+        faults.add(&at.key("step"), format!("at least {MOST_STEPS:e} part of the end: {:e}", end / MOST_STEPS));
+        return None;
+    }
+    if step > end {
+        faults.warn(format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s"));
+    }
+    Some(Timing { method: method?, spec: TimeSpec { end, step } })
+}
+
+fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<f64> {
+    match (time.step, time.tolerance) {
+        (Some(step), None) => positive(&at.key("step"), step, faults).then_some(step),
+        (Some(_), Some(_)) => {
+            faults.add_hint(&at.key("tolerance"), "not together with step", "remove time.tolerance");
+            None
+        }
+        (None, Some(_)) => {
+            let hint = "adaptive steps are not available in this version; give a fixed step: \"step\": 1e-3";
+            faults.add_hint(&at.key("tolerance"), "nothing: give time.step instead", hint);
+            None
+        }
+        (None, None) => {
+            faults.add_hint(&at.key("step"), "a number above 0", "give the fixed step in seconds: \"step\": 1e-3");
+            None
+        }
+    }
+}
+
+/// Looks a method up and checks its parameters; the pointer leads to the name or the parameter at fault.
+pub(super) fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<MethodChoice> {
+    let error = match MethodChoice::new(&method.name, &method.parameters) {
+        Ok(choice) => return Some(choice),
+        Err(error) => error,
+    };
+    match error {
+        MethodError::Unknown { name, known } => {
+            let names: Vec<&str> = methods().iter().map(|m| m.name).collect();
+            let hint = nearest(&name, &names).unwrap_or_default();
+            faults.add_hint(at, format!("one of the methods {known}"), hint);
+        }
+        MethodError::UnknownParameter { method, name, known } => {
+            let names: Vec<&str> = methods()
+                .iter()
+                .filter(|m| m.name == method)
+                .flat_map(|m| m.parameters.iter().map(|p| p.name))
+                .collect();
+            let hint = nearest(&name, &names).unwrap_or_default();
+            faults.add_hint(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
+        }
+        MethodError::OutOfRange { method, name, range, .. } => {
+            faults.add(&at.key(method).key(name), format!("a number in {range}"));
+        }
+    }
+    None
+}
+
+/// Checks the `solver` section and fills in its defaults.
+pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> SolverSpec {
+    let at = Pointer::root().key("solver");
+    let section = solver.cloned().unwrap_or_default();
+    let linear = match section.linear {
+        Linear::Auto => LinearChoice::Auto,
+        Linear::Cholesky => LinearChoice::Cholesky,
+        Linear::Lu => LinearChoice::Lu,
+        Linear::Cg => {
+            let hint = "conjugate gradients are not available in this version; \"auto\" chooses between the others";
+            faults.add_hint(&at.key("linear"), "\"auto\", \"cholesky\" or \"lu\"", hint);
+            LinearChoice::Auto
+        }
+    };
+    let at = at.key("newton");
+    let given = section.newton.unwrap_or_default();
+    let mut newton = NewtonSpec::default();
+    if let Some(relative) = given.relative {
+        fraction(&at.key("relative"), relative, faults);
+        newton.relative = relative;
+    }
+    if let Some(most) = given.max_iterations {
+        if !(1..=1000).contains(&most) {
+            faults.add(&at.key("max_iterations"), "a whole number from 1 to 1000");
+        }
+        newton.max_iterations = most;
+    }
+    newton.strategy = match given.strategy {
+        Strategy::Auto => NewtonStrategy::Auto,
+        Strategy::Full => NewtonStrategy::Full,
+        Strategy::Modified | Strategy::Quasi => {
+            let hint = "this strategy is not available in this version; \"auto\" means \"full\" for now";
+            faults.add_hint(&at.key("strategy"), "\"auto\" or \"full\"", hint);
+            NewtonStrategy::Auto
+        }
+    };
+    SolverSpec { newton, linear }
+}

@@ -1,0 +1,88 @@
+//! Why a case cannot be used. Every variant ends a program with status 2, but [`CaseError::Read`], which is 1.
+
+use super::fault::{Fault, render};
+
+/// Why a case cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// The operating system did not give the file.
+    #[error("{path}: {source}")]
+    Read {
+        /// the case file
+        path: String,
+        /// the system's reason
+        source: std::io::Error,
+    },
+    /// The file is larger than a case can be.
+    #[error("{path}: larger than {limit} bytes; put a large mesh into a mesh file and name it: {{\"file\": \"canopy.vtu\"}}")]
+    TooLarge {
+        /// the case file
+        path: String,
+        /// [bytes] largest case file
+        limit: u64,
+    },
+    /// The file is not text in UTF-8.
+    #[error("{path}: byte {offset} is not UTF-8; {advice}")]
+    NotUtf8 {
+        /// the case file
+        path: String,
+        /// first byte that cannot be read
+        offset: usize,
+        /// what to do
+        advice: &'static str,
+    },
+    /// The file holds nothing but white space and comments.
+    #[error("{path}: the file is empty; `canopy-fem init NAME` writes an example case")]
+    Empty {
+        /// the case file
+        path: String,
+    },
+    /// The text is not JSON.
+    #[error("{path}:{line}:{column}: {reason}{}", hint.as_ref().map(|h| format!("\n  hint: {h}")).unwrap_or_default())]
+    Syntax {
+        /// the case file
+        path: String,
+        /// line, from 1
+        line: usize,
+        /// column in bytes, from 1
+        column: usize,
+        /// what is wrong
+        reason: String,
+        /// what to do
+        hint: Option<String>,
+    },
+    /// A `--set` assignment cannot be applied.
+    #[error("--set {key}={value}: {reason}")]
+    Override {
+        /// dotted path
+        key: String,
+        /// what to put there
+        value: String,
+        /// why that cannot be done
+        reason: String,
+    },
+    /// The case is JSON, but not a case that can be run.
+    #[error("{path}: {} in the case\n\n{}", count(faults.len()), render(faults))]
+    Faults {
+        /// the case file
+        path: String,
+        /// the text as read, for a later pass that shows lines and carets
+        text: String,
+        /// everything that is wrong
+        faults: Vec<Fault>,
+    },
+}
+
+impl CaseError {
+    /// The faults, if that is what is wrong; else nothing.
+    pub fn faults(&self) -> &[Fault] {
+        match self {
+            Self::Faults { faults, .. } => faults,
+            _ => &[],
+        }
+    }
+}
+
+fn count(n: usize) -> String {
+    if n == 1 { "1 fault".to_owned() } else { format!("{n} faults") }
+}

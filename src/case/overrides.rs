@@ -1,0 +1,110 @@
+//! `--set time.step=1e-3`: values of the command line that replace values of the file.
+
+use serde_json::{Map, Value};
+
+use super::error::CaseError;
+
+/// Puts one value into a case. `key` is a dotted path, list entries are numbers (`system.network.springs.0.stiffness`);
+/// objects that are missing on the way are made. `value` is read as JSON, and as a plain text if it is none; `null`
+/// takes the key away.
+pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), CaseError> {
+    let fail = |reason: String| CaseError::Override { key: key.to_owned(), value: value.to_owned(), reason };
+    let steps: Vec<&str> = key.split('.').collect();
+    if steps.iter().any(|step| step.is_empty()) {
+        return Err(fail("the path must be keys joined by dots, such as time.step".to_owned()));
+    }
+    let (last, parents) = steps.split_last().ok_or_else(|| fail("the path is empty".to_owned()))?;
+    let mut place = case;
+    for (depth, step) in parents.iter().enumerate() {
+        place = descend(place, step, &steps[..depth]).map_err(fail)?;
+    }
+    // As strict as the file: duplicate keys inside the value are refused too.
+    let new = super::text::parse(value, "--set").unwrap_or_else(|_| Value::String(value.to_owned()));
+    put(place, last, new, parents).map_err(fail)
+}
+
+fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a mut Value, String> {
+    match place {
+        Value::Object(map) => Ok(map.entry(step).or_insert_with(|| Value::Object(Map::new()))),
+        Value::Array(list) => {
+            let index = index_in(list, step, above)?;
+            list.get_mut(index).ok_or_else(|| not_in_list(step, above))
+        }
+        _ => Err(no_place(step, above)),
+    }
+}
+
+fn put(place: &mut Value, step: &str, new: Value, above: &[&str]) -> Result<(), String> {
+    match place {
+        Value::Object(map) => {
+            if new.is_null() {
+                map.remove(step);
+            } else {
+                map.insert(step.to_owned(), new);
+            }
+            Ok(())
+        }
+        Value::Array(list) => {
+            let index = index_in(list, step, above)?;
+            *list.get_mut(index).ok_or_else(|| not_in_list(step, above))? = new;
+            Ok(())
+        }
+        _ => Err(no_place(step, above)),
+    }
+}
+
+fn index_in(list: &[Value], step: &str, above: &[&str]) -> Result<usize, String> {
+    let index: usize = step.parse().map_err(|_| not_in_list(step, above))?;
+    if index < list.len() {
+        return Ok(index);
+    }
+    Err(format!("{} has {} entries, counted from 0; there is no entry {index}", name(above), list.len()))
+}
+
+fn not_in_list(step: &str, above: &[&str]) -> String {
+    format!("{} is a list: \"{step}\" should be the number of an entry", name(above))
+}
+
+fn no_place(step: &str, above: &[&str]) -> String {
+    format!("{} is neither an object nor a list, so it has no \"{step}\"; set {} as a whole", name(above), name(above))
+}
+
+fn name(above: &[&str]) -> String {
+    if above.is_empty() { "the case".to_owned() } else { above.join(".") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn set(key: &str, value: &str) -> Result<Value, String> {
+        let mut case = json!({"time": {"step": 1, "method": "rk4"}, "list": [{"k": 1}, {"k": 2}]});
+        apply(&mut case, key, value).map(|()| case).map_err(|error| error.to_string())
+    }
+
+    /// Numbers, texts, objects, list entries, new sections and removal all arrive where they should.
+    #[test]
+    fn replaces_what_the_path_names() {
+        assert_eq!(set("time.step", "1e-3").expect("ok")["time"]["step"], json!(1e-3));
+        assert_eq!(set("time.method", "hht").expect("ok")["time"]["method"], json!("hht"));
+        assert_eq!(set("list.1.k", "[1]").expect("ok")["list"][1]["k"], json!([1]));
+        assert_eq!(set("output.frames.every", "2").expect("ok")["output"], json!({"frames": {"every": 2}}));
+        assert!(set("time.method", "null").expect("ok")["time"].get("method").is_none());
+    }
+
+    /// A path that leads nowhere says which part of it does.
+    #[test]
+    fn refuses_paths_that_lead_nowhere() {
+        for (key, words) in [
+            ("time.step.x", "time.step is neither an object nor a list"),
+            ("list.2.k", "list has 2 entries"),
+            ("list.x.k", "list is a list"),
+            ("time..step", "keys joined by dots"),
+            ("", "keys joined by dots"),
+        ] {
+            let message = set(key, "1").expect_err("refused");
+            assert!(message.contains(words), "{key}: {message}");
+        }
+    }
+}

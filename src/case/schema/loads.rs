@@ -1,0 +1,42 @@
+//! Given pressures and forces.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::select::NodeSelection;
+
+/// A pressure on triangles or a force on nodes; exactly one of `pressure` and `force` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Where it acts: for a pressure `"all"` or `{"ids": [...]}`, which are triangles; for a force any nodes.
+    pub on: NodeSelection,
+    /// [Pa] Pressure along the triangles' right-hand normals (or along `direction`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
+    /// How a pressure follows the surface; `follower` if not given. Only with `pressure`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<PressureKindKey>,
+    /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's initial normal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// [N] Force on each of the nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<[f64; 3]>,
+    /// [s, -] Factor over time: rows of time and factor, times strictly increasing; linear between rows, constant
+    /// outside them. Not given: 1 at all times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub table: Option<Vec<[f64; 2]>>,
+}
+
+/// How a pressure follows the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PressureKindKey {
+    /// p A N on the current area along the current normal.
+    #[default]
+    Follower,
+    /// p A0 on the initial area in a fixed direction.
+    Dead,
+}

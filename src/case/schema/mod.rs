@@ -1,0 +1,76 @@
+//! The case file as serde reads it: one struct a section, keys as in the file, nothing checked but types and keys.
+//!
+//! Ranges stand here twice, as attributes for the JSON Schema and in [`crate::case`]'s checks for the messages; a test
+//! holds the two together. Numbers are SI; the doc of a number begins with its unit.
+
+pub mod aero;
+pub mod loads;
+pub mod method;
+pub mod network;
+pub mod output;
+pub mod pendulum;
+pub mod per_node;
+pub mod select;
+pub mod solver;
+pub mod springs;
+pub mod study;
+pub mod time;
+pub mod vectors;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoefficientLaw, Wind};
+pub use loads::{Load, PressureKindKey};
+pub use method::Method;
+pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
+pub use output::{Every, EverySteps, Field, Output, Probe};
+pub use pendulum::Pendulum;
+pub use per_node::PerNode;
+pub use select::{Ball, EdgeSelection, NodeSelection};
+pub use solver::{Linear, Newton, Solver, Strategy};
+pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
+pub use study::Study;
+pub use time::{Time, Tolerance};
+pub use vectors::Vectors;
+
+/// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) are allowed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "canopy-fem case")]
+pub struct CaseFile {
+    /// Name of the case; result files and the default output folder carry it. 1 to 200 characters.
+    #[schemars(length(min = 1, max = 200))]
+    pub name: String,
+    /// What the case is about, in words; shown to people, used by nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// What moves.
+    pub system: System,
+    /// How long, by which method and in which steps.
+    pub time: Time,
+    /// How the equations of an implicit method are solved; explicit methods do not need it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<Solver>,
+    /// What is written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output: Option<Output>,
+    /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags win over it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<Study>,
+}
+
+/// What moves: a network of masses and springs, or a simple pendulum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum System {
+    /// Point masses joined by springs: cloth, canopies, chains.
+    Network(Box<Network>),
+    /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
+    Pendulum(Pendulum),
+}
+
+/// The JSON Schema of a case, as `canopy-fem schema` prints it.
+pub fn json_schema() -> serde_json::Value {
+    schemars::schema_for!(CaseFile).to_value()
+}

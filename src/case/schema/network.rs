@@ -1,0 +1,105 @@
+//! The network: mesh, mass, springs, supports and what acts on it. An absent section is absent physics.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::aero::Aero;
+use super::loads::Load;
+use super::per_node::PerNode;
+use super::select::NodeSelection;
+use super::springs::SpringRule;
+use super::vectors::Vectors;
+use crate::mesh::source::MeshSource;
+
+/// Point masses joined by springs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Network {
+    /// Where the nodes, edges and triangles come from.
+    pub mesh: MeshSource,
+    /// Mass of the nodes; every free node needs some, from here or from `springs[].linear_density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<Mass>,
+    /// Springs on edges; the first rule that selects an edge counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<SpringRule>,
+    /// Nodes that are held.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<Support>,
+    /// [m/s^2] Gravity, e.g. [0, 0, -9.81].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<[f64; 3]>,
+    /// The air; it acts on all triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aero: Option<Aero>,
+    /// Given pressures and forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<Load>,
+    /// Damping of the network as a whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
+    /// Where the nodes start and how fast.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial: Option<Initial>,
+}
+
+/// Mass of the nodes. What is given adds up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Mass {
+    /// [kg/m^2] Mass per area: a third of each triangle's area on the mesh as given goes to each of its nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub areal_density: Option<f64>,
+    /// [kg] Mass of every node, or a list with one a node; none may be negative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nodal: Option<PerNode>,
+}
+
+/// Nodes that are held where the initial displacement puts them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// Which nodes.
+    pub on: NodeSelection,
+    /// Which directions are held: any of the letters x, y and z, each at most once. Supports add up.
+    #[schemars(extend("enum" = ["x", "y", "z", "xy", "xz", "yz", "xyz"]))]
+    pub fix: String,
+}
+
+/// Damping of the network as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// Rayleigh damping.
+    pub rayleigh: Rayleigh,
+}
+
+/// Rayleigh damping f -= (alpha M + beta K0) v, with K0 = sum of k n n^T on the mesh as given: no slack, no geometric part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rayleigh {
+    /// [1/s] Factor alpha of the mass; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
+    pub mass: f64,
+    /// [s] Factor beta of the initial stiffness; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
+    pub stiffness: f64,
+}
+
+/// Where the nodes start and how fast.
+///
+/// One vector acts on the free degrees of freedom only. A list with one vector a node may move supports too: a
+/// support holds its node where the initial displacement puts it. A velocity at a held degree of freedom must be 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Initial {
+    /// [m] Displacement from the mesh as given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Vectors>,
+    /// [m/s] Velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<Vectors>,
+}

@@ -1,0 +1,72 @@
+//! What is written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::select::NodeSelection;
+
+/// What is written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Frames for ParaView and rows of `probes.csv`; not given: the first and the last state only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<Every>,
+    /// Fields in a frame beside `displacement` and `velocity`, which are always there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<Field>,
+    /// Nodes whose motion goes to `probes.csv` at every frame time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history: Option<EverySteps>,
+    /// Checkpoints to resume from. Not available in this version: a warning says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<Every>,
+}
+
+/// An interval of simulated time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Every {
+    /// [s] At t = 0, at every multiple of this, and at the end.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub every: f64,
+}
+
+/// An interval in steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EverySteps {
+    /// [-] Steps a row; the first and the last state have a row in any case.
+    #[schemars(range(min = 1))]
+    pub every: u64,
+}
+
+/// A field of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Field {
+    /// Velocity of the nodes, m/s; always written.
+    Velocity,
+    /// Applied force on the nodes, N.
+    Force,
+    /// Support reaction on the nodes, N.
+    Reaction,
+    /// Tension of the springs, N.
+    Tension,
+    /// Strain of the springs.
+    Strain,
+}
+
+/// Nodes whose motion is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name in `probes.csv`; no two probes share one.
+    #[schemars(length(min = 1, max = 200))]
+    pub name: String,
+    /// Which nodes.
+    pub on: NodeSelection,
+}

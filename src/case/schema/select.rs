@@ -1,0 +1,68 @@
+//! Selections: the `"on"` of supports, springs, loads and probes.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Some nodes of the mesh. Nodes count from 0; positions are those of the mesh as given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NodeSelection {
+    /// Every node.
+    All,
+    /// The nodes of all boundary loops of the triangles.
+    Boundary,
+    /// The nodes of the boundary loop that encloses the others.
+    Outer,
+    /// The nodes of every other boundary loop: the edges of holes.
+    Inner,
+    /// [-] The nodes with these numbers, counted from 0.
+    Ids(Vec<u32>),
+    /// [m] The nodes inside an axis-aligned box, its faces included: lowest corner, highest corner.
+    Box([[f64; 3]; 2]),
+    /// The nodes inside a sphere, its surface included.
+    Sphere(Ball),
+}
+
+/// A solid sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ball {
+    /// [m] Centre.
+    pub center: [f64; 3],
+    /// [m] Radius.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
+}
+
+/// Some edges of the mesh; every edge can carry a spring.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EdgeSelection {
+    /// Every edge.
+    All,
+    /// Edges of exactly one triangle.
+    Boundary,
+    /// Edges between triangles.
+    Interior,
+    /// The radial seam lines that the mesh was asked for.
+    Seams,
+    /// Edges that belong to no triangle: chains, suspension lines.
+    Lines,
+    /// [-] The edges with these numbers, counted from 0.
+    Ids(Vec<u32>),
+}
+
+impl NodeSelection {
+    /// The key of the selection in a case file.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Boundary => "boundary",
+            Self::Outer => "outer",
+            Self::Inner => "inner",
+            Self::Ids(_) => "ids",
+            Self::Box(_) => "box",
+            Self::Sphere(_) => "sphere",
+        }
+    }
+}

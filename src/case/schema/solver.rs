@@ -1,0 +1,64 @@
+//! How the equations of an implicit method are solved.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the equations of an implicit method are solved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// Newton's method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub newton: Option<Newton>,
+    /// Linear solver; `auto` if not given.
+    #[serde(default)]
+    pub linear: Linear,
+}
+
+/// Newton's method for the equations of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Newton {
+    /// [-] Residual at which a step counts as solved, relative to the largest of |M a|, |f_internal| and |f_external| at
+    /// the step's start; 1e-8 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub relative: Option<f64>,
+    /// [-] Iterations after which a step counts as not solvable; 20 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1000))]
+    pub max_iterations: Option<u32>,
+    /// When the tangent is made anew; `auto` if not given.
+    #[serde(default)]
+    pub strategy: Strategy,
+}
+
+/// When the tangent is made anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// The program chooses; `full` in this version.
+    #[default]
+    Auto,
+    /// In every iteration.
+    Full,
+    /// Seldom. Not available in this version: use `auto` or `full`.
+    Modified,
+    /// By updates of the first one. Not available in this version: use `auto` or `full`.
+    Quasi,
+}
+
+/// Linear solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Linear {
+    /// Cholesky for a symmetric tangent, LU for another.
+    #[default]
+    Auto,
+    /// Sparse Cholesky; needs a symmetric tangent.
+    Cholesky,
+    /// Sparse LU.
+    Lu,
+    /// Conjugate gradients. Not available in this version: use `auto`, `cholesky` or `lu`.
+    Cg,
+}

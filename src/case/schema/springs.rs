@@ -1,0 +1,96 @@
+//! Rules that put springs and dashpots on edges.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::select::EdgeSelection;
+
+/// Springs on some edges. An edge follows the first rule that selects it; an edge that no rule selects has no spring.
+/// Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpringRule {
+    /// Which edges.
+    pub on: EdgeSelection,
+    /// [N/m] Stiffness k of every spring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness: Option<f64>,
+    /// [N] Axial rigidity EA of a bar: k = EA/l0, l0 being the rest length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub axial_rigidity: Option<f64>,
+    /// Stiffness from a continuous sheet; for edges of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<Membrane>,
+    /// [m] Length l0 at which the spring is at rest; the edge's length on the mesh as given if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rest_length: Option<f64>,
+    /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rest_scale: Option<f64>,
+    /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub linear_density: Option<f64>,
+    /// When the spring is slack; not given: it pulls and pushes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slack: Option<SlackRule>,
+    /// A dashpot beside the spring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dashpot: Option<Dashpot>,
+}
+
+/// Stiffness from a continuous sheet: k = E t (sum of the adjacent triangles' areas)/l^2, areas and l on the mesh as
+/// given (Van Gelder 1998). On a regular net it tends to k = (sqrt 3/2) E t and a Poisson ratio of 1/3.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Membrane {
+    /// [Pa] Young's modulus E.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub modulus: f64,
+    /// [m] Thickness t.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub thickness: f64,
+}
+
+/// When a spring is slack; e = l - l0 is its elongation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub enum SlackRule {
+    /// T = k max(e, 0): it never pushes.
+    #[serde(rename = "tension-only")]
+    TensionOnly,
+    /// [m] T = k max(e - eps, 0): it pulls once it is longer than l0 by this eps.
+    #[serde(rename = "dead_zone")]
+    DeadZone(#[schemars(range(min = 0))] f64),
+    /// [m] T = k max(e, -eps): its push stops growing once it is shorter than l0 by this eps.
+    #[serde(rename = "compression_limit")]
+    CompressionLimit(#[schemars(range(min = 0))] f64),
+}
+
+/// A dashpot beside a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Dashpot {
+    /// c ldot along the spring; it goes slack with its spring.
+    Axial(DashpotRule),
+    /// c (vb - va), all three components, slack or not.
+    Relative(DashpotRule),
+}
+
+/// How the coefficient c of a dashpot is found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DashpotRule {
+    /// [N s/m] The coefficient c itself.
+    Coefficient(#[schemars(range(min = 0))] f64),
+    /// [s] Retardation time tau: c = k tau.
+    Time(#[schemars(range(min = 0))] f64),
+    /// [N s] Coefficient of the strain rate: c = this/l0.
+    PerStrain(#[schemars(range(min = 0))] f64),
+    /// c = k h with the fixed step h, the linearised implicit term of the thesis' Eq. 53 and 68. The physics then changes
+    /// with the step: use it only to reproduce the thesis.
+    Step,
+}
