@@ -7,7 +7,6 @@ use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::spec::NetworkSpec;
-use crate::model::system::System;
 use crate::scene::Scene;
 use crate::simulation::{build_scene, solver_spec};
 use crate::solve::solver_for;
@@ -126,5 +125,7 @@ fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rate
             let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {ratio:.3}", info.name);
         }
     }
-    text.push_str("  (* the method of this case; one oscillator with the fastest w and damping rate stands for the scene)\n\n");
+    text.push_str(
+        "  (* the method of this case; one oscillator with the fastest w and damping rate stands for the scene)\n\n",
+    );
 }

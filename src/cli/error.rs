@@ -6,7 +6,8 @@ use crate::assembly::ExportError;
 use crate::case::CaseError;
 use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
-use crate::output::{FolderError, RecorderError};
+use crate::output::folder::FolderError;
+use crate::output::recorder::RecorderError;
 use crate::simulation::SetupError;
 
 /// Any failure of a command.
@@ -45,11 +46,13 @@ impl CliError {
     /// 1 for input/output and internal failures, 2 for bad usage and bad cases.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Case(e) => e.exit_code(),
+            CliError::Case(CaseError::Read { .. }) => 1,
+            CliError::Case(_) => 2,
             CliError::Setup(SetupError::Threads(_)) => 1,
             CliError::Setup(_) => 2,
-            CliError::Folder(e) => e.exit_code(),
-            CliError::Mesh(e) => e.exit_code(),
+            CliError::Folder(FolderError::System { .. }) => 1,
+            CliError::Folder(_) => 2,
+            CliError::Mesh(e) => e.exit_status(),
             CliError::Init(e) => e.exit_code(),
             CliError::Run(RunError::Start(_)) => 2,
             CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,

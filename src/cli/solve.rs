@@ -6,14 +6,16 @@ use crate::analysis::limit::critical_step;
 use crate::analysis::rates::rates;
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
-use crate::case::spec::Problem;
-use crate::drive::clock::FixedSteps;
+use crate::case::spec::{Field, Problem};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{Failure, Outcome, RunSpec, Status};
-use crate::output::{
-    Fields, Probe, Recorder, RecorderSpec, ResultFolder, Summary, VtuFormat, default_history_every, process,
-    safe_file_name,
-};
+use crate::output::encode::VtuFormat;
+use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::frame::Fields;
+use crate::output::names::file_stem;
+use crate::output::probes::Probe;
+use crate::output::recorder::{Recorder, RecorderSpec};
+use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use std::fmt::Write;
@@ -31,14 +33,14 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     }
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
     let mut stepper = bind(&problem, &*scene)?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(safe_file_name(&problem.name)));
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
     let mut recorder = Recorder::new(&*scene, &recorder_spec(&problem, &folder))?;
-    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Never } else { Display::OnTerminal });
+    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Quiet } else { Display::Terminal });
     let mut farthest = Farthest::new(&*scene);
     let spec = RunSpec {
         end: problem.time.end,
@@ -52,7 +54,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let state = scene.initial_state();
     let limit = critical_step(&problem.method, rates(&*scene, state.as_ref()));
     let summary = Summary::new(&problem, &*scene, &outcome, limit, started.elapsed());
-    summary.write(&folder.file("summary.json"))?;
+    summary.write(&folder.file(SUMMARY))?;
     if let Some(failure) = &outcome.failure {
         eprint!("{}", describe(failure, outcome.status));
     }
@@ -67,16 +69,25 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
 
 fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
     let output = &problem.output;
-    let steps = FixedSteps::new(problem.time.step, problem.time.end).count();
     RecorderSpec {
         name: problem.name.clone(),
         out_dir: folder.dir().to_owned(),
         frames_every: output.frames_every,
         end: problem.time.end,
-        fields: Fields::from_names(&output.fields),
+        fields: fields(&output.fields),
         probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
-        history_every: output.history_every.unwrap_or_else(|| default_history_every(steps)),
+        history_every: output.history_every,
         format: VtuFormat::default(),
+    }
+}
+
+fn fields(asked: &[Field]) -> Fields {
+    let has = |field| asked.contains(&field);
+    Fields {
+        force: has(Field::Force),
+        reaction: has(Field::Reaction),
+        tension: has(Field::Tension),
+        strain: has(Field::Strain),
     }
 }
 
@@ -96,7 +107,13 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     stop
 }
 
-fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, far: &Farthest<'_>) -> String {
+fn report(
+    problem: &Problem,
+    outcome: &Outcome,
+    summary: &Summary,
+    folder: &ResultFolder,
+    far: &Farthest<'_>,
+) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",
         Status::Diverged => "diverged",
@@ -134,7 +151,7 @@ fn describe(failure: &Failure, status: Status) -> String {
     let what = if status == Status::NotConverged { "could not be solved" } else { "diverged" };
     let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
     let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
-    let term = failure.term.map(|t| format!("most force from {t}"));
+    let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
     let place: Vec<String> =
         [named("node", failure.node), named("spring", failure.spring), term].into_iter().flatten().collect();
     if !place.is_empty() {

@@ -153,7 +153,7 @@ impl<'a> Recorder<'a> {
         frame.time = at.t;
         picture.trace(at, &mut frame.positions, &mut frame.velocities);
         if self.fields.force {
-            picture.node_forces(forces, &mut frame.force);
+            picture.node_forces(at, forces, &mut frame.force);
         }
         if self.fields.reaction {
             picture.node_reactions(forces, &mut frame.reaction);

@@ -2,29 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::Duration;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
+use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError};
+use crate::drive::{Failure, Outcome, Status};
+use crate::integrate::Counters;
+use crate::model::system::System;
+use crate::output::process;
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// reached the end
-    #[default]
-    Completed,
-    /// the state exploded or stopped being finite
-    Diverged,
-    /// an implicit step could not be solved
-    NotConverged,
-    /// the user stopped it
-    Interrupted,
-}
-
-/// A finished run. A number that is not finite is written as null, and null is read back as not a number.
+/// A finished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// how it ended
@@ -38,12 +29,10 @@ pub struct Summary {
     /// steps that were dropped and tried again smaller
     pub rejected_steps: u64,
     /// [s] time of the last good state
-    #[serde(deserialize_with = "null_as_nan")]
     pub t_end: f64,
     /// [s] processor time of the run, all threads; null where the system does not tell
     pub cpu_seconds: Option<f64>,
     /// [s] time on the clock
-    #[serde(deserialize_with = "null_as_nan")]
     pub wall_seconds: f64,
     /// [byte] largest resident memory; null where the system does not tell
     pub peak_memory_bytes: Option<u64>,
@@ -61,10 +50,9 @@ pub struct Summary {
     /// [s] largest stable step of the method at the start; null if unlimited or not known
     pub critical_step: Option<f64>,
     /// [-] max abs(numerical) over the largest energy exchanged
-    #[serde(deserialize_with = "null_as_nan")]
     pub energy_error: f64,
     /// the energy account at the end
-    pub final_ledger: FinalLedger,
+    pub final_ledger: LedgerRow,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
     /// the case as it was run
@@ -73,74 +61,34 @@ pub struct Summary {
     pub version: String,
 }
 
-/// What a run did, counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counters {
-    /// force passes
-    pub force_evaluations: u64,
-    /// assemblies of W
-    pub tangent_assemblies: u64,
-    /// numerical factorisations
-    pub factorizations: u64,
-    /// linear solves
-    pub linear_solves: u64,
-    /// Newton iterations
-    pub newton_iterations: u64,
-}
-
-/// The energy account at the end of a run; see [`LedgerRow`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FinalLedger {
-    /// [J] kinetic energy
-    #[serde(deserialize_with = "null_as_nan")]
-    pub kinetic: f64,
-    /// [J] energy of the springs
-    #[serde(deserialize_with = "null_as_nan")]
-    pub elastic: f64,
-    /// [J] gravity energy
-    #[serde(deserialize_with = "null_as_nan")]
-    pub gravity: f64,
-    /// [J] work of the air and the loads
-    #[serde(deserialize_with = "null_as_nan")]
-    pub external_work: f64,
-    /// [J] taken by damping
-    #[serde(deserialize_with = "null_as_nan")]
-    pub dissipated: f64,
-    /// [J] the remainder
-    #[serde(deserialize_with = "null_as_nan")]
-    pub numerical: f64,
-}
-
-impl From<LedgerRow> for FinalLedger {
-    fn from(row: LedgerRow) -> Self {
-        let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = row;
-        Self { kinetic, elastic, gravity, external_work, dissipated, numerical }
-    }
-}
-
-/// What went wrong. Nodes and springs are in the user's numbering.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Failure {
-    /// [s] when the trouble was found
-    #[serde(deserialize_with = "null_as_nan")]
-    pub time: f64,
-    /// step that failed, counted from 1
-    pub step: u64,
-    /// worst node, if one can be named
-    pub node: Option<u64>,
-    /// worst spring, if one can be named
-    pub spring: Option<u64>,
-    /// force term at fault, if one can be named
-    pub term: Option<String>,
-    /// what happened
-    pub cause: String,
-    /// what to try
-    pub advice: String,
-    /// [s] when a value stopped being finite or left 1e4 times the scene's size, if the run was let go on
-    pub blow_up_time: Option<f64>,
-}
-
 impl Summary {
+    /// Puts together what a finished run left. `critical_step` [s] is infinite for a method without limit.
+    pub fn new(problem: &Problem, system: &dyn System, outcome: &Outcome, critical_step: f64, wall: Duration) -> Self {
+        let linear = outcome.linear;
+        Summary {
+            status: outcome.status,
+            method: problem.method.info.name.to_owned(),
+            method_parameters: problem.method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
+            steps: outcome.steps,
+            rejected_steps: 0,
+            t_end: outcome.t_end,
+            cpu_seconds: process::cpu_seconds(),
+            wall_seconds: wall.as_secs_f64(),
+            peak_memory_bytes: process::peak_memory_bytes(),
+            counters: outcome.counters,
+            unknowns: system.inverse_mass().iter().filter(|m| **m > 0.0).count() as u64,
+            matrix_nonzeros: linear.map(|l| l.matrix_nonzeros as u64),
+            factor_nonzeros: linear.and_then(|l| l.factor_nonzeros).map(|n| n as u64),
+            linear_solver: linear.map(|l| l.name.to_owned()),
+            critical_step: Some(critical_step).filter(|s| s.is_finite()),
+            energy_error: outcome.energy_error,
+            final_ledger: outcome.ledger,
+            failure: outcome.failure.clone(),
+            case: problem.case_json.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+
     /// The summary as JSON text that ends with a line's end.
     ///
     /// # Errors
@@ -158,8 +106,4 @@ impl Summary {
         let text = self.to_json().map_err(|e| write_fault(path, e.into()))?;
         replace(path, text.as_bytes(), Durability::Synced).map_err(|e| write_fault(path, e))
     }
-}
-
-fn null_as_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }

@@ -84,7 +84,7 @@ impl Picture for TrianglePair {
         positions.as_flattened_mut().copy_from_slice(at.x);
         velocities.as_flattened_mut().copy_from_slice(at.v);
     }
-    fn node_forces(&self, forces: &Forces, out: &mut [[f64; 3]]) {
+    fn node_forces(&self, _at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]) {
         out.as_flattened_mut().copy_from_slice(&forces.total);
     }
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]) {
