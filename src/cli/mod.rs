@@ -1,1 +1,4 @@
-//! (see the files of this folder)
+//! The command line: one file a command.
+
+pub mod init;
+pub mod schema;
