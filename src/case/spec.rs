@@ -1,5 +1,7 @@
 //! A case as a run needs it: every default filled in, nothing left to look up.
 
+use crate::drive::clock::FixedSteps;
+use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 
@@ -52,60 +54,10 @@ pub struct TimeSpec {
 }
 
 impl TimeSpec {
-    /// [-] Number of steps: the last one is shortened to meet the end. A remainder below a millionth of a step is
-    /// rounding and makes no step of its own.
+    /// [-] Number of steps; the last one is shortened to meet the end.
     pub fn steps(&self) -> u64 {
-        (self.end / self.step - 1e-6).ceil().max(1.0) as u64
+        FixedSteps::new(self.step, self.end).count()
     }
-}
-
-/// How an implicit step is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolverSpec {
-    /// Newton's method
-    pub newton: NewtonSpec,
-    /// linear solver
-    pub linear: LinearChoice,
-}
-
-/// Newton's method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NewtonSpec {
-    /// [-] residual at which a step counts as solved, relative to the step's forces
-    pub relative: f64,
-    /// [-] most iterations a step
-    pub max_iterations: u32,
-    /// when the tangent is made anew
-    pub strategy: NewtonStrategy,
-}
-
-impl Default for NewtonSpec {
-    /// 1e-8, 20 iterations, `auto`.
-    fn default() -> Self {
-        Self { relative: 1e-8, max_iterations: 20, strategy: NewtonStrategy::Auto }
-    }
-}
-
-/// When the tangent is made anew.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum NewtonStrategy {
-    /// the program chooses; the same as `Full` in this version
-    #[default]
-    Auto,
-    /// in every iteration
-    Full,
-}
-
-/// Linear solver.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LinearChoice {
-    /// Cholesky for a symmetric tangent, LU for another
-    #[default]
-    Auto,
-    /// sparse Cholesky
-    Cholesky,
-    /// sparse LU
-    Lu,
 }
 
 /// What is written.

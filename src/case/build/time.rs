@@ -3,10 +3,13 @@
 use super::numbers::{fraction, positive};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Linear, Method, Solver, Strategy, System, Time};
-use crate::case::spec::{LinearChoice, NewtonSpec, NewtonStrategy, SolverSpec, TimeSpec};
+use crate::case::schema::{self, Linear, Method, Solver, System, Time};
+use crate::case::spec::TimeSpec;
 use crate::case::typed::nearest;
+use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
+use crate::solve::LinearChoice;
+use crate::solve::newton::{NewtonSpec, Strategy};
 
 /// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
 const MOST_STEPS: f64 = 1e15;
@@ -118,12 +121,12 @@ pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> Solver
         newton.max_iterations = most;
     }
     newton.strategy = match given.strategy {
-        Strategy::Auto => NewtonStrategy::Auto,
-        Strategy::Full => NewtonStrategy::Full,
-        Strategy::Modified | Strategy::Quasi => {
+        schema::Strategy::Auto => Strategy::Auto,
+        schema::Strategy::Full => Strategy::Full,
+        schema::Strategy::Modified | schema::Strategy::Quasi => {
             let hint = "this strategy is not available in this version; \"auto\" means \"full\" for now";
             faults.add_hint(&at.key("strategy"), "\"auto\" or \"full\"", hint);
-            NewtonStrategy::Auto
+            Strategy::Auto
         }
     };
     SolverSpec { newton, linear }
