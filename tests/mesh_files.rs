@@ -114,7 +114,8 @@ fn all_formats_are_read() {
     assert!(notes.iter().any(|n| n.starts_with("1 nodes")), "{notes:?}");
 }
 
-/// What we write as .vtu comes back bit for bit, seams included; .obj keeps nodes and triangles; files are not overwritten unasked.
+/// What we write as .vtu comes back bit for bit, seams included; .obj keeps nodes and triangles; files are not
+/// overwritten unasked.
 #[test]
 fn written_meshes_come_back() {
     let folder = scratch();

@@ -97,7 +97,7 @@ fn inline<P>(piece: Piece<P>) -> Result<P, String> {
 fn add_points(points: IOBuffer, cells: &mut Cells) -> Result<u64, String> {
     let first = cells.points.len() as u64;
     let values: Vec<f64> = points.cast_into().ok_or("has points that are no numbers")?;
-    if values.len() % 3 != 0 {
+    if !values.len().is_multiple_of(3) {
         return Err("has points without three coordinates".into());
     }
     cells.points.extend(values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
