@@ -76,12 +76,12 @@ fn check_compressed(content: &str, word: usize) -> Result<(), String> {
     });
     let [blocks, size, last] = [0; 3].map(|_: u8| sizes.next().unwrap_or(u64::MAX));
     let data = content.len() as u64;
-    let total = blocks.checked_mul(size).and_then(|t| t.checked_add(last));
-    let possible = blocks <= data && total.is_some_and(|t| t <= data * DEFLATE_RATIO);
-    if possible && blocks == 0 {
+    let Some(full) = blocks.checked_sub(1) else {
         // vtkio takes one from the number of blocks and then asks for all memory there is.
         return Err("holds an empty compressed array, which is not read; save it uncompressed".to_owned());
-    }
+    };
+    let total = full.checked_mul(size).and_then(|t| t.checked_add(last));
+    let possible = blocks <= data && total.is_some_and(|t| t <= data * DEFLATE_RATIO);
     if possible { Ok(()) } else { Err(damaged()) }
 }
 
