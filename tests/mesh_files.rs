@@ -29,6 +29,10 @@ const STL: &str = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex
 /// The square as VTK 9 writes it with zlib compression.
 const ZLIB_VTU: &str = include_str!("data/square-zlib.vtu");
 
+/// An array of no blocks, as VTK writes it.
+const EMPTY_COMPRESSED: &str = "<VTKFile header_type=\"UInt32\" compressor=\"vtkZLibDataCompressor\">\
+    <DataArray type=\"Int64\" format=\"binary\">\nAAAAAACAAAAAAAAA\n</DataArray></VTKFile>";
+
 /// The unit square as a binary Gmsh 4.1 file.
 fn msh_4_binary() -> Vec<u8> {
     fn int(out: &mut Vec<u8>, values: &[i32]) {
@@ -114,7 +118,8 @@ fn all_formats_are_read() {
     assert!(notes.iter().any(|n| n.starts_with("1 nodes")), "{notes:?}");
 }
 
-/// What we write as .vtu comes back bit for bit, seams included; .obj keeps nodes and triangles; files are not overwritten unasked.
+/// What we write as .vtu comes back bit for bit, seams included; .obj keeps nodes and triangles; files are not
+/// overwritten unasked.
 #[test]
 fn written_meshes_come_back() {
     let folder = scratch();
@@ -145,6 +150,8 @@ fn written_meshes_come_back() {
 fn unreadable_files_are_named() {
     let folder = scratch();
     let tetra = MSH_2.replace("3 2 2 0 1 10 30 40", "3 4 2 0 1 10 20 30 40");
+    // Sixteen million blocks of 32768 bytes in no data at all.
+    let bomb = EMPTY_COMPRESSED.replace("AAAAAACAAAAAAAAA", "////AACAAAAAAAAA");
     let cases = [
         (folder.path().join("none.vtu"), "cannot be read"),
         (write(&folder, "mesh.xyz", b""), "not a mesh format"),
@@ -153,6 +160,8 @@ fn unreadable_files_are_named() {
         (write(&folder, "five.obj", OBJ.replace("f 1/1 2/1 3/1", "f 1 2 3 4 1").as_bytes()), "5 corners"),
         (write(&folder, "huge.msh", MSH_2.replace("\n5\n", "\n99999999999999999\n").as_bytes()), "too early"),
         (write(&folder, "huge.vtk", VTK.replace("POINTS 4", "POINTS 999999999999").as_bytes()), "huge.vtk"),
+        (write(&folder, "empty.vtp", EMPTY_COMPRESSED.as_bytes()), "empty compressed array"),
+        (write(&folder, "bomb.vtu", bomb.as_bytes()), "impossible header"),
     ];
     for (path, reason) in cases {
         let text = read_mesh(&path).expect_err("refused").to_string();
@@ -179,11 +188,11 @@ fn damaged_files_do_no_harm() {
         Err(_) => refused += 1,
     };
     for (name, bytes) in samples() {
-        let cuts = bytes.len().min(400);
+        let cuts = bytes.len().min(200);
         for cut in 0..cuts {
             try_bytes(name, &bytes[..cut * bytes.len() / cuts]);
         }
-        for _ in 0..1000 {
+        for _ in 0..400 {
             let mut damaged = bytes.clone();
             for _ in 0..1 + next() % 3 {
                 let at = next() % damaged.len();
@@ -192,5 +201,5 @@ fn damaged_files_do_no_harm() {
             try_bytes(name, &damaged);
         }
     }
-    assert!(refused > 2000, "only {refused} damaged files were refused");
+    assert!(refused > 1000, "only {refused} damaged files were refused");
 }

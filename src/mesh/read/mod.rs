@@ -1,8 +1,8 @@
 //! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl.
 //!
-//! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their nodes.
-//! Quads are cut along their first diagonal. Nodes that no line or triangle uses (Gmsh's arc centres, say) are dropped and the rest
-//! keep their order: a node without mass could not move anyway.
+//! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
+//! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (Gmsh's arc centres, say) are
+//! dropped and the rest keep their order: a node without mass could not move anyway.
 
 mod cells;
 mod msh;

@@ -1,7 +1,7 @@
 //! Wavefront .obj: `v`, `l` and `f` records; everything else (normals, materials, groups) does not matter here.
 //!
-//! Read by hand because `tobj` renumbers the vertices by use and keeps them apart between objects, which would change the
-//! user's node numbers and tear the mesh.
+//! Read by hand because `tobj` renumbers the vertices by use and keeps them apart between objects, which would change
+//! the user's node numbers and tear the mesh.
 
 use super::cells::Cells;
 
