@@ -39,11 +39,9 @@ def read(path):
 
 
 def cells_of(grid, path):
-    kinds = vtk_to_numpy(grid.GetCellTypesArray()) if hasattr(grid, "GetCellTypesArray") else None
     count = grid.GetNumberOfCells()
-    if kinds is None:
-        kinds = np.array([grid.GetCellType(i) for i in range(count)])
-    need(len(kinds) == count and count > 0, f"{path}: {count} cells")
+    need(count > 0, f"{path}: no cells")
+    kinds = np.fromiter((grid.GetCellType(i) for i in range(count)), dtype=np.uint8, count=count)
     need(set(kinds) <= {TRIANGLE, LINE, VERTEX}, f"{path}: unexpected cell types {set(kinds)}")
     need((np.diff((kinds != TRIANGLE).astype(int)) >= 0).all(), f"{path}: triangles do not stand before edges")
     connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())

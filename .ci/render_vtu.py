@@ -50,6 +50,7 @@ def main():
     mapper.SetScalarRange(values.GetRange())
     mapper.SetScalarModeToUseCellFieldData() if on_cells else mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray(name)
+    mapper.GetLookupTable().SetHueRange(2 / 3, 0)  # blue is low, red is high
     actor = vtkActor()
     actor.SetMapper(mapper)
     actor.GetProperty().EdgeVisibilityOn()

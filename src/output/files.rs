@@ -26,7 +26,7 @@ pub struct FilesSpec<'a> {
     pub folder: PathBuf,
     /// stem of the .pvd and the frames, see [`super::names::file_stem`]
     pub stem: String,
-    /// \[m\] positions displacements count from
+    /// [m] positions displacements count from
     pub reference: &'a [[f64; 3]],
     /// triangles of the picture
     pub triangles: &'a [[u32; 3]],
