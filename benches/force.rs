@@ -51,7 +51,8 @@ fn spring_pass(c: &mut Criterion) {
 
 fn explicit_steps(c: &mut Criterion) {
     let mut group = c.benchmark_group("explicit step, 703 nodes");
-    for (name, contents) in [("springs", Contents::Springs), ("springs, dashpots, air, gravity", Contents::Everything)] {
+    for (name, contents) in [("springs", Contents::Springs), ("springs, dashpots, air, gravity", Contents::Everything)]
+    {
         let scene = build_network(cloth(703, 126, contents), Threads::one()).expect("the fixture is sound");
         for method in ["velocity-verlet", "rk4", "kang"] {
             group.bench_function(format!("{method}: {name}"), |b| steps(b, &scene, method));
@@ -60,7 +61,8 @@ fn explicit_steps(c: &mut Criterion) {
     if let Ok(plain) = PlainC::compile() {
         let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
         let mut f = vec![DVec3::ZERO; arrays.x.len()];
-        group.bench_function("velocity-verlet: plain C, springs", |b| b.iter(|| plain.verlet_step(&mut arrays, &mut f)));
+        group
+            .bench_function("velocity-verlet: plain C, springs", |b| b.iter(|| plain.verlet_step(&mut arrays, &mut f)));
     }
     group.finish();
 }

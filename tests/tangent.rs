@@ -104,7 +104,11 @@ fn minus_slope(scene: &Network, sample: &Sample, dof: usize, of_velocity: bool) 
     let d = 2e-4;
     let shifted = |s: f64| {
         let (mut x, mut v) = (sample.x.clone(), sample.v.clone());
-        if of_velocity { v[dof] += s * d } else { x[dof] += s * d }
+        if of_velocity {
+            v[dof] += s * d
+        } else {
+            x[dof] += s * d
+        }
         force(scene, StateRef { t: sample.t, x: &x, v: &v })
     };
     let (p1, m1, p2, m2) = (shifted(1.0), shifted(-1.0), shifted(2.0), shifted(-2.0));
@@ -194,7 +198,11 @@ fn the_assembled_matrix_is_the_one_the_terms_emit() {
                 for (i, &dof) in pattern.dof.iter().enumerate() {
                     let mass = if i == j { w.m / scene.inverse_mass()[dof as usize] } else { 0.0 };
                     let value = expected[dof as usize] + mass;
-                    assert!((y[i] - value).abs() <= 1e-12 * (1.0 + value.abs()), "{name}: W[{i}, {j}] {} {value}", y[i]);
+                    assert!(
+                        (y[i] - value).abs() <= 1e-12 * (1.0 + value.abs()),
+                        "{name}: W[{i}, {j}] {} {value}",
+                        y[i]
+                    );
                 }
             }
         }
@@ -258,9 +266,8 @@ fn conservative_power_is_minus_the_rate_of_energy(name: &str, scene: &Network, s
     let (plus, _) = stored(d);
     let (minus, _) = stored(-d);
     let (_, forces) = stored(0.0);
-    let rest = |i: usize| {
-        forces.external.get(i).copied().unwrap_or(0.0) + forces.dissipative.get(i).copied().unwrap_or(0.0)
-    };
+    let rest =
+        |i: usize| forces.external.get(i).copied().unwrap_or(0.0) + forces.dissipative.get(i).copied().unwrap_or(0.0);
     // Fixed degrees of freedom move in this virtual motion, so their reactions belong to the forces.
     let mut total = forces.total.clone();
     let fixed = (0..total.len()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>();
@@ -268,8 +275,7 @@ fn conservative_power_is_minus_the_rate_of_energy(name: &str, scene: &Network, s
         total[dof] = -r;
     }
     let weightless = |i: usize| scene.terms().iter().any(|t| t.role == Role::Gravity) && fixed.contains(&i);
-    let power: f64 =
-        (0..total.len()).filter(|&i| !weightless(i)).map(|i| (total[i] - rest(i)) * sample.v[i]).sum();
+    let power: f64 = (0..total.len()).filter(|&i| !weightless(i)).map(|i| (total[i] - rest(i)) * sample.v[i]).sum();
     let rate = (plus - minus) / (2.0 * d);
     if scene.terms().iter().any(|t| t.role == Role::Gravity) {
         return gravity_energy(name, scene, sample);
@@ -284,7 +290,9 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     let mut f = vec![glam::DVec3::ZERO; scene.n_dof() / 3];
     let _ = NodeState { t: 0.0, x: &[], v: &[] };
     f.iter_mut().zip(forces.total.chunks(3)).for_each(|(f, t)| *f = glam::DVec3::from_slice(t));
-    for (&dof, r) in (0..scene.n_dof()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>().iter().zip(&forces.reactions) {
+    for (&dof, r) in
+        (0..scene.n_dof()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>().iter().zip(&forces.reactions)
+    {
         f[dof / 3][dof % 3] = -r;
     }
     let work: f64 = f

@@ -14,7 +14,9 @@ pub enum CaseError {
         source: std::io::Error,
     },
     /// The file is larger than a case can be.
-    #[error("{path}: larger than {limit} bytes; put a large mesh into a mesh file and name it: {{\"file\": \"canopy.vtu\"}}")]
+    #[error(
+        "{path}: larger than {limit} bytes; put a large mesh into a mesh file and name it: {{\"file\": \"canopy.vtu\"}}"
+    )]
     TooLarge {
         /// the case file
         path: String,

@@ -57,7 +57,8 @@ pub fn run(args: &InitArgs, folder: &Path) -> Result<PathBuf, InitError> {
     // `create_new` lets no other program slip a file in between a look and the write.
     let mut options = OpenOptions::new();
     let options = if args.force { options.create(true).truncate(true) } else { options.create_new(true) };
-    let written = options.write(true).open(&path).and_then(|mut f| f.write_all(EXAMPLE.replace("{{name}}", name).as_bytes()));
+    let written =
+        options.write(true).open(&path).and_then(|mut f| f.write_all(EXAMPLE.replace("{{name}}", name).as_bytes()));
     match written {
         Ok(()) => Ok(path),
         Err(source) if source.kind() == std::io::ErrorKind::AlreadyExists => Err(InitError::Exists { path: shown }),

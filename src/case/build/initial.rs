@@ -30,7 +30,12 @@ pub(super) struct Start {
 }
 
 /// Checks and resolves the `initial` section.
-pub(super) fn initial(at: &Pointer, section: Option<&Initial>, network: &Network<'_>, faults: &mut Faults<'_>) -> Start {
+pub(super) fn initial(
+    at: &Pointer,
+    section: Option<&Initial>,
+    network: &Network<'_>,
+    faults: &mut Faults<'_>,
+) -> Start {
     let Some(section) = section else { return Start::default() };
     let mut start = Start::default();
     if let Some(vectors) = &section.displacement {

@@ -29,7 +29,9 @@ pub(super) fn loads(at: &Pointer, list: &[Load], geometry: Option<&Geometry>, fa
             Some(table) => series(&at.key("table"), table.iter().map(|[t, f]| (*t, *f)), faults).map(Some),
         };
         match (load.pressure, load.force) {
-            (Some(p), None) => loads.pressures.extend(pressure(&at, &Given { load, value: p, factor }, geometry, faults)),
+            (Some(p), None) => {
+                loads.pressures.extend(pressure(&at, &Given { load, value: p, factor }, geometry, faults))
+            }
             (None, Some(f)) => loads.forces.extend(force(&at, &Given { load, value: f, factor }, geometry, faults)),
             (None, None) => faults.add_value(&at, "a load without value", "exactly one of pressure and force", None),
             (Some(_), Some(_)) => {
@@ -79,7 +81,8 @@ fn pressure_kind(at: &Pointer, load: &Load, faults: &mut Faults<'_>) -> Option<P
             unit.map(|unit| PressureKind::Dead(Some(unit.to_array())))
         }
         (PressureKindKey::Follower, Some(_)) => {
-            let hint = "a follower pressure acts along the current normal; for a fixed direction say \"kind\": \"dead\"";
+            let hint =
+                "a follower pressure acts along the current normal; for a fixed direction say \"kind\": \"dead\"";
             faults.add_hint(&at.key("direction"), "only with \"kind\": \"dead\"", hint);
             None
         }

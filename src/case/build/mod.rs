@@ -2,8 +2,8 @@
 //! a check allows and what the builder relies on stand side by side; faults are collected, not returned.
 
 mod air;
-mod initial;
 pub(crate) mod geometry;
+mod initial;
 mod loads;
 mod mass;
 mod network;

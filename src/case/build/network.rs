@@ -17,7 +17,8 @@ pub(super) fn network(
     step: Option<f64>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
-    let mut masses = geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
+    let mut masses =
+        geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
     let before_springs = faults.count();
     let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
@@ -33,7 +34,12 @@ pub(super) fn network(
     }
     if fixed.iter().flatten().all(|held| *held) {
         let hint = "free at least one direction of one node".to_owned();
-        faults.add_value(&at.key("supports"), "every node is held in x, y and z", "something that can move", Some(hint));
+        faults.add_value(
+            &at.key("supports"),
+            "every node is held in x, y and z",
+            "something that can move",
+            Some(hint),
+        );
     }
     let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
     let start = initial(&at.key("initial"), network.initial.as_ref(), &against, faults);
@@ -100,8 +106,10 @@ fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Fa
     let numbered = mass.iter().zip(0_u32..);
     let bad: Vec<u32> = numbered.filter(|(m, i)| free(*i) && !m.is_normal()).map(|(_, i)| i).collect();
     if let Some(first) = bad.first() {
-        let value = format!("no usable mass on free nodes {} ({} kg on the first)", first_few(&bad), mass[*first as usize]);
-        let hint = "give areal_density (for nodes of triangles), nodal, or linear_density of a spring rule, or hold them";
+        let value =
+            format!("no usable mass on free nodes {} ({} kg on the first)", first_few(&bad), mass[*first as usize]);
+        let hint =
+            "give areal_density (for nodes of triangles), nodal, or linear_density of a spring rule, or hold them";
         faults.add_value(&at.key("mass"), value, "a mass above 0 on every node that can move", Some(hint.to_owned()));
     }
 }

@@ -14,7 +14,12 @@ pub(super) fn pendulum(at: &Pointer, pendulum: &Pendulum, faults: &mut Faults<'_
     not_negative(&at.key("damping"), damping, faults);
     not_negative(&at.key("gravity"), gravity, faults);
     if long && heavy && !(mass * length * length).is_normal() {
-        faults.add_value(at, format!("m L^2 = {:e}", mass * length * length), "m L^2 within the range of a double", None);
+        faults.add_value(
+            at,
+            format!("m L^2 = {:e}", mass * length * length),
+            "m L^2 within the range of a double",
+            None,
+        );
     }
     PendulumSpec { length, mass, damping, gravity, angle, rate }
 }

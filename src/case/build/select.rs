@@ -101,7 +101,8 @@ pub(super) fn nodes(
 /// Where the nodes are, for a box or sphere that missed them.
 fn extent(nodes: &[[f64; 3]]) -> String {
     let Some(first) = nodes.first().map(|p| DVec3::from_array(*p)) else { return String::new() };
-    let (low, high) = nodes.iter().map(|p| DVec3::from_array(*p)).fold((first, first), |(l, h), p| (l.min(p), h.max(p)));
+    let (low, high) =
+        nodes.iter().map(|p| DVec3::from_array(*p)).fold((first, first), |(l, h), p| (l.min(p), h.max(p)));
     format!("; they lie between {:?} and {:?}", low.to_array(), high.to_array())
 }
 

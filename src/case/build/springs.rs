@@ -83,7 +83,9 @@ fn claim(
         }
     }
     if edges.is_empty() {
-        faults.warn(format!("{at}: earlier rules take all the edges it selects, so it has no effect; order the special rules first"));
+        faults.warn(format!(
+            "{at}: earlier rules take all the edges it selects, so it has no effect; order the special rules first"
+        ));
     }
     Some(edges)
 }

@@ -62,9 +62,7 @@ pub(super) fn rest_lengths(
             faults.add_hint(&at.key("rest_scale"), "not together with rest_length", hint);
             None
         }
-        (Some(length), None) => {
-            positive(&at.key("rest_length"), length, faults).then(|| vec![length; edges.len()])
-        }
+        (Some(length), None) => positive(&at.key("rest_length"), length, faults).then(|| vec![length; edges.len()]),
         (None, scale) => {
             let scale = scale.unwrap_or(1.0);
             positive(&at.key("rest_scale"), scale, faults).then(|| initial.map(|l| scale * l).collect())

@@ -72,7 +72,8 @@ impl JsonSchema for Wind {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let row = |n: usize| serde_json::json!({"type": "array", "items": {"type": "number"}, "minItems": n, "maxItems": n});
+        let row =
+            |n: usize| serde_json::json!({"type": "array", "items": {"type": "number"}, "minItems": n, "maxItems": n});
         json_schema!({"oneOf": [
             row(3),
             {

@@ -83,8 +83,7 @@ impl JsonSchema for Method {
 
 /// `{"name": {parameters}}` of one method.
 fn tuned(method: &MethodInfo) -> Value {
-    let properties: Map<String, Value> =
-        method.parameters.iter().map(|p| (p.name.to_owned(), parameter(p))).collect();
+    let properties: Map<String, Value> = method.parameters.iter().map(|p| (p.name.to_owned(), parameter(p))).collect();
     json!({
         "type": "object",
         "properties": {method.name: {
