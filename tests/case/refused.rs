@@ -125,7 +125,7 @@ fn springs_and_mass() {
 fn mesh_and_supports() {
     refuses(&[
         ("system.network.mesh={\"file\":\"no-such.vtu\"}", "/system/network/mesh/file", "no-such.vtu"),
-        ("system.network.mesh.explicit.nodes=[]", "/system/network/mesh/explicit/nodes", "0 nodes"),
+        ("system.network.mesh={\"explicit\":{\"nodes\":[]}}", "/system/network/mesh/explicit/nodes", "0 nodes"),
         ("system.network.mesh.explicit.nodes.1=[0,0,0]", "/system/network/mesh/explicit", "coincide"),
         ("system.network.mesh.explicit.springs.0=[0,9]", "/system/network/mesh/explicit/springs/0", "0 to 4"),
         ("system.network.mesh.explicit.triangles.0=[0,1,9]", "/system/network/mesh/explicit/triangles/0", "0 to 4"),

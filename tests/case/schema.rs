@@ -35,7 +35,11 @@ fn walk(schema: &Value, doc: &str, names: &mut Vec<String>, wrong: &mut Vec<Stri
             ("properties" | "$defs", Value::Object(members)) => {
                 for (name, member) in members {
                     names.push(name.clone());
-                    let above = if key == "properties" { "" } else { own };
+                    // A choice with a value, {"time": 5e-4}, is described as a choice, and its one key is its name.
+                    let choice = key == "properties"
+                        && members.len() == 1
+                        && names.iter().rev().nth(2).is_some_and(|n| n == "oneOf");
+                    let above = if key == "properties" && !choice { "" } else { own };
                     walk(member, above, names, wrong, seen);
                     names.pop();
                 }
