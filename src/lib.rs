@@ -12,4 +12,5 @@ pub mod mesh;
 pub mod model;
 pub mod output;
 pub mod scene;
+pub mod simulation;
 pub mod solve;

@@ -28,6 +28,13 @@ pub struct Problem {
     pub case_json: serde_json::Value,
 }
 
+impl Problem {
+    /// Takes the system out; an empty network stays. A large mesh is then not kept twice.
+    pub fn take_system(&mut self) -> SystemSpec {
+        std::mem::replace(&mut self.system, SystemSpec::Network(Box::default()))
+    }
+}
+
 /// What moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SystemSpec {

@@ -1,4 +1,54 @@
-//! The command line: one file a command.
+//! The command line: what was typed, and one file a command.
 
+mod args;
+mod check;
+mod error;
 pub mod init;
+pub mod mesh;
+mod methods;
+pub mod progress;
 pub mod schema;
+mod solve;
+
+pub use args::{Args, CaseArgs, Command, SolveArgs};
+pub use error::CliError;
+
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
+/// internal failure, 2 bad usage or bad case, 3 diverged or not solvable, 130 interrupted.
+pub fn main() -> ExitCode {
+    let args = Args::parse();
+    match dispatch(&args.command) {
+        Ok(Finished { text, code }) => {
+            let mut out = std::io::stdout().lock();
+            // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
+            let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+            ExitCode::from(code)
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// What a command leaves: text for standard output, and its exit status.
+struct Finished {
+    text: String,
+    code: u8,
+}
+
+fn dispatch(command: &Command) -> Result<Finished, CliError> {
+    let done = |text: String| Finished { text, code: 0 };
+    match command {
+        Command::Solve(args) => solve::run(args),
+        Command::Check(args) => check::run(args).map(done),
+        Command::Mesh(args) => Ok(done(mesh::run(args)?)),
+        Command::Methods => Ok(done(methods::run())),
+        Command::Schema => Ok(done(schema::run())),
+        Command::Init(args) => Ok(done(init::run(args)?)),
+    }
+}

@@ -7,7 +7,7 @@ use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
 
 /// What `summary.json` shows under `failure`.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// [s] when the trouble was found
     pub time: f64,
@@ -18,7 +18,7 @@ pub struct Failure {
     /// most strained spring at that node
     pub spring: Option<u32>,
     /// force term with the largest force on that node
-    pub term: Option<&'static str>,
+    pub term: Option<String>,
     /// what happened
     pub cause: String,
     /// what to do
@@ -44,8 +44,12 @@ impl Scenery<'_> {
     /// A state that is not finite, or has left the scene.
     pub(super) fn diverged(&self, to: &Point, how: &str) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), self.worst_dof(to));
-        let rates = rates(self.scene, self.from.state.as_ref());
-        let (cause, advice) = match self.instability(rates) {
+        // At the start the rates are the user's scene; shortly before the end they may only be the wreck's.
+        let start = self.scene.initial_state();
+        let unstable = self
+            .instability(rates(self.scene, start.as_ref()), "at the start")
+            .or_else(|| self.instability(rates(self.scene, self.from.state.as_ref()), "shortly before"));
+        let (cause, advice) = match unstable {
             Some((why, advice)) => (format!("{how}; {why}"), advice),
             None => (format!("{how}; no instability of the step is seen in the tangent"), self.general_advice()),
         };
@@ -65,11 +69,12 @@ impl Scenery<'_> {
 
     fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
         let Suspect { node, spring, term } = suspect;
+        let term = term.map(str::to_owned);
         Failure { time: self.t, step: self.step, node, spring, term, cause, advice, blow_up_time: None }
     }
 
     /// The step against the fastest rates of the tangent, for schemes with a limit.
-    fn instability(&self, rates: Rates) -> Option<(String, String)> {
+    fn instability(&self, rates: Rates, when: &str) -> Option<(String, String)> {
         let h = self.h;
         let unstable = |rate: f64| (h * rate > 1.0).then_some(h * rate);
         let advise = |step: f64, implicit: bool| {
@@ -79,15 +84,18 @@ impl Scenery<'_> {
         let implicit_helps = self.method.family != Family::Implicit;
         if let Some(c) = unstable(rates.damping).filter(|_| rates.damping >= rates.frequency) {
             let why = format!(
-                "velocity-dependent forces act within {:.1e} s (m/(dF/dv)) and the step is {c:.1} times that",
-                1.0 / rates.damping
+                "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {} and the step is {c:.2} times that",
+                1.0 / rates.damping,
+                self.scene.name_of(rates.damping_dof).0
             );
             return Some((why, advise(0.5 / rates.damping, implicit_helps)));
         }
         unstable(rates.frequency).map(|w| {
             let why = format!(
-                "the stiffest oscillation has w = {:.3e} rad/s, so w h = {w:.2} where explicit schemes allow about 2",
-                rates.frequency
+                "{when} the stiffest oscillation has w = {:.3e} rad/s around node {}, so w h = {w:.2} where explicit schemes \
+                 allow 1 to 3, less with damping",
+                rates.frequency,
+                self.scene.name_of(rates.frequency_dof).0
             );
             (why, advise(1.0 / rates.frequency, implicit_helps))
         })

@@ -4,7 +4,7 @@ pub use crate::model::point::Point;
 
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
 /// keeps its value at t = 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LedgerRow {
     /// [J] kinetic energy
     pub kinetic: f64,

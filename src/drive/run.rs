@@ -29,10 +29,11 @@ pub struct RunSpec {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// reached its end
+    #[default]
     Completed,
     /// a state was not finite or left the scene
     Diverged,

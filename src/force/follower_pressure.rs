@@ -6,7 +6,7 @@
 
 use super::batch::{Batch, Kernel, Threads};
 use super::series::factor;
-use super::triangle::{AreaVector, mean};
+use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::spec::Series;
@@ -50,7 +50,7 @@ impl Kernel<3> for FollowerData {
         for (&nodes, out) in self.triangles[range].iter().zip(out) {
             let force = p * AreaVector::new(at.x, nodes).s;
             power += force.dot(mean(at.v, nodes));
-            *out = force / 3.0;
+            *out = force * THIRD;
         }
         Tally { energy: 0.0, power }
     }

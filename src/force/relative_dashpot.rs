@@ -5,7 +5,7 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{Batch, Kernel, Threads};
+use super::batch::{BLOCK, Batch, Kernel, Threads, lane_sum};
 use super::spring::Coefficient;
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -42,13 +42,17 @@ impl Kernel<2> for RelativeData {
     }
 
     fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let mut power = 0.0;
-        for ((i, &[a, b]), out) in range.clone().zip(&self.nodes[range]).zip(out) {
+        let n = range.len();
+        let mut buffers = [[0.0; BLOCK]; 2];
+        let [c, power] = &mut buffers;
+        let (c, power) = (&mut c[..n], &mut power[..n]);
+        self.coefficient.fill(range.clone(), c);
+        for (((&[a, b], out), c), power) in self.nodes[range].iter().zip(out).zip(c.iter()).zip(power.iter_mut()) {
             let dv = at.v[b as usize] - at.v[a as usize];
-            *out = self.coefficient.at(i) * dv;
-            power -= out.dot(dv);
+            *out = *c * dv;
+            *power = -c * dv.length_squared();
         }
-        Tally { energy: 0.0, power }
+        Tally { energy: 0.0, power: lane_sum(power) }
     }
 }
 

@@ -45,7 +45,7 @@ impl Coefficient {
 
     /// Fills `out` with the values of a range.
     #[inline]
-    fn fill(&self, range: Range<usize>, out: &mut [f64]) {
+    pub(crate) fn fill(&self, range: Range<usize>, out: &mut [f64]) {
         match self {
             Coefficient::Uniform(c) => out.fill(*c),
             Coefficient::Each(values) => out.copy_from_slice(&values[range]),
@@ -99,7 +99,7 @@ impl SpringData {
         let [a, b] = self.nodes[i];
         let d = x[b as usize] - x[a as usize];
         let length = d.length();
-        let n = if length > 0.0 { d / length } else { DVec3::ZERO };
+        let n = if length > 0.0 { d * length.recip() } else { DVec3::ZERO };
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 

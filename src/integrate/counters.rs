@@ -5,7 +5,7 @@ use crate::model::state::StateRef;
 use crate::model::system::System;
 
 /// What a run cost, in operations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     /// force passes the scheme asked for
     pub force_evaluations: u64,

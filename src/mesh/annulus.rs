@@ -16,8 +16,8 @@ pub const MAX_DISC_SEAMS: usize = 16;
 
 /// A flat ring around the origin, meshed with triangles that grow with the distance from its edges.
 ///
-/// The loops' nodes come first (inner loop, then outer loop, each counter-clockwise from the +x axis), then the seams' nodes
-/// from the inside out, seam by seam, then the interior.
+/// The loops' nodes come first (inner loop, then outer loop, each counter-clockwise from the +x axis), then the
+/// seams' nodes from the inside out, seam by seam, then the interior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnnulusParameters {
@@ -34,14 +34,15 @@ pub struct AnnulusParameters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 6))]
     pub boundary_nodes: Option<usize>,
-    /// [-] number of radial lines of edges from the inner to the outer loop, evenly spread from the +x axis; none if absent
+    /// [-] number of radial lines of edges from the inner to the outer loop, evenly spread from the +x axis; none if
+    /// absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
     /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which `nodes` and
-    /// `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
+    /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which
+    /// `nodes` and `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.2, max = 10.0))]
     pub grading: Option<f64>,
@@ -49,8 +50,8 @@ pub struct AnnulusParameters {
 
 /// A flat disc around the origin, meshed with triangles that grow with the distance from its edge.
 ///
-/// The loop's nodes come first (counter-clockwise from the +x axis), then, with seams, the centre and the seams' nodes from the
-/// inside out, seam by seam, then the interior.
+/// The loop's nodes come first (counter-clockwise from the +x axis), then, with seams, the centre and the seams'
+/// nodes from the inside out, seam by seam, then the interior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscParameters {
@@ -64,15 +65,15 @@ pub struct DiscParameters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3))]
     pub boundary_nodes: Option<usize>,
-    /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; at most 16, none
-    /// if absent
+    /// [-] number of radial lines of edges from the centre to the edge, evenly spread from the +x axis; at most 16,
+    /// none if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
     /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which `nodes` and
-    /// `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
+    /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which
+    /// `nodes` and `boundary_nodes` agree; 1.5 if `boundary_nodes` is absent too
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.2, max = 10.0))]
     pub grading: Option<f64>,

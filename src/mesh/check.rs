@@ -12,7 +12,8 @@ impl Mesh {
         DVec3::from_array(self.nodes[node as usize])
     }
 
-    /// Checks what no simulation can do without: numbers in range, finite positions, no edge or triangle twice or degenerate.
+    /// Checks what no simulation can do without: numbers in range, finite positions, no edge or triangle twice or
+    /// degenerate.
     ///
     /// Orientation and manifoldness are checked apart, by [`crate::mesh::Topology`], since not every scene needs them.
     ///

@@ -1,7 +1,9 @@
-//! Graded meshes by spring relaxation: P.-O. Persson & G. Strang, "A simple mesh generator in MATLAB", SIAM Review 46(2), 2004.
+//! Graded meshes by spring relaxation: P.-O. Persson & G. Strang, "A simple mesh generator in MATLAB", SIAM Review
+//! 46(2), 2004.
 //!
-//! Other than there, the boundary nodes are laid out first and stay, so that their number is met exactly, and the interior starts
-//! from an even spiral of the exact number of nodes. The relaxed mesh is then polished ([`super::polish`]).
+//! Other than there, the boundary nodes are laid out first and stay, so that their number is met exactly, and the
+//! interior starts from an even spiral of the exact number of nodes. The relaxed mesh is then polished
+//! ([`super::polish`]).
 
 use super::delaunay::triangulate;
 use super::flips::Flips;
@@ -118,8 +120,9 @@ fn relax(plan: &Plan, start: &mut Start) -> Result<(), MeshError> {
 }
 
 fn moved_far(size: &SizeFunction, points: &[DVec2], last: &[DVec2]) -> bool {
-    let far = |(p, q): (&DVec2, &DVec2)| !(p.distance_squared(*q) < (RETRIANGULATE * size.at(p.length())).powi(2));
-    points.iter().zip(last).any(far)
+    // Asked this way round, a point that is no number counts as far, and the triangulation will refuse it.
+    let near = |(p, q): (&DVec2, &DVec2)| p.distance_squared(*q) < (RETRIANGULATE * size.at(p.length())).powi(2);
+    !points.iter().zip(last).all(near)
 }
 
 /// Edges with at least one end that can move, as springs.
@@ -143,8 +146,8 @@ impl Bars {
         Self { size: vec![0.0; freedom.len()], ends, degree }
     }
 
-    /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of the
-    /// actual ones.
+    /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of
+    /// the actual ones.
     fn forces(&mut self, size: &SizeFunction, points: &[DVec2], forces: &mut [DVec2]) {
         for (h, point) in self.size.iter_mut().zip(points) {
             *h = size.at(point.length());
@@ -172,9 +175,11 @@ impl Bars {
     }
 }
 
-/// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge length.
+/// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
+/// length.
 ///
-/// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars meet.
+/// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars
+/// meet.
 fn step(plan: &Plan, start: &mut Start, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
     let (ring, seams) = (plan.size.ring, plan.seams);
     let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(*m)).sum();

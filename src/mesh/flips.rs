@@ -4,8 +4,8 @@ use glam::DVec2;
 
 /// No triangle beyond this side.
 const NONE: u32 = u32::MAX;
-/// [-] by how much the two angles opposite an edge must exceed 180 degrees (as the sine of the excess) before it is flipped;
-/// without it rounding could flip the edges of a square for ever
+/// [-] by how much the two angles opposite an edge must exceed 180 degrees (as the sine of the excess) before it is
+/// flipped; without it rounding could flip the edges of a square for ever
 const EXCESS: f64 = 1e-9;
 
 /// Triangles with their neighbours.
@@ -52,14 +52,14 @@ impl Flips {
         })
     }
 
-    /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do not end,
-    /// and a new triangulation is needed.
+    /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do
+    /// not end, and a new triangulation is needed.
     pub fn follow(&mut self, points: &[DVec2]) -> bool {
-        let turned = |t: &[u32; 3]| {
+        let upright = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|n| points[n as usize]);
-            !((b - a).perp_dot(c - a) > 0.0)
+            (b - a).perp_dot(c - a) > 0.0
         };
-        if self.triangles.is_empty() || self.triangles.iter().any(turned) {
+        if self.triangles.is_empty() || !self.triangles.iter().all(upright) {
             return false;
         }
         let mut stack: Vec<u32> = (0..self.triangles.len() as u32).rev().collect();

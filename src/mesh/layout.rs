@@ -43,7 +43,8 @@ pub(super) struct Plan {
     /// nodes on the inner and on the outer loop
     pub loops: [usize; 2],
     pub seams: usize,
-    /// [m] on a disc with many seams, radius of the ring of fixed seam nodes around the centre that the interior keeps out of; else 0
+    /// [m] on a disc with many seams, radius of the ring of fixed seam nodes around the centre that the interior
+    /// keeps out of; else 0
     pub hub: f64,
     /// nodes on each seam, loops and centre not counted
     pub seam_nodes: usize,
@@ -95,7 +96,8 @@ impl Request {
         Ok(Plan { size, loops, seams: self.seams, hub, seam_nodes, free, triangles: self.triangles(boundary) })
     }
 
-    /// Radius at which the seams of a disc are one edge length apart; 0 where they leave room for other nodes at the centre.
+    /// Radius at which the seams of a disc are one edge length apart; 0 where they leave room for other nodes at the
+    /// centre.
     fn hub(&self, size: &SizeFunction) -> f64 {
         if self.ring.has_hole() || self.seams < SEAMS_WITH_HUB {
             return 0.0;
@@ -245,8 +247,9 @@ impl Plan {
 
     /// Interior nodes with the density 1/h^2 of Persson & Strang (2004), section 3.
     ///
-    /// Where they draw nodes at random and drop some, a spiral that turns by the golden angle (Vogel 1979) with radii from the
-    /// integral of the density gives the exact number, and starts so evenly that few iterations are left to do.
+    /// Where they draw nodes at random and drop some, a spiral that turns by the golden angle (Vogel 1979) with radii
+    /// from the integral of the density gives the exact number, and starts so evenly that few iterations are left to
+    /// do.
     fn add_interior(&self, random: &mut SplitMix64, start: &mut Start) {
         let Ring { inner, outer } = self.size.ring;
         let base = self.hub.max(inner);

@@ -78,8 +78,8 @@ fn walk(mesh: &Mesh, sides: &Sides, start: usize, node: u32, seen: &mut [bool], 
 
 /// The boundary edge at the other end of the fan of triangles that `edge` opens at `node`.
 ///
-/// Turning through the fan, not just looking for any boundary edge at the node, keeps loops apart that touch in one node.
-/// `None` if the fan ends at an edge of three or more triangles.
+/// Turning through the fan, not just looking for any boundary edge at the node, keeps loops apart that touch in one
+/// node. `None` if the fan ends at an edge of three or more triangles.
 fn next_boundary(mesh: &Mesh, sides: &Sides, edge: usize, node: u32) -> Option<usize> {
     let mut edge = edge;
     let mut triangle = *sides.at(edge).first()?;

@@ -21,6 +21,7 @@ pub mod rectangle;
 pub mod sdf;
 pub mod source;
 pub mod topology;
+pub mod write;
 
 pub use error::MeshError;
 pub use loops::BoundaryLoop;

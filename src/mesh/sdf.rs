@@ -18,8 +18,8 @@ impl Ring {
         self.inner > 0.0
     }
 
-    /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of a circle and
-    /// the outside of another is the larger of both distances).
+    /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of
+    /// a circle and the outside of another is the larger of both distances).
     pub fn signed_distance(&self, p: DVec2) -> f64 {
         let r = p.length();
         if self.has_hole() { (r - self.outer).max(self.inner - r) } else { r - self.outer }
@@ -37,8 +37,8 @@ impl Ring {
     }
 }
 
-/// `p` turned around the origin until it is at least `depth` [m] from each of `seams` evenly spread rays, the first along +x; to the
-/// middle between two rays where they are closer together than that.
+/// `p` turned around the origin until it is at least `depth` [m] from each of `seams` evenly spread rays, the first
+/// along +x; to the middle between two rays where they are closer together than that.
 pub(super) fn turned_off_seams(p: DVec2, seams: usize, depth: f64) -> DVec2 {
     if seams == 0 {
         return p;
@@ -53,8 +53,8 @@ pub(super) fn turned_off_seams(p: DVec2, seams: usize, depth: f64) -> DVec2 {
     if wanted == within { p } else { radius * DVec2::from_angle(first + wanted) }
 }
 
-/// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops and `grading`
-/// in the middle (for a disc: at the centre).
+/// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops
+/// and `grading` in the middle (for a disc: at the centre).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeFunction {
     /// the domain

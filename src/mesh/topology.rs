@@ -152,8 +152,8 @@ impl Topology {
         self.components
     }
 
-    /// Euler characteristic nodes - edges + triangles, with the triangles' edges counted whether they are in the mesh's edge list
-    /// or not: 1 for a disc, 0 for an annulus, 2 for a closed surface.
+    /// Euler characteristic nodes - edges + triangles, with the triangles' edges counted whether they are in the
+    /// mesh's edge list or not: 1 for a disc, 0 for an annulus, 2 for a closed surface.
     pub fn euler_characteristic(&self) -> i64 {
         self.euler
     }

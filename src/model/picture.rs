@@ -19,7 +19,7 @@ pub trait Picture: System {
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]);
 
     /// Applied force [N] on every node (elastic, gravity, air, loads, damping), zero at fixed degrees of freedom.
-    fn node_forces(&self, forces: &Forces, out: &mut [[f64; 3]]);
+    fn node_forces(&self, at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]);
 
     /// Support reaction [N] on every node, zero at free degrees of freedom.
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]);

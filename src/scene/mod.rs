@@ -19,7 +19,7 @@ use crate::model::state::StateRef;
 use crate::model::system::{Abilities, TangentSystem};
 
 /// What a failure report points at, in the user's numbering.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Suspect {
     /// the node
     pub node: Option<u32>,

@@ -137,9 +137,11 @@ impl Picture for Pendulum {
         velocities[0] = [speed * theta.cos(), 0.0, speed * theta.sin()];
     }
 
-    fn node_forces(&self, forces: &Forces, out: &mut [[f64; 3]]) {
-        // The moment as a force along the path; its direction is not known here, so the component that does work is given.
-        out[0] = [forces.total[0] / self.spec.length, 0.0, 0.0];
+    /// Weight and drag; the rod's pull is no applied force.
+    fn node_forces(&self, at: StateRef<'_>, _forces: &Forces, out: &mut [[f64; 3]]) {
+        let drag = -self.spec.damping * at.v[0] / self.spec.length;
+        let (sin, cos) = at.x[0].sin_cos();
+        out[0] = [drag * cos, 0.0, drag * sin - self.spec.mass * self.spec.gravity];
     }
 
     fn node_reactions(&self, _forces: &Forces, out: &mut [[f64; 3]]) {

@@ -25,7 +25,7 @@ impl Picture for Network {
         }
     }
 
-    fn node_forces(&self, forces: &Forces, out: &mut [[f64; 3]]) {
+    fn node_forces(&self, _at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]) {
         for (f, &user) in by_node(&forces.total).iter().zip(&self.numbering.user) {
             out[user as usize] = f.to_array();
         }

@@ -239,7 +239,7 @@ impl LinearSolver for Cholesky {
         LinearStats {
             name: "cholesky",
             matrix_nonzeros: self.pattern.nonzeros(),
-            factor_nonzeros: self.symbolic.len_val(),
+            factor_nonzeros: Some(self.symbolic.len_val()),
             indefinite: self.indefinite,
         }
     }

@@ -23,8 +23,8 @@ pub struct LinearStats {
     pub name: &'static str,
     /// entries stored of W
     pub matrix_nonzeros: usize,
-    /// entries stored of the factor; 0 before the first factorisation where it is not known in advance
-    pub factor_nonzeros: usize,
+    /// entries stored of the factor, where the library tells
+    pub factor_nonzeros: Option<usize>,
     /// factorisations for which Cholesky was not positive definite and LDLT or LBLT stepped in
     pub indefinite: u64,
 }

@@ -119,6 +119,6 @@ impl LinearSolver for Lu {
     }
 
     fn stats(&self) -> LinearStats {
-        LinearStats { name: "lu", matrix_nonzeros: self.pattern.nonzeros(), factor_nonzeros: 0, indefinite: 0 }
+        LinearStats { name: "lu", matrix_nonzeros: self.pattern.nonzeros(), factor_nonzeros: None, indefinite: 0 }
     }
 }

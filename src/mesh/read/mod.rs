@@ -1,12 +1,23 @@
-//! Mesh files in.
+//! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl.
+//!
+//! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
+//! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (Gmsh's arc centres, say) are
+//! dropped and the rest keep their order: a node without mass could not move anyway.
+
+mod cells;
+mod msh;
+mod obj;
+mod stl;
+mod vtk;
 
 use super::{Mesh, MeshError};
+use cells::Cells;
 use std::path::Path;
 
 /// A mesh read from a file, and what the reader changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// the mesh
+    /// the mesh; it has passed [`Mesh::check`]
     pub mesh: Mesh,
     /// one sentence for every change or omission
     pub notes: Vec<String>,
@@ -17,5 +28,24 @@ pub struct Imported {
 /// # Errors
 /// [`MeshError::File`] with the file's name and the reason.
 pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
-    Err(MeshError::File { path: path.to_owned(), reason: "reading is not merged yet".into() })
+    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let read: fn(&[u8]) -> Result<Cells, String> = match extension.as_str() {
+        "vtu" | "vtp" | "vtk" => vtk::read,
+        "msh" => msh::read,
+        "obj" => obj::read,
+        "stl" => stl::read,
+        _ => {
+            return Err(fault(format!(
+                "the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl"
+            )));
+        }
+    };
+    let bytes = std::fs::read(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
+    // The parsing libraries are not ours: a panic in one of them on a damaged file must not end the program.
+    let cells = std::panic::catch_unwind(|| read(&bytes))
+        .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
+    let imported = cells.and_then(Cells::into_mesh).map_err(fault)?;
+    imported.mesh.check().map_err(|error| fault(error.to_string()))?;
+    Ok(imported)
 }

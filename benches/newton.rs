@@ -1,0 +1,82 @@
+//! One full Newton iteration (residual, assembly, factorisation, solve) of the 703-node cloth without air, beside the
+//! factorisation and solve alone; and whole implicit steps with and without the air.
+//!
+//! ```text
+//! cargo bench --bench newton
+//! ```
+
+mod fixture;
+
+use canopy_fem::force::batch::Threads;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::MethodChoice;
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::model::point::Point;
+use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem::solve::{LinearChoice, solver_for};
+use criterion::{Criterion, criterion_group, criterion_main};
+use fixture::{Contents, cloth};
+use std::collections::BTreeMap;
+
+/// The weights of a Newmark step of 1 ms.
+const W: Weights = Weights { m: 4e6, c: 2e3, k: 1.0 };
+
+fn iteration(c: &mut Criterion) {
+    let scene = build_network(cloth(703, 126, Contents::Dashpots), Threads::one()).expect("the fixture is sound");
+    let (state, mut forces) = (scene.initial_state(), scene.new_forces());
+    let mut assembler = scene.assembler().expect("small");
+    let mut solver = solver_for(assembler.pattern.clone(), LinearChoice::Auto).expect("symmetric");
+    scene.assemble(state.as_ref(), W, &mut assembler);
+    let mut b = vec![1.0; assembler.pattern.n()];
+    let mut group = c.benchmark_group("Newton iteration, 703 nodes, no air");
+    group.bench_function("factor and solve alone", |bencher| {
+        bencher.iter(|| {
+            solver.factor(assembler.values()).expect("positive definite");
+            b.fill(1.0);
+            solver.solve(assembler.values(), &mut b).expect("positive definite");
+        });
+    });
+    group.bench_function("residual, assembly, factor, solve", |bencher| {
+        bencher.iter(|| {
+            scene.evaluate(state.as_ref(), &mut forces);
+            scene.assemble(state.as_ref(), W, &mut assembler);
+            solver.factor(assembler.values()).expect("positive definite");
+            b.fill(1.0);
+            solver.solve(assembler.values(), &mut b).expect("positive definite");
+        });
+    });
+    group.bench_function("assembly alone", |bencher| {
+        bencher.iter(|| scene.assemble(state.as_ref(), W, &mut assembler));
+    });
+    group.finish();
+}
+
+fn implicit_steps(c: &mut Criterion) {
+    let mut group = c.benchmark_group("newmark step of 1 ms, 703 nodes");
+    group.sample_size(20);
+    for (name, contents) in [("no air (Cholesky)", Contents::Dashpots), ("air (LU)", Contents::Everything)] {
+        let scene = build_network(cloth(703, 126, contents), Threads::one()).expect("the fixture is sound");
+        group.bench_function(name, |b| steps(b, &scene));
+    }
+    group.finish();
+}
+
+fn steps(b: &mut criterion::Bencher<'_>, scene: &Network) {
+    let choice = MethodChoice::new("newmark", &BTreeMap::new()).expect("a known method");
+    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(from.state.as_ref(), &mut from.forces);
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    stepper.start(&from).expect("a small scene");
+    let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
+    b.iter(|| {
+        let t_next = from.state.t + h;
+        stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("an easy step");
+        stepper.accept();
+        std::mem::swap(&mut from, &mut to);
+    });
+}
+
+criterion_group!(benches, iteration, implicit_steps);
+criterion_main!(benches);

@@ -1,0 +1,93 @@
+//! What can be typed.
+
+use super::init::InitArgs;
+use super::mesh::MeshArgs;
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
+#[derive(Debug, Parser)]
+#[command(name = "canopy-fem", version, about, arg_required_else_help = true)]
+pub struct Args {
+    /// the command
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Integrate a case and write ParaView frames, history, probes and a summary
+    Solve(SolveArgs),
+    /// Solve nothing: show all faults, what is modelled, and the critical step of every method
+    Check(CaseArgs),
+    /// Make, convert or inspect a mesh
+    Mesh(MeshArgs),
+    /// List the methods with order and stability
+    Methods,
+    /// Print the JSON Schema of the case file
+    Schema,
+    /// Write a commented example case
+    Init(InitArgs),
+}
+
+/// A case with changes to it.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CaseArgs {
+    /// Case file (JSON; // comments are allowed)
+    pub case: PathBuf,
+    /// Method, with its default parameters, or as in the case file: '{"hht": {"alpha": -0.2}}'
+    #[arg(long)]
+    pub method: Option<String>,
+    /// Step [s]
+    #[arg(long)]
+    pub step: Option<String>,
+    /// End of the simulated time [s]
+    #[arg(long)]
+    pub end: Option<String>,
+    /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+}
+
+/// `solve`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SolveArgs {
+    /// the case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Folder for the results [default: out/<case name>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads for the force passes; results are the same for every number
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Replace earlier results in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// Go on past a blow-up until a value stops being finite
+    #[arg(long)]
+    pub keep_going: bool,
+    /// Write M, C and K at t = 0 as MatrixMarket files into DIR before solving
+    #[arg(long, value_name = "DIR")]
+    pub dump_matrices: Option<PathBuf>,
+    /// No progress, no warnings, no report
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl CaseArgs {
+    /// All replacements in the order they apply: `--set` first, then the flags with a name of their own.
+    pub fn overrides(&self) -> Vec<(String, String)> {
+        let flags = [("time.method", &self.method), ("time.step", &self.step), ("time.end", &self.end)];
+        let named = flags.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value.clone()?)));
+        self.set.iter().cloned().chain(named).collect()
+    }
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("expected KEY=VALUE, e.g. time.step=1e-3".to_owned()),
+    }
+}

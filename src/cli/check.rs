@@ -1,0 +1,131 @@
+//! `canopy-fem check`: all faults, what is modelled, and every method's critical step, without solving anything.
+
+use super::{CaseArgs, CliError};
+use crate::analysis::limit::critical_step;
+use crate::analysis::rates::{Rates, rates};
+use crate::case::Case;
+use crate::case::spec::{Problem, SystemSpec};
+use crate::integrate::registry::{Family, MethodChoice, methods};
+use crate::model::spec::NetworkSpec;
+use crate::scene::Scene;
+use crate::simulation::{build_scene, solver_spec};
+use crate::solve::solver_for;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
+    let mut problem = Case::from_file(&args.case, &args.overrides())?.into_problem();
+    let system = problem.take_system();
+    let mut text = format!("{}: no faults\n", problem.name);
+    describe_system(&mut text, &system);
+    let scene = build_scene(system, 1)?;
+    let scene = &*scene;
+    describe_terms(&mut text, scene);
+    describe_cost(&mut text, &problem, scene);
+    let state = scene.initial_state();
+    describe_limits(&mut text, &problem, scene, rates(scene, state.as_ref()));
+    for warning in &problem.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    Ok(text)
+}
+
+fn describe_system(text: &mut String, system: &SystemSpec) {
+    match system {
+        SystemSpec::Pendulum(p) => {
+            let _ = writeln!(text, "  pendulum        L = {} m, m = {} kg, c = {} N m s", p.length, p.mass, p.damping);
+        }
+        SystemSpec::Network(spec) => {
+            let NetworkSpec { mesh, mass, fixed, springs, .. } = &**spec;
+            let n_springs: usize = springs.iter().map(|g| g.edges.len()).sum();
+            let dashpots: usize = springs.iter().filter(|g| g.dashpot.is_some()).map(|g| g.edges.len()).sum();
+            let held = fixed.as_flattened().iter().filter(|f| **f).count();
+            let _ = writeln!(
+                text,
+                "  network         {} nodes, {n_springs} springs, {dashpots} dashpots, {} triangles",
+                mesh.nodes.len(),
+                mesh.triangles.len()
+            );
+            let _ = writeln!(text, "  mass            {:.6} kg", mass.iter().sum::<f64>());
+            let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
+        }
+    }
+}
+
+fn describe_terms(text: &mut String, scene: &dyn Scene) {
+    let mut names: Vec<&str> = scene.terms().iter().map(|t| t.name).collect();
+    names.dedup();
+    let _ = writeln!(text, "  forces          {}", names.join(", "));
+}
+
+fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
+    let info = problem.method.info;
+    let n = scene.n_dof();
+    // Two states with their forces, split by role where the scene has the role, and the scheme's own vectors.
+    let vectors = if info.family == Family::Implicit { 16 } else { 14 };
+    let mut bytes = 8 * vectors * n;
+    let _ = writeln!(text, "  method          {}, order {}, step {} s", info.name, info.order, problem.time.step);
+    if info.family == Family::Implicit {
+        let kind = if scene.symmetric() { "symmetric" } else { "not symmetric" };
+        let analysed = scene.assembler().map_err(|e| e.to_string()).and_then(|a| {
+            let solver = solver_for(a.pattern.clone(), solver_spec(problem).linear).map_err(|e| e.to_string())?;
+            Ok((a.pattern.n(), solver.stats()))
+        });
+        match analysed {
+            Ok((unknowns, stats)) => {
+                let factor = match stats.factor_nonzeros {
+                    Some(entries) => format!("{entries} in its factor"),
+                    None => "factor known after the first factorisation".to_owned(),
+                };
+                bytes += 16 * stats.matrix_nonzeros + 8 * stats.factor_nonzeros.unwrap_or(8 * stats.matrix_nonzeros);
+                let _ = writeln!(
+                    text,
+                    "  tangent         {kind}, {unknowns} unknowns, {} entries, {factor}; solver {}",
+                    stats.matrix_nonzeros, stats.name
+                );
+            }
+            Err(why) => {
+                let _ = writeln!(text, "  tangent         {kind}; {why}");
+            }
+        }
+    } else {
+        let _ = writeln!(text, "  tangent         not needed by this method");
+    }
+    let _ = writeln!(text, "  memory          about {:.1} MB without output", bytes as f64 / 1e6);
+}
+
+fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rates: Rates) {
+    let at = |dof: usize| scene.name_of(dof).0;
+    let _ = writeln!(
+        text,
+        "  fastest motion  w = {:.4e} rad/s around node {}, damping rate {:.4e} 1/s around node {} (estimates at t = 0)",
+        rates.frequency,
+        at(rates.frequency_dof),
+        rates.damping,
+        at(rates.damping_dof)
+    );
+    let _ = writeln!(text, "\n  method                critical step [s]   this step / critical");
+    for info in methods() {
+        let choice = if info.name == problem.method.info.name {
+            Some(problem.method.clone())
+        } else {
+            MethodChoice::new(info.name, &BTreeMap::new()).ok()
+        };
+        let Some(choice) = choice else { continue };
+        if info.family == Family::MatrixFree && scene.abilities().graph.is_none() {
+            let _ = writeln!(text, "  {:<20}  needs a network", info.name);
+            continue;
+        }
+        let limit = critical_step(&choice, rates);
+        let mark = if info.name == problem.method.info.name { '*' } else { ' ' };
+        if limit.is_infinite() {
+            let _ = writeln!(text, "{mark} {:<20}  {:<18}", info.name, "none found");
+        } else {
+            let ratio = problem.time.step / limit;
+            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {ratio:.3}", info.name);
+        }
+    }
+    text.push_str(
+        "  (* the method of this case; one oscillator with the fastest w and damping rate stands for the scene)\n\n",
+    );
+}

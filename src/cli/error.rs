@@ -1,0 +1,61 @@
+//! Why a command failed, and the exit status that says so.
+
+use super::init::InitError;
+use super::mesh::MeshCliError;
+use crate::assembly::ExportError;
+use crate::case::CaseError;
+use crate::drive::RunError;
+use crate::drive::observer::ObserveError;
+use crate::output::folder::FolderError;
+use crate::output::recorder::RecorderError;
+use crate::simulation::SetupError;
+
+/// Any failure of a command.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The case is bad.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The case cannot be made ready.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The results' folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// Results cannot be prepared.
+    #[error(transparent)]
+    Recorder(#[from] RecorderError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+    /// The run could not start or write.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Matrices cannot be written.
+    #[error("--dump-matrices: {0}")]
+    Export(#[from] ExportError),
+    /// A mesh cannot be made, read or written.
+    #[error(transparent)]
+    Mesh(#[from] MeshCliError),
+    /// An example case cannot be written.
+    #[error(transparent)]
+    Init(#[from] InitError),
+}
+
+impl CliError {
+    /// 1 for input/output and internal failures, 2 for bad usage and bad cases.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            CliError::Case(CaseError::Read { .. }) => 1,
+            CliError::Case(_) => 2,
+            CliError::Setup(SetupError::Threads(_)) => 1,
+            CliError::Setup(_) => 2,
+            CliError::Folder(FolderError::System { .. }) => 1,
+            CliError::Folder(_) => 2,
+            CliError::Mesh(e) => e.exit_status(),
+            CliError::Init(e) => e.exit_code(),
+            CliError::Run(RunError::Start(_)) => 2,
+            CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! `canopy-fem mesh`: makes, converts and inspects meshes.
+
+use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
+use crate::mesh::chain::ChainParameters;
+use crate::mesh::read::{Imported, read_mesh};
+use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
+use crate::mesh::write::write_mesh;
+use crate::mesh::{EdgeKind, Mesh, MeshError, MeshSource, Quality, Topology};
+use clap::{Args, Subcommand, ValueEnum};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `canopy-fem mesh`.
+#[derive(Clone, Debug, Args)]
+pub struct MeshArgs {
+    /// what to do
+    #[command(subcommand)]
+    pub command: MeshCommand,
+}
+
+/// What `canopy-fem mesh` can do.
+#[derive(Clone, Debug, Subcommand)]
+pub enum MeshCommand {
+    /// Make a ring of triangles, graded towards its edges
+    Annulus(AnnulusArgs),
+    /// Make a disc of triangles, graded towards its edge
+    Disc(DiscArgs),
+    /// Make a rectangle of equal cells from the origin
+    Rectangle(RectangleArgs),
+    /// Make a straight chain of edges
+    Chain(ChainArgs),
+    /// Read a mesh file and write it as .vtu or .obj
+    Convert(ConvertArgs),
+    /// Print counts, boundary loops and quality of a mesh file
+    Inspect(InspectArgs),
+}
+
+/// Where a made mesh goes.
+#[derive(Clone, Debug, Args)]
+pub struct OutputArgs {
+    /// File to write, .vtu or .obj; without it the mesh is only described
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Counts and grading of a graded mesh.
+#[derive(Clone, Debug, Args)]
+pub struct GradedArgs {
+    /// Number of nodes, met exactly
+    #[arg(long)]
+    pub nodes: usize,
+    /// Number of nodes on the boundary, met exactly; derived if absent
+    #[arg(long)]
+    pub boundary_nodes: Option<usize>,
+    /// Number of radial lines of edges
+    #[arg(long)]
+    pub seams: Option<usize>,
+    /// Start of the pseudo-random numbers
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Ratio of the edge length in the middle to that at the edges (0.2 to 10); derived if absent
+    #[arg(long)]
+    pub grading: Option<f64>,
+}
+
+/// Arguments of `mesh annulus`.
+#[derive(Clone, Debug, Args)]
+pub struct AnnulusArgs {
+    /// [m] Radius of the hole
+    #[arg(long)]
+    pub inner: f64,
+    /// [m] Radius of the outer edge
+    #[arg(long)]
+    pub outer: f64,
+    /// counts and grading
+    #[command(flatten)]
+    pub graded: GradedArgs,
+    /// where it goes
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Arguments of `mesh disc`.
+#[derive(Clone, Debug, Args)]
+pub struct DiscArgs {
+    /// [m] Radius
+    #[arg(long)]
+    pub radius: f64,
+    /// counts and grading
+    #[command(flatten)]
+    pub graded: GradedArgs,
+    /// where it goes
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// How `mesh rectangle` cuts its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PatternArg {
+    /// One diagonal a cell
+    #[default]
+    Regular,
+    /// Both diagonals and a node where they cross
+    Crossed,
+}
+
+/// Arguments of `mesh rectangle`.
+#[derive(Clone, Debug, Args)]
+pub struct RectangleArgs {
+    /// [m] Extent along x
+    #[arg(long)]
+    pub width: f64,
+    /// [m] Extent along y
+    #[arg(long)]
+    pub height: f64,
+    /// Cells along x
+    #[arg(long)]
+    pub columns: usize,
+    /// Cells along y
+    #[arg(long)]
+    pub rows: usize,
+    /// How the cells are cut
+    #[arg(long, value_enum, default_value_t)]
+    pub pattern: PatternArg,
+    /// where it goes
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Arguments of `mesh chain`.
+#[derive(Clone, Debug, Args)]
+pub struct ChainArgs {
+    /// [m] First end, x y z
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub from: Vec<f64>,
+    /// [m] Last end, x y z
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], allow_negative_numbers = true)]
+    pub to: Vec<f64>,
+    /// Number of edges
+    #[arg(long)]
+    pub segments: usize,
+    /// where it goes
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Arguments of `mesh convert`.
+#[derive(Clone, Debug, Args)]
+pub struct ConvertArgs {
+    /// Mesh file to read
+    pub input: PathBuf,
+    /// File to write, .vtu or .obj
+    pub output: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `mesh inspect`.
+#[derive(Clone, Debug, Args)]
+pub struct InspectArgs {
+    /// Mesh file to read
+    pub file: PathBuf,
+}
+
+/// Why `canopy-fem mesh` failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshCliError {
+    /// The mesh cannot be made or read.
+    #[error(transparent)]
+    Input(MeshError),
+    /// The mesh cannot be written.
+    #[error(transparent)]
+    Output(MeshError),
+    /// An end of a chain is missing.
+    #[error("a chain needs both --from X Y Z and --to X Y Z")]
+    ChainEnds,
+}
+
+impl MeshCliError {
+    /// Exit status of the program: 2 for bad input, 1 if writing failed.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Input(_) | Self::ChainEnds => 2,
+            Self::Output(_) => 1,
+        }
+    }
+}
+
+/// Runs `canopy-fem mesh`; returns what goes to standard output.
+///
+/// # Errors
+/// Parameters out of range, unreadable or bad mesh files, and files that cannot be written.
+pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
+    match &args.command {
+        MeshCommand::Annulus(a) => {
+            let GradedArgs { nodes, boundary_nodes, seams, seed, grading } = a.graded;
+            let (inner_radius, outer_radius) = (a.inner, a.outer);
+            let source = AnnulusParameters { inner_radius, outer_radius, nodes, boundary_nodes, seams, seed, grading };
+            make(&MeshSource::Annulus(source), &a.output)
+        }
+        MeshCommand::Disc(a) => {
+            let GradedArgs { nodes, boundary_nodes, seams, seed, grading } = a.graded;
+            let source = DiscParameters { radius: a.radius, nodes, boundary_nodes, seams, seed, grading };
+            make(&MeshSource::Disc(source), &a.output)
+        }
+        MeshCommand::Rectangle(a) => {
+            let pattern = match a.pattern {
+                PatternArg::Regular => RectanglePattern::Regular,
+                PatternArg::Crossed => RectanglePattern::Crossed,
+            };
+            let RectangleArgs { width, height, columns, rows, .. } = *a;
+            make(&MeshSource::Rectangle(RectangleParameters { width, height, columns, rows, pattern }), &a.output)
+        }
+        MeshCommand::Chain(a) => {
+            let end = |values: &[f64]| <[f64; 3]>::try_from(values).map_err(|_| MeshCliError::ChainEnds);
+            let source = ChainParameters { from: end(&a.from)?, to: end(&a.to)?, segments: a.segments };
+            make(&MeshSource::Chain(source), &a.output)
+        }
+        MeshCommand::Convert(a) => {
+            let Imported { mesh, notes } = read_mesh(&a.input).map_err(MeshCliError::Input)?;
+            write_mesh(&mesh, &a.output, a.force).map_err(MeshCliError::Output)?;
+            Ok(describe(&mesh, &notes)? + &written(&a.output))
+        }
+        MeshCommand::Inspect(a) => {
+            let Imported { mesh, notes } = read_mesh(&a.file).map_err(MeshCliError::Input)?;
+            describe(&mesh, &notes)
+        }
+    }
+}
+
+fn make(source: &MeshSource, output: &OutputArgs) -> Result<String, MeshCliError> {
+    let mesh = source.build(Path::new("")).map_err(MeshCliError::Input)?;
+    let text = describe(&mesh, &[])?;
+    match &output.output {
+        Some(path) => {
+            write_mesh(&mesh, path, output.force).map_err(MeshCliError::Output)?;
+            Ok(text + &written(path))
+        }
+        None => Ok(text),
+    }
+}
+
+fn written(path: &Path) -> String {
+    format!("written to {}\n", path.display())
+}
+
+/// Counts, loops, quality, histogram, and what a simulation would stumble over.
+fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
+    let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
+    let quality = Quality::with_topology(mesh, &topology);
+    let count = |kind| (0..mesh.edges.len()).filter(|&e| topology.edge_kind(e) == kind).count();
+    let mut lines = vec![
+        format!("nodes        {}", mesh.nodes.len()),
+        format!(
+            "edges        {} ({} boundary, {} interior, {} lines; {} on seams)",
+            mesh.edges.len(),
+            count(EdgeKind::Boundary),
+            count(EdgeKind::Interior),
+            count(EdgeKind::Line),
+            mesh.seams.len()
+        ),
+        format!("triangles    {}", mesh.triangles.len()),
+        format!("components   {}, Euler characteristic {}", quality.components, quality.euler_characteristic),
+    ];
+    for l in topology.loops() {
+        let kind = if l.outer { "outer" } else { "inner" };
+        let open = if l.closed { "" } else { ", not closed" };
+        lines.push(format!(
+            "{kind} loop   {} nodes, length {:.6} m, extent {:.6} m{open}",
+            l.nodes.len(),
+            l.length,
+            l.extent
+        ));
+    }
+    lines.push(format!(
+        "edge length  {:.6} to {:.6} m, mean {:.6} m",
+        quality.min_edge, quality.max_edge, quality.mean_edge
+    ));
+    if !mesh.triangles.is_empty() {
+        lines.push(format!(
+            "angles       {:.2} to {:.2} degrees, mean smallest {:.2}",
+            quality.min_angle, quality.max_angle, quality.mean_min_angle
+        ));
+        lines.push(format!(
+            "radius ratio {:.4} smallest, {:.4} mean (1 is equilateral)",
+            quality.min_radius_ratio, quality.mean_radius_ratio
+        ));
+        lines.push(format!("area         {:.6} m^2, smallest {:.3e} m^2", quality.total_area, quality.min_area));
+        lines.push("angle histogram (degrees, count)".to_owned());
+    }
+    let mut text = lines.join("\n") + "\n" + &quality.histogram_text();
+    let doubts = [topology.check_manifold().err(), topology.check_orientation(mesh).err()];
+    for note in notes.iter().cloned().chain(doubts.into_iter().flatten().map(|e| e.to_string())) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "note: {note}");
+    }
+    Ok(text)
+}

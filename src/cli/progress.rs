@@ -1,0 +1,255 @@
+//! The progress line on standard error: time, share done, steps a second, step size, Newton iterations, time left.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+
+/// Between two updates of the line.
+const REDRAW: Duration = Duration::from_millis(100);
+/// The clock is read at least once in this many steps: rarer would save nothing more, and freeze the line when steps
+/// become slow.
+const LONGEST_STRIDE: u64 = 64;
+/// [-] weight of the newest interval in the smoothed rates
+const NEWEST: f64 = 0.3;
+/// Positions of the bar.
+const TICKS: f64 = 1000.0;
+
+/// When a progress line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Display {
+    /// if standard error is a terminal
+    Terminal,
+    /// never
+    Quiet,
+}
+
+/// An observer that draws the progress of a run and records nothing.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    end: f64,
+    clock: Option<Clock>,
+    /// steps until the clock is read next
+    countdown: u64,
+    stride: u64,
+    since: Since,
+}
+
+/// Counted since the line was drawn last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Since {
+    steps: u64,
+    newton: u64,
+}
+
+/// What the line last knew; exists once a run has started and is to be shown.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    start: f64,
+    looked: Instant,
+    drawn: Instant,
+    t: f64,
+    rates: Rates,
+}
+
+/// Smoothed speeds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rates {
+    /// [1/s] steps a second of clock time
+    steps: f64,
+    /// [-] seconds simulated a second of clock time
+    time: f64,
+}
+
+/// What the line shows.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    t: f64,
+    end: f64,
+    step_size: f64,
+    newton: f64,
+    rates: Rates,
+}
+
+impl Progress {
+    /// A progress line for a run until `end` [s].
+    pub fn new(end: f64, display: Display) -> Self {
+        let target = if display == Display::Terminal && std::io::stderr().is_terminal() {
+            ProgressDrawTarget::stderr_with_hz(10)
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(TICKS as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self { bar, end, clock: None, countdown: 1, stride: 1, since: Since::default() }
+    }
+
+    /// Reads the clock: adapts the stride so that this happens several times an update, and draws when due.
+    fn look(&mut self, step: &StepView<'_>) {
+        let Some(clock) = &mut self.clock else { return };
+        let now = Instant::now();
+        let gap = now.duration_since(clock.looked);
+        clock.looked = now;
+        if gap < REDRAW / 10 {
+            self.stride = (self.stride * 2).min(LONGEST_STRIDE);
+        } else if gap > REDRAW / 3 {
+            // At once, not by halves: steps may have become a thousand times slower.
+            self.stride = 1;
+        }
+        self.countdown = self.stride;
+        let interval = now.duration_since(clock.drawn);
+        if interval < REDRAW {
+            return;
+        }
+        let t = step.to.state.t;
+        let seconds = interval.as_secs_f64();
+        clock.rates.steps = smooth(clock.rates.steps, self.since.steps as f64 / seconds);
+        clock.rates.time = smooth(clock.rates.time, (t - clock.t) / seconds);
+        (clock.drawn, clock.t) = (now, t);
+        let line = Line {
+            t,
+            end: self.end,
+            step_size: t - step.from.state.t,
+            newton: self.since.newton as f64 / self.since.steps.max(1) as f64,
+            rates: clock.rates,
+        };
+        let done = ((t - clock.start) / (self.end - clock.start)).clamp(0.0, 1.0);
+        self.since = Since::default();
+        // A share that is not a number becomes 0.
+        self.bar.set_position((done * TICKS) as u64);
+        self.bar.set_message(line.text());
+    }
+}
+
+impl Observer for Progress {
+    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        if !self.bar.is_hidden() {
+            let (now, t) = (Instant::now(), at.state.t);
+            self.clock = Some(Clock { start: t, looked: now, drawn: now, t, rates: Rates::default() });
+        }
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        if self.clock.is_some() {
+            self.since.steps += 1;
+            self.since.newton += u64::from(step.newton_iterations);
+            self.countdown -= 1;
+            if self.countdown == 0 {
+                self.look(&step);
+            }
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        self.clock = None;
+        self.bar.finish_and_clear();
+        Ok(())
+    }
+}
+
+impl Drop for Progress {
+    /// A run that ends with an error must not leave half a line under its message.
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Line {
+    fn text(&self) -> String {
+        let Self { t, end, step_size, newton, rates } = *self;
+        let mut text = format!("t {} of {} s  {} steps/s", short(t), short(end), short(rates.steps));
+        text += &format!("  h {} s", short(step_size));
+        if newton > 0.0 {
+            text += &format!("  Newton {newton:.1}");
+        }
+        if let Some(left) = time_left(end - t, rates.time) {
+            text += &format!("  {left} left");
+        }
+        text
+    }
+}
+
+fn smooth(old: f64, new: f64) -> f64 {
+    if old == 0.0 { new } else { old + NEWEST * (new - old) }
+}
+
+/// Four digits, with an exponent where that is shorter.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if !(1e-3..1e6).contains(&size) {
+        format!("{value:.2e}")
+    } else {
+        let digits = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+        let text = format!("{value:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    }
+}
+
+/// Hours, minutes and seconds for `remaining` seconds of simulated time at `rate`.
+fn time_left(remaining: f64, rate: f64) -> Option<String> {
+    let seconds = (remaining.max(0.0) / rate).round();
+    if !(0.0..=1e9).contains(&seconds) {
+        return None;
+    }
+    let seconds = seconds as u64;
+    let (hours, minutes, rest) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    Some(match (hours, minutes) {
+        (0, 0) => format!("{rest} s"),
+        (0, _) => format!("{minutes} min {rest:02} s"),
+        _ => format!("{hours} h {minutes:02} min"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::State;
+
+    /// The line shows what a person waits for, and leaves out what the scheme does not have.
+    #[test]
+    fn line_reads_well() {
+        let rates = Rates { steps: 12_345.6, time: 0.01 };
+        let line = Line { t: 0.5, end: 2.0, step_size: 1e-5, newton: 2.345, rates };
+        assert_eq!(line.text(), "t 0.5 of 2 s  12346 steps/s  h 1.00e-5 s  Newton 2.3  2 min 30 s left");
+        let still = Line { newton: 0.0, rates: Rates { steps: 0.0, time: 0.0 }, ..line };
+        assert_eq!(still.text(), "t 0.5 of 2 s  0 steps/s  h 1.00e-5 s");
+        assert_eq!(time_left(7200.0, 1.0).as_deref(), Some("2 h 00 min"));
+        assert_eq!(time_left(1.0, f64::NAN), None);
+    }
+
+    /// While steps are quick the clock is read ever more rarely; when they become slow, at once again.
+    #[test]
+    fn clock_is_read_sparsely() {
+        let point = |t| Point { state: State { t, ..State::default() }, ..Point::default() };
+        let (from, to) = (point(0.0), point(0.1));
+        let view = StepView {
+            step: 1,
+            from: &from,
+            to: &to,
+            ledger: LedgerRow::default(),
+            newton_iterations: 3,
+            residual: 0.0,
+        };
+        let mut progress = Progress::new(1.0, Display::Quiet);
+        let now = Instant::now();
+        progress.clock = Some(Clock { start: 0.0, looked: now, drawn: now, t: 0.0, rates: Rates::default() });
+        for _ in 0..1000 {
+            progress.accepted(view).expect("a progress line cannot fail");
+        }
+        assert!(progress.stride == LONGEST_STRIDE, "{}", progress.stride);
+        std::thread::sleep(REDRAW * 2);
+        progress.look(&view);
+        assert_eq!(progress.stride, 1);
+        assert_eq!(progress.bar.position(), 100);
+        assert_eq!(progress.since.steps, 0, "counted anew after drawing");
+    }
+}

@@ -1,0 +1,154 @@
+//! The folder of a run: never over earlier results unasked, never over anything else at all.
+
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::atomic::part_path;
+use super::files::{FRAMES, HISTORY, PROBES};
+use super::names::file_stem;
+
+/// How a run ended, for programs.
+pub const SUMMARY: &str = "summary.json";
+/// What a run can be resumed from.
+pub const CHECKPOINT: &str = "checkpoint.bin";
+
+/// Why a folder cannot take results.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// There are results already.
+    #[error("{folder} already holds results ({found}); give --force to replace them, or another folder with --out")]
+    HoldsResults {
+        /// the folder
+        folder: String,
+        /// the first result found
+        found: String,
+    },
+    /// Something else stands where results belong.
+    #[error("{path} is {what}, where a result belongs; move it away or give another folder with --out")]
+    InTheWay {
+        /// the path
+        path: String,
+        /// what it is
+        what: &'static str,
+    },
+    /// The system's answer.
+    #[error("{path}: {source}")]
+    System {
+        /// the path
+        path: String,
+        /// the reason
+        source: io::Error,
+    },
+}
+
+/// A folder that is ready for the results of one case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResultFolder {
+    dir: PathBuf,
+    stem: String,
+}
+
+impl ResultFolder {
+    /// Makes `dir` ready for the case `name`: creates it if needed; refuses earlier results unless `force` is given,
+    /// which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
+    /// `frames/NAME_<number>.vtu`, and `frames` if it is empty then. Other files stay. A link is removed, never
+    /// followed; a linked `frames` is refused.
+    ///
+    /// # Errors
+    /// When there are results and no `force`, when something else stands in the way, or the system refuses.
+    pub fn prepare(dir: &Path, name: &str, force: bool) -> Result<Self, FolderError> {
+        let folder = Self { dir: dir.to_owned(), stem: file_stem(name) };
+        if fs::metadata(dir).is_ok_and(|there| !there.is_dir()) {
+            return Err(FolderError::InTheWay { path: dir.display().to_string(), what: "a file" });
+        }
+        let earlier = folder.earlier()?;
+        if let Some(found) = earlier.first().filter(|_| !force) {
+            let found = found.strip_prefix(dir).unwrap_or(found).display().to_string();
+            return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found });
+        }
+        for path in &earlier {
+            fs::remove_file(path).map_err(|e| system(path, e))?;
+        }
+        // Stays if it holds other files, which are not ours to remove.
+        let _ = fs::remove_dir(dir.join(FRAMES));
+        fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
+        Ok(folder)
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What the .pvd and the frames are named after.
+    pub fn stem(&self) -> &str {
+        &self.stem
+    }
+
+    /// Path of a file in the folder, e.g. [`SUMMARY`].
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.dir.join(name)
+    }
+
+    /// Files of an earlier run, in a fixed order.
+    fn earlier(&self) -> Result<Vec<PathBuf>, FolderError> {
+        let mut found = Vec::new();
+        let collection = format!("{}.pvd", self.stem);
+        for name in [SUMMARY, HISTORY, PROBES, CHECKPOINT, &collection] {
+            let path = self.dir.join(name);
+            for path in [part_path(&path), path] {
+                if let Some(there) = look(&path)? {
+                    if there.is_dir() {
+                        return Err(FolderError::InTheWay { path: path.display().to_string(), what: "a folder" });
+                    }
+                    found.push(path);
+                }
+            }
+        }
+        found.extend(self.earlier_frames()?);
+        Ok(found)
+    }
+
+    fn earlier_frames(&self) -> Result<Vec<PathBuf>, FolderError> {
+        let folder = self.dir.join(FRAMES);
+        match look(&folder)? {
+            None => return Ok(Vec::new()),
+            Some(there) if there.is_dir() => {}
+            Some(there) => {
+                let what = if there.is_symlink() { "a link" } else { "a file" };
+                return Err(FolderError::InTheWay { path: folder.display().to_string(), what });
+            }
+        }
+        let mut found = Vec::new();
+        for entry in fs::read_dir(&folder).map_err(|e| system(&folder, e))? {
+            let entry = entry.map_err(|e| system(&folder, e))?;
+            let name = entry.file_name();
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if !is_folder && name.to_str().is_some_and(|name| self.is_frame(name)) {
+                found.push(entry.path());
+            }
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    fn is_frame(&self, name: &str) -> bool {
+        let number = name.strip_prefix(self.stem.as_str()).and_then(|rest| rest.strip_prefix('_'));
+        let number = number.and_then(|rest| rest.strip_suffix(".vtu"));
+        number.is_some_and(|digits| digits.len() >= 6 && digits.bytes().all(|b| b.is_ascii_digit()))
+    }
+}
+
+/// What is at a path itself, links not followed.
+fn look(path: &Path) -> Result<Option<Metadata>, FolderError> {
+    match fs::symlink_metadata(path) {
+        Ok(there) => Ok(Some(there)),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(system(path, e)),
+    }
+}
+
+fn system(path: &Path, source: io::Error) -> FolderError {
+    FolderError::System { path: path.display().to_string(), source }
+}

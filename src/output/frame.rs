@@ -1,0 +1,121 @@
+//! What one frame holds, and how edge values become cell values.
+
+/// Fields a case asks for beside positions, displacements and velocities, which are always there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fields {
+    /// applied force on every node
+    pub force: bool,
+    /// support reaction on every node
+    pub reaction: bool,
+    /// tension of every edge and triangle
+    pub tension: bool,
+    /// strain of every edge and triangle
+    pub strain: bool,
+}
+
+/// A frame on its way to the disk, in the user's numbering. Fields nobody asked for are empty.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// [s] time
+    pub time: f64,
+    /// [m] of every node
+    pub positions: Vec<[f64; 3]>,
+    /// [m/s] of every node
+    pub velocities: Vec<[f64; 3]>,
+    /// [N] applied force on every node
+    pub force: Vec<[f64; 3]>,
+    /// [N] support reaction on every node
+    pub reaction: Vec<[f64; 3]>,
+    /// [N] of every edge, NaN without a spring
+    pub tension: Vec<f64>,
+    /// [-] of every edge, NaN without a spring
+    pub strain: Vec<f64>,
+}
+
+/// How large a frame's arrays are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameSize {
+    /// nodes of the picture
+    pub nodes: usize,
+    /// edges of the picture
+    pub edges: usize,
+    /// what is asked for
+    pub fields: Fields,
+}
+
+impl Frame {
+    /// A frame of zeros.
+    pub fn new(size: FrameSize) -> Self {
+        let FrameSize { nodes, edges, fields } = size;
+        let vectors = |on: bool| vec![[0.0; 3]; if on { nodes } else { 0 }];
+        // Tension and strain come from one call, so either wants both.
+        let springs = if fields.tension || fields.strain { edges } else { 0 };
+        Self {
+            time: 0.0,
+            positions: vectors(true),
+            velocities: vectors(true),
+            force: vectors(fields.force),
+            reaction: vectors(fields.reaction),
+            tension: vec![0.0; springs],
+            strain: vec![0.0; springs],
+        }
+    }
+
+    /// Whether all positions and velocities are finite.
+    pub fn is_finite(&self) -> bool {
+        let finite = |v: &[[f64; 3]]| v.as_flattened().iter().all(|c| c.is_finite());
+        finite(&self.positions) && finite(&self.velocities)
+    }
+}
+
+/// The edges of every triangle, to average edge values over them.
+#[derive(Clone, Debug, Default)]
+pub struct CellMap {
+    /// indices into the edges; a side that is not an edge of the picture is left out
+    sides: Vec<[Option<u32>; 3]>,
+    cells: usize,
+}
+
+impl CellMap {
+    /// Finds the edges of every triangle; `cells` is the number of cells a frame shows.
+    pub fn new(triangles: &[[u32; 3]], edges: &[[u32; 2]], cells: usize) -> Self {
+        let key = |a: u32, b: u32| (a.min(b), a.max(b));
+        let mut sorted: Vec<_> = (0u32..).zip(edges).map(|(i, &[a, b])| (key(a, b), i)).collect();
+        sorted.sort_unstable();
+        let find = |a, b| {
+            let at = sorted.partition_point(|entry| entry.0 < key(a, b));
+            sorted.get(at).filter(|entry| entry.0 == key(a, b)).map(|entry| entry.1)
+        };
+        let sides = triangles.iter().map(|&[a, b, c]| [find(a, b), find(b, c), find(c, a)]).collect();
+        Self { sides, cells }
+    }
+
+    /// Cell values of edge values: an edge shows its own; a triangle the mean over those of its edges that carry
+    /// a spring. Where there is no spring the value is NaN in `edges` and becomes 0, as NaN has no colour.
+    pub fn spread(&self, edges: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let spring = |value: &f64| value.is_finite();
+        for sides in &self.sides {
+            let values = sides.iter().flatten().filter_map(|&i| edges.get(i as usize).copied()).filter(spring);
+            let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+            out.push(if count == 0 { 0.0 } else { sum / f64::from(count) });
+        }
+        out.extend(edges.iter().map(|v| if spring(v) { *v } else { 0.0 }));
+        // Vertex cells stand in for a picture without triangles and edges.
+        out.resize(self.cells, 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangle averages its springs, skips sides without one, and shows 0 where it has none.
+    #[test]
+    fn triangles_average_their_springs() {
+        let map = CellMap::new(&[[0, 1, 2], [1, 3, 2], [4, 5, 6]], &[[1, 0], [2, 1], [0, 2], [1, 3]], 7);
+        let mut out = Vec::new();
+        map.spread(&[3.0, f64::NAN, 5.0, 8.0], &mut out);
+        assert_eq!(out, [4.0, 8.0, 0.0, 3.0, 0.0, 5.0, 8.0]);
+    }
+}

@@ -1,0 +1,36 @@
+//! What this process has used so far.
+
+/// [s] processor time of all threads of this process; `None` where the system does not tell.
+pub fn cpu_seconds() -> Option<f64> {
+    #[cfg(unix)]
+    {
+        let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Some(spent.tv_sec as f64 + spent.tv_nsec as f64 * 1e-9)
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// [byte] largest resident memory so far (`VmHWM` of proc(5)); `None` where the system does not tell.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Work raises the processor time, and touched memory the peak.
+    #[test]
+    fn use_is_seen() {
+        let before = cpu_seconds().expect("Linux tells");
+        let block = vec![1u8; 64 << 20];
+        let sum: u64 = std::hint::black_box(&block).iter().map(|&b| u64::from(b)).sum();
+        assert_eq!(sum, 64 << 20);
+        assert!(cpu_seconds().expect("Linux tells") > before);
+        assert!(peak_memory_bytes().expect("Linux tells") >= 64 << 20);
+    }
+}

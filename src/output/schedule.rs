@@ -1,0 +1,103 @@
+//! When frames are due: at k times the interval, whatever the steps are.
+
+/// [-] of a step; a frame this close to the end of a step shows that end itself
+const COINCIDENT: f64 = 1e-9;
+
+/// A time within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// [s] time of the frame, k * every
+    pub time: f64,
+    /// [-] share of the step that lies before it
+    pub fraction: f64,
+}
+
+/// Where in a step a frame lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Due {
+    /// within the step
+    Between(Moment),
+    /// at the end of the step
+    End,
+}
+
+/// Frame times k * every; not accumulated, so they do not drift.
+#[derive(Clone, Copy, Debug)]
+pub struct Schedule {
+    every: Option<f64>,
+    next: u64,
+}
+
+impl Schedule {
+    /// Frames after `start` [s]; `every` [s] is positive and finite, or absent for none between first and last.
+    pub fn new(every: Option<f64>, start: f64) -> Self {
+        let next = every.map_or(0, |every| first_after(start + tolerance(start, start), every));
+        Self { every, next }
+    }
+
+    /// The next frame in the step from `from` to `to` [s], if there is one left.
+    pub fn next_in(&mut self, from: f64, to: f64) -> Option<Due> {
+        let every = self.every?;
+        let slack = tolerance(from, to);
+        let time = self.next as f64 * every;
+        // Asked this way round, a time that is not a number is never due.
+        let due = time <= to + slack;
+        if !due {
+            return None;
+        }
+        self.next = self.next.saturating_add(1);
+        if time >= to - slack {
+            // Whatever else falls onto this very end is the same picture.
+            self.next = self.next.max(first_after(to + slack, every));
+            return Some(Due::End);
+        }
+        Some(Due::Between(Moment { time, fraction: ((time - from) / (to - from)).clamp(0.0, 1.0) }))
+    }
+}
+
+/// The first k with k * every beyond `time`; a cast of a float saturates, and a negative time counts as 0.
+fn first_after(time: f64, every: f64) -> u64 {
+    ((time / every).floor() as u64).saturating_add(1)
+}
+
+/// [s] how close two times are the same: part of a step, but never less than the clock's own rounding.
+pub fn tolerance(from: f64, to: f64) -> f64 {
+    (COINCIDENT * (to - from).abs()).max(8.0 * f64::EPSILON * to.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(schedule: &mut Schedule, from: f64, to: f64) -> Vec<Due> {
+        std::iter::from_fn(|| schedule.next_in(from, to)).collect()
+    }
+
+    /// One frame a step, several in a step, none in a step; rounding of k * every and n * h does not lose one.
+    #[test]
+    fn frames_fall_where_they_should() {
+        let mut schedule = Schedule::new(Some(0.1), 0.0);
+        assert_eq!(all(&mut schedule, 0.0, 0.05), []);
+        assert_eq!(all(&mut schedule, 0.05, 0.1), [Due::End]);
+        let wide = all(&mut schedule, 0.1, 0.3);
+        assert!(
+            matches!(wide[..], [Due::Between(at), Due::End] if at.time == 0.2 && (at.fraction - 0.5).abs() < 1e-15)
+        );
+        let mut many = Schedule::new(Some(1e-12), 0.0);
+        let mut t = 0.0;
+        for k in 0..1000 {
+            let to = t + 1e-12;
+            assert_eq!(all(&mut many, t, to), [Due::End], "step {k}");
+            t = to;
+        }
+    }
+
+    /// A run that starts later has its next frame after that time, and none twice.
+    #[test]
+    fn later_start() {
+        let mut schedule = Schedule::new(Some(0.1), 0.3);
+        assert_eq!(all(&mut schedule, 0.3, 0.35), []);
+        assert_eq!(all(&mut schedule, 0.35, 0.4), [Due::End]);
+        assert_eq!(all(&mut Schedule::new(None, 0.0), 0.0, 1e9), []);
+    }
+}

@@ -1,0 +1,109 @@
+//! `summary.json`: how a run went, for programs and people. Keys are the contract's.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::atomic::{Durability, replace};
+use super::csv::write_fault;
+use crate::case::spec::Problem;
+use crate::drive::observer::{LedgerRow, ObserveError};
+use crate::drive::{Failure, Outcome, Status};
+use crate::integrate::Counters;
+use crate::model::system::System;
+use crate::output::process;
+
+/// A finished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// how it ended
+    pub status: Status,
+    /// name of the method in a case
+    pub method: String,
+    /// its parameters, defaults filled in
+    pub method_parameters: BTreeMap<String, f64>,
+    /// accepted steps
+    pub steps: u64,
+    /// steps that were dropped and tried again smaller
+    pub rejected_steps: u64,
+    /// [s] time of the last good state
+    pub t_end: f64,
+    /// [s] processor time of the run, all threads; null where the system does not tell
+    pub cpu_seconds: Option<f64>,
+    /// [s] time on the clock
+    pub wall_seconds: f64,
+    /// [byte] largest resident memory; null where the system does not tell
+    pub peak_memory_bytes: Option<u64>,
+    /// what the run did, counted
+    #[serde(flatten)]
+    pub counters: Counters,
+    /// free degrees of freedom
+    pub unknowns: u64,
+    /// entries of W; null for a run without a matrix
+    pub matrix_nonzeros: Option<u64>,
+    /// entries of its factor; null for a run without one
+    pub factor_nonzeros: Option<u64>,
+    /// solver that was used; null for a run without one
+    pub linear_solver: Option<String>,
+    /// [s] largest stable step of the method at the start; null if unlimited or not known
+    pub critical_step: Option<f64>,
+    /// [-] max abs(numerical) over the largest energy exchanged
+    pub energy_error: f64,
+    /// the energy account at the end
+    pub final_ledger: LedgerRow,
+    /// what went wrong; null for a run that did not fail
+    pub failure: Option<Failure>,
+    /// the case as it was run
+    pub case: serde_json::Value,
+    /// version of the program
+    pub version: String,
+}
+
+impl Summary {
+    /// Puts together what a finished run left. `critical_step` [s] is infinite for a method without limit.
+    pub fn new(problem: &Problem, system: &dyn System, outcome: &Outcome, critical_step: f64, wall: Duration) -> Self {
+        let linear = outcome.linear;
+        Summary {
+            status: outcome.status,
+            method: problem.method.info.name.to_owned(),
+            method_parameters: problem.method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
+            steps: outcome.steps,
+            rejected_steps: 0,
+            t_end: outcome.t_end,
+            cpu_seconds: process::cpu_seconds(),
+            wall_seconds: wall.as_secs_f64(),
+            peak_memory_bytes: process::peak_memory_bytes(),
+            counters: outcome.counters,
+            unknowns: system.inverse_mass().iter().filter(|m| **m > 0.0).count() as u64,
+            matrix_nonzeros: linear.map(|l| l.matrix_nonzeros as u64),
+            factor_nonzeros: linear.and_then(|l| l.factor_nonzeros).map(|n| n as u64),
+            linear_solver: linear.map(|l| l.name.to_owned()),
+            critical_step: Some(critical_step).filter(|s| s.is_finite()),
+            energy_error: outcome.energy_error,
+            final_ledger: outcome.ledger,
+            failure: outcome.failure.clone(),
+            case: problem.case_json.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+
+    /// The summary as JSON text that ends with a line's end.
+    ///
+    /// # Errors
+    /// When `case` cannot be written as JSON.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        // serde_json writes a float that is not finite as null.
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// Writes `path` atomically and makes it durable.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), ObserveError> {
+        let text = self.to_json().map_err(|e| write_fault(path, e.into()))?;
+        replace(path, text.as_bytes(), Durability::Synced).map_err(|e| write_fault(path, e))
+    }
+}

@@ -1,0 +1,250 @@
+//! A .vtu file (VTK XML unstructured grid, version 1.0): triangles, then edges, as cells; appended arrays.
+//!
+//! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+//! Connectivity, offsets and types do not change during a run: they are encoded once and stand first in the
+//! appended section, so a frame only adds its own arrays behind them.
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use super::encode::{Appender, Compression, Encoding, VtuFormat, little_endian};
+use super::names::xml_attribute;
+
+/// VTK's cell types (vtkCellType.h).
+const VTK_VERTEX: u8 = 1;
+const VTK_LINE: u8 = 3;
+const VTK_TRIANGLE: u8 = 5;
+
+/// What never changes: how many points there are and which of them make the cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells<'a> {
+    /// number of points
+    pub points: usize,
+    /// triangles, which come first
+    pub triangles: &'a [[u32; 3]],
+    /// edges, which come after the triangles
+    pub edges: &'a [[u32; 2]],
+}
+
+/// Values of an array, one a point or a cell.
+#[derive(Clone, Copy, Debug)]
+pub enum Values<'a> {
+    /// one number each
+    Scalars(&'a [f64]),
+    /// three numbers each
+    Vectors(&'a [[f64; 3]]),
+}
+
+/// A named array.
+#[derive(Clone, Copy, Debug)]
+pub struct Array<'a> {
+    /// name ParaView shows
+    pub name: &'a str,
+    /// its values
+    pub values: Values<'a>,
+}
+
+/// One picture of the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot<'a> {
+    /// [s] written as `TimeValue`, if given
+    pub time: Option<f64>,
+    /// [m] current positions
+    pub points: &'a [[f64; 3]],
+    /// arrays on the points
+    pub point_data: &'a [Array<'a>],
+    /// arrays on the cells, triangles before edges
+    pub cell_data: &'a [Array<'a>],
+}
+
+/// Why a picture cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum VtuError {
+    /// A cell names a point that is not there.
+    #[error("cell {cell} uses point {point}, but there are {points} points, counted from 0")]
+    PointOutOfRange {
+        /// the cell, triangles counted before edges
+        cell: usize,
+        /// the point it names
+        point: u32,
+        /// number of points
+        points: usize,
+    },
+    /// An array has the wrong length.
+    #[error("array \"{name}\" holds {found} values where {expected} are needed")]
+    WrongLength {
+        /// the array
+        name: String,
+        /// its length
+        found: usize,
+        /// the number of points or cells
+        expected: usize,
+    },
+    /// The system's answer to writing.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+}
+
+/// Writes pictures of one scene; buffers are kept from one to the next.
+#[derive(Clone, Debug)]
+pub struct VtuWriter {
+    points: usize,
+    cells: usize,
+    appender: Appender,
+    head: String,
+    body: Vec<u8>,
+    fixed_len: usize,
+    fixed_offsets: [usize; 3],
+}
+
+impl VtuWriter {
+    /// Encodes the cells. A scene without any gets one vertex cell a point: a piece without cells shows nothing
+    /// and some readers refuse it.
+    ///
+    /// # Errors
+    /// When a cell names a point that is not there.
+    pub fn new(cells: &Cells<'_>, format: VtuFormat) -> Result<Self, VtuError> {
+        let table = CellTable::new(cells)?;
+        let mut appender = Appender::new(format);
+        let mut body = Vec::new();
+        let fixed_offsets = [
+            appender.append(&table.connectivity, &mut body)?,
+            appender.append(&table.ends, &mut body)?,
+            appender.append(&table.types, &mut body)?,
+        ];
+        let fixed_len = body.len();
+        Ok(Self {
+            points: cells.points,
+            cells: table.types.len(),
+            appender,
+            head: String::new(),
+            body,
+            fixed_len,
+            fixed_offsets,
+        })
+    }
+
+    /// Number of cells, which is the length of every cell array.
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// Writes one picture.
+    ///
+    /// # Errors
+    /// When an array has the wrong length, or `out` refuses.
+    pub fn write(&mut self, picture: &Snapshot<'_>, out: &mut impl Write) -> Result<(), VtuError> {
+        self.body.truncate(self.fixed_len);
+        self.begin(picture.time)?;
+        self.head.push_str("<PointData>\n");
+        for array in picture.point_data {
+            self.array(array, self.points)?;
+        }
+        self.head.push_str("</PointData>\n<CellData>\n");
+        for array in picture.cell_data {
+            self.array(array, self.cells)?;
+        }
+        self.head.push_str("</CellData>\n<Points>\n");
+        self.array(&Array { name: "Points", values: Values::Vectors(picture.points) }, self.points)?;
+        self.head.push_str("</Points>\n");
+        self.end();
+        out.write_all(self.head.as_bytes())?;
+        out.write_all(&self.body)?;
+        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+        Ok(())
+    }
+
+    fn begin(&mut self, time: Option<f64>) -> Result<(), VtuError> {
+        let compressor = match self.appender.format().compression {
+            Compression::None => "",
+            Compression::Zlib => " compressor=\"vtkZLibDataCompressor\"",
+        };
+        self.head.clear();
+        self.head.push_str("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"");
+        let _ = write!(self.head, " byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>");
+        self.head.push_str("\n<UnstructuredGrid>\n");
+        if let Some(time) = time {
+            let _ = writeln!(
+                self.head,
+                "<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\
+                 </DataArray>\n</FieldData>"
+            );
+        }
+        let _ = writeln!(self.head, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells);
+        Ok(())
+    }
+
+    fn array(&mut self, array: &Array<'_>, expected: usize) -> Result<(), VtuError> {
+        let (values, found, components) = match array.values {
+            Values::Scalars(s) => (s, s.len(), 1),
+            Values::Vectors(v) => (v.as_flattened(), v.len(), 3),
+        };
+        if found != expected {
+            return Err(VtuError::WrongLength { name: array.name.to_owned(), found, expected });
+        }
+        let offset = self.appender.append(&little_endian(values), &mut self.body)?;
+        let name = xml_attribute(array.name);
+        let _ = writeln!(
+            self.head,
+            "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
+             offset=\"{offset}\"/>"
+        );
+        Ok(())
+    }
+
+    fn end(&mut self) {
+        self.head.push_str("<Cells>\n");
+        let arrays = [("Int64", "connectivity"), ("Int64", "offsets"), ("UInt8", "types")];
+        for ((kind, name), offset) in arrays.into_iter().zip(self.fixed_offsets) {
+            let _ = writeln!(
+                self.head,
+                "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>"
+            );
+        }
+        let encoding = match self.appender.format().encoding {
+            Encoding::Raw => "raw",
+            Encoding::Base64 => "base64",
+        };
+        let _ = write!(self.head, "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"{encoding}\">\n_");
+    }
+}
+
+/// The cell arrays as bytes: Int64 connectivity and ends, UInt8 types.
+struct CellTable {
+    connectivity: Vec<u8>,
+    ends: Vec<u8>,
+    types: Vec<u8>,
+}
+
+impl CellTable {
+    fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
+        let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
+        for triangle in cells.triangles {
+            table.push(VTK_TRIANGLE, triangle, cells.points)?;
+        }
+        for edge in cells.edges {
+            table.push(VTK_LINE, edge, cells.points)?;
+        }
+        if table.types.is_empty() {
+            for point in 0..cells.points {
+                table.put(VTK_VERTEX, [point as u64].into_iter());
+            }
+        }
+        Ok(table)
+    }
+
+    fn push(&mut self, kind: u8, corners: &[u32], points: usize) -> Result<(), VtuError> {
+        if let Some(&point) = corners.iter().find(|&&p| p as usize >= points) {
+            return Err(VtuError::PointOutOfRange { cell: self.types.len(), point, points });
+        }
+        self.put(kind, corners.iter().map(|&p| u64::from(p)));
+        Ok(())
+    }
+
+    fn put(&mut self, kind: u8, corners: impl Iterator<Item = u64>) {
+        corners.for_each(|p| self.connectivity.extend_from_slice(&p.to_le_bytes()));
+        let end = (self.connectivity.len() / size_of::<u64>()) as u64;
+        self.ends.extend_from_slice(&end.to_le_bytes());
+        self.types.push(kind);
+    }
+}

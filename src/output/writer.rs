@@ -1,0 +1,146 @@
+//! The background thread that writes results, and the bounded channel to it.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
+use std::thread::JoinHandle;
+
+use super::csv::LONGEST_DELAY;
+use super::files::{FilesSpec, ResultFiles};
+use super::frame::{Frame, FrameSize};
+use super::history::HistoryRow;
+use crate::drive::observer::ObserveError;
+
+/// Frames that exist at most: one being filled, one being written, one between.
+const FRAMES: usize = 3;
+/// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
+const WAITING: usize = 256;
+
+/// What goes to the thread. Its end is told by closing the channel.
+enum Message {
+    Frame(Box<Frame>),
+    Row(HistoryRow),
+}
+
+/// The integrator's end. Dropping it writes out what was sent and joins the thread.
+#[derive(Debug)]
+pub struct ResultWriter {
+    to_thread: Option<SyncSender<Message>>,
+    returned: Receiver<Box<Frame>>,
+    thread: Option<JoinHandle<Result<(), ObserveError>>>,
+    size: FrameSize,
+    made: usize,
+    /// a frame that was filled but not sent
+    spare: Option<Box<Frame>>,
+}
+
+impl ResultWriter {
+    /// Creates the files and starts the thread.
+    ///
+    /// # Errors
+    /// When a file cannot be created or the system gives no thread.
+    pub fn start(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
+        let files = ResultFiles::create(spec)?;
+        let (to_thread, messages) = sync_channel(WAITING);
+        let (give_back, returned) = sync_channel(FRAMES);
+        let thread = std::thread::Builder::new()
+            .name("results".to_owned())
+            .spawn(move || write_all(files, &messages, &give_back))
+            .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
+        let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
+        Ok(Self { to_thread: Some(to_thread), returned, thread: Some(thread), size, made: 0, spare: None })
+    }
+
+    /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
+    /// Its old content is still in it.
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub fn empty_frame(&mut self) -> Result<Box<Frame>, ObserveError> {
+        if let Some(frame) = self.spare.take() {
+            return Ok(frame);
+        }
+        match self.returned.try_recv() {
+            Ok(frame) => return Ok(frame),
+            Err(TryRecvError::Disconnected) => return Err(self.fault()),
+            Err(TryRecvError::Empty) => {}
+        }
+        if self.made < FRAMES {
+            self.made += 1;
+            return Ok(Box::new(Frame::new(self.size)));
+        }
+        match self.returned.recv() {
+            Ok(frame) => Ok(frame),
+            Err(_) => Err(self.fault()),
+        }
+    }
+
+    /// Sends a filled frame.
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub fn frame(&mut self, frame: Box<Frame>) -> Result<(), ObserveError> {
+        self.send(Message::Frame(frame))
+    }
+
+    /// Takes back a frame that is not to be written after all.
+    pub fn forget(&mut self, frame: Box<Frame>) {
+        self.spare = Some(frame);
+    }
+
+    /// Sends a row of the history.
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub fn row(&mut self, row: HistoryRow) -> Result<(), ObserveError> {
+        self.send(Message::Row(row))
+    }
+
+    /// Waits until everything is with the system.
+    ///
+    /// # Errors
+    /// The fault that ended the thread; after it was told once, [`ObserveError::WriterGone`].
+    pub fn finish(&mut self) -> Result<(), ObserveError> {
+        self.to_thread = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) | None => Err(ObserveError::WriterGone),
+        }
+    }
+
+    fn send(&mut self, message: Message) -> Result<(), ObserveError> {
+        let sent = self.to_thread.as_ref().is_some_and(|channel| channel.send(message).is_ok());
+        if sent { Ok(()) } else { Err(self.fault()) }
+    }
+
+    /// Why the thread no longer listens.
+    fn fault(&mut self) -> ObserveError {
+        self.finish().err().unwrap_or(ObserveError::WriterGone)
+    }
+}
+
+impl Drop for ResultWriter {
+    fn drop(&mut self) {
+        // Nobody is left to hear of a fault; a run that wants to know calls `finish`.
+        let _ = self.finish();
+    }
+}
+
+/// The thread: ends when the channel closes or at the first fault.
+fn write_all(
+    mut files: ResultFiles,
+    messages: &Receiver<Message>,
+    give_back: &SyncSender<Box<Frame>>,
+) -> Result<(), ObserveError> {
+    loop {
+        match messages.recv_timeout(LONGEST_DELAY) {
+            Ok(Message::Frame(frame)) => {
+                files.frame(&frame)?;
+                // Never full: no more frames exist than fit. A closed end means the run is over.
+                let _ = give_back.try_send(frame);
+            }
+            Ok(Message::Row(row)) => files.row(&row)?,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return files.finish(),
+        }
+        files.flush_if_due()?;
+    }
+}
