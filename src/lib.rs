@@ -1,5 +1,7 @@
 //! canopy-fem: parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
 #![warn(missing_docs)]
+// Units stand in brackets at the beginning of a field's doc, as `[N/m]`; rustdoc would take them for links.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod analysis;
 pub mod assembly;

@@ -1,12 +1,9 @@
 //! A case made ready to run: the scene and the method bound to each other.
 
-use crate::case::spec::{LinearChoice as CaseLinear, NewtonStrategy, Problem, SystemSpec};
+use crate::case::spec::{Problem, SystemSpec};
 use crate::force::batch::Threads;
-use crate::integrate::implicit::SolverSpec;
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
 use crate::scene::{BuildError, Pendulum, Scene, build_network};
-use crate::solve::LinearChoice;
-use crate::solve::newton::{Merit, NewtonSpec, Strategy};
 
 /// Why a good case cannot be made ready.
 #[derive(Debug, thiserror::Error)]
@@ -44,27 +41,6 @@ pub fn build_scene(system: SystemSpec, threads: usize) -> Result<Box<dyn Scene>,
 /// When the method needs a network and the scene is none.
 pub fn bind<'a>(problem: &Problem, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
     let method = &problem.method;
-    Stepper::bind(method.scheme(solver_spec(problem)), scene.abilities())
+    Stepper::bind(method.scheme(problem.solver), scene.abilities())
         .map_err(|source| SetupError::Method { method: method.info.name, source })
-}
-
-/// The solver settings of a case as the schemes take them.
-pub fn solver_spec(problem: &Problem) -> SolverSpec {
-    let newton = problem.solver.newton;
-    SolverSpec {
-        newton: NewtonSpec {
-            relative: newton.relative,
-            max_iterations: newton.max_iterations,
-            strategy: match newton.strategy {
-                NewtonStrategy::Auto => Strategy::Auto,
-                NewtonStrategy::Full => Strategy::Full,
-            },
-            merit: Merit::ResidualNorm,
-        },
-        linear: match problem.solver.linear {
-            CaseLinear::Auto => LinearChoice::Auto,
-            CaseLinear::Cholesky => LinearChoice::Cholesky,
-            CaseLinear::Lu => LinearChoice::Lu,
-        },
-    }
 }

@@ -8,7 +8,7 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::spec::NetworkSpec;
 use crate::scene::Scene;
-use crate::simulation::{build_scene, solver_spec};
+use crate::simulation::build_scene;
 use crate::solve::solver_for;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -68,7 +68,7 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
     if info.family == Family::Implicit {
         let kind = if scene.symmetric() { "symmetric" } else { "not symmetric" };
         let analysed = scene.assembler().map_err(|e| e.to_string()).and_then(|a| {
-            let solver = solver_for(a.pattern.clone(), solver_spec(problem).linear).map_err(|e| e.to_string())?;
+            let solver = solver_for(a.pattern.clone(), problem.solver.linear).map_err(|e| e.to_string())?;
             Ok((a.pattern.n(), solver.stats()))
         });
         match analysed {

@@ -53,7 +53,8 @@ impl CliError {
             CliError::Folder(FolderError::System { .. }) => 1,
             CliError::Folder(_) => 2,
             CliError::Mesh(e) => e.exit_status(),
-            CliError::Init(e) => e.exit_code(),
+            CliError::Init(InitError::Write { .. }) => 1,
+            CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_)) => 2,
             CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,
         }

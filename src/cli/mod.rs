@@ -15,6 +15,7 @@ pub use error::CliError;
 
 use clap::Parser;
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
@@ -48,7 +49,10 @@ fn dispatch(command: &Command) -> Result<Finished, CliError> {
         Command::Check(args) => check::run(args).map(done),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Methods => Ok(done(methods::run())),
-        Command::Schema => Ok(done(schema::run())),
-        Command::Init(args) => Ok(done(init::run(args)?)),
+        Command::Schema => Ok(done(schema::run() + "\n")),
+        Command::Init(args) => {
+            let path = init::run(args, Path::new(""))?;
+            Ok(done(format!("{0} written; try: canopy-fem check {0}\n", path.display())))
+        }
     }
 }
