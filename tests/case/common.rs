@@ -50,6 +50,6 @@ pub fn assets() -> Vec<PathBuf> {
         .map(|entry| entry.expect("entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "json"))
         .collect();
-    list.sort();
+    list.sort_by_key(|path| path.file_stem().map(ToOwned::to_owned));
     list
 }
