@@ -95,10 +95,12 @@ impl Stiffness {
             }
         }
         let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
-        let bad: Vec<u32> = edges.iter().zip(&k).filter(|(_, k)| !k.is_normal()).map(|(e, _)| *e).collect();
+        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && rest.is_normal();
+        let numbered = edges.iter().zip(k.iter().zip(rest));
+        let bad: Vec<u32> = numbered.filter(|(_, pair)| !usable(*pair)).map(|(e, _)| *e).collect();
         if !bad.is_empty() {
-            let value = format!("no usable stiffness on edges {}", first_few(&bad));
-            faults.add_value(at, value, "values whose stiffness is a normal double above 0", None);
+            let value = format!("no usable stiffness or rest length on edges {}", first_few(&bad));
+            faults.add_value(at, value, "lengths and stiffnesses within the range of a double", None);
             return None;
         }
         Some(k)
