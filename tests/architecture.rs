@@ -49,7 +49,20 @@ fn layers_name_only_what_is_below_them() {
 
 #[test]
 fn nothing_a_user_can_cause_panics_by_design() {
-    for folder in ["analysis", "assembly", "case", "cli", "drive", "force", "integrate", "mesh", "model", "output", "scene", "solve"] {
+    for folder in [
+        "analysis",
+        "assembly",
+        "case",
+        "cli",
+        "drive",
+        "force",
+        "integrate",
+        "mesh",
+        "model",
+        "output",
+        "scene",
+        "solve",
+    ] {
         for (path, text) in sources(folder) {
             let in_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");
             for (number, line) in code(&text).take_while(|(_, line)| !in_tests(line)) {

@@ -132,7 +132,10 @@ fn the_ordering_is_a_permutation_that_keeps_nodes_together_and_saves_fill() {
             assert_eq!(order.old_to_new[old as usize] as usize, new);
         }
         for node in order.new_to_old.chunks(3) {
-            assert!(node[0] + 1 == node[1] && node[1] + 1 == node[2], "side {side}: the unknowns of a node were parted");
+            assert!(
+                node[0] + 1 == node[1] && node[1] + 1 == node[2],
+                "side {side}: the unknowns of a node were parted"
+            );
         }
         let fill = solver_for(Arc::clone(&pattern), LinearChoice::Cholesky).expect("symmetric").stats().factor_nonzeros;
         let banded = 3 * (side as usize + 2) * pattern.n();
