@@ -120,6 +120,16 @@ proptest! {
         }
     }
 
+    /// A number is the double nearest to its decimal digits, so that a case written by a program runs to the same bits.
+    /// serde_json does so with its feature `float_roundtrip` only.
+    #[test]
+    fn numbers_are_read_exactly(mantissa in 1.0..10.0_f64, exponent in -30..0_i32) {
+        let step: f64 = format!("{mantissa}e{exponent}").parse().expect("a number");
+        let text = format!("{step:e}");
+        let case = text_with(BASE, &[("time.end", text.as_str()), ("time.step", text.as_str())]).expect("good");
+        prop_assert_eq!(case.problem().time.step.to_bits(), step.to_bits());
+    }
+
     /// Extreme numbers anywhere a number stands give a case or faults; what is built holds finite masses and springs.
     #[test]
     fn extreme_numbers_never_panic(which in 0..18_usize, value in prop_oneof![
