@@ -3,7 +3,6 @@
 
 mod common;
 
-use canopy_fem::force::NodeState;
 use canopy_fem::force::batch::Threads;
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::spec::*;
@@ -223,9 +222,9 @@ fn symmetry_is_declared_truthfully() {
                 unit[j] = 1.0;
                 scene.tangent_times(sample.at(), w, &unit, column);
             }
-            for i in 0..n {
-                for j in 0..i {
-                    largest = largest.max((k[i][j] - k[j][i]).abs());
+            for (i, row) in k.iter().enumerate() {
+                for (entry, column) in row.iter().zip(&k).take(i) {
+                    largest = largest.max((entry - column[i]).abs());
                 }
             }
         }
@@ -288,7 +287,6 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     let (mut forces, start) = (scene.new_forces(), scene.initial_state());
     scene.evaluate(sample.at(), &mut forces);
     let mut f = vec![glam::DVec3::ZERO; scene.n_dof() / 3];
-    let _ = NodeState { t: 0.0, x: &[], v: &[] };
     f.iter_mut().zip(forces.total.chunks(3)).for_each(|(f, t)| *f = glam::DVec3::from_slice(t));
     for (&dof, r) in
         (0..scene.n_dof()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>().iter().zip(&forces.reactions)

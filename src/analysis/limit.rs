@@ -37,7 +37,6 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
 
 fn is_stable(method: &MethodChoice, oscillator: Oscillator, h: f64) -> bool {
     let abilities = Abilities { system: &oscillator as &(dyn System + 'static), tangent: &oscillator, graph: None };
-    // The reference is to a local, so the compiler wants proof that the trait objects own what they need: they do.
     amplitude_is_bounded(method, abilities, h).unwrap_or(false)
 }
 
@@ -58,7 +57,7 @@ fn amplitude_is_bounded(method: &MethodChoice, abilities: Abilities<'_>, h: f64)
             stepper.accept();
             std::mem::swap(&mut from, &mut to);
             let size = from.state.x[0].abs().max(from.state.v[0].abs());
-            if !(size < 1e12) {
+            if size.is_nan() || size >= 1e12 {
                 return Some(false);
             }
             *half = half.max(size);

@@ -56,11 +56,12 @@ impl Pattern {
     pub fn multiply(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.n() {
-            for slot in self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize {
-                let i = self.row_idx[slot] as usize;
-                y[i] += values[slot] * p[j];
+            let first = self.col_ptr[j] as usize;
+            for (&i, value) in self.column(j).iter().zip(&values[first..]) {
+                let i = i as usize;
+                y[i] += value * p[j];
                 if self.symmetric && i != j {
-                    y[j] += values[slot] * p[i];
+                    y[j] += value * p[i];
                 }
             }
         }

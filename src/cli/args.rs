@@ -56,7 +56,7 @@ pub struct SolveArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Folder for the results [default: out/<case name>]
+    /// Folder for the results [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads for the force passes; results are the same for every number

@@ -125,7 +125,10 @@ fn report(
     let _ = writeln!(
         text,
         "{}: {status} at t = {} s after {} steps of {}",
-        problem.name, outcome.t_end, outcome.steps, problem.method.info.name
+        problem.name,
+        seconds(outcome.t_end),
+        outcome.steps,
+        problem.method.info.name
     );
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
@@ -145,6 +148,11 @@ fn report(
     let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
     text
+}
+
+/// Digits for everyday times, powers of ten for the rest.
+fn seconds(t: f64) -> String {
+    if t == 0.0 || (1e-3..1e6).contains(&t) { format!("{t}") } else { format!("{t:e}") }
 }
 
 fn describe(failure: &Failure, status: Status) -> String {

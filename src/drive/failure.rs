@@ -44,11 +44,12 @@ impl Scenery<'_> {
     /// A state that is not finite, or has left the scene.
     pub(super) fn diverged(&self, to: &Point, how: &str) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), self.worst_dof(to));
-        // At the start the rates are the user's scene; shortly before the end they may only be the wreck's.
-        let start = self.scene.initial_state();
-        let unstable = self
-            .instability(rates(self.scene, start.as_ref()), "at the start")
-            .or_else(|| self.instability(rates(self.scene, self.from.state.as_ref()), "shortly before"));
+        let (start, last) = (self.scene.initial_state(), self.from.state.as_ref());
+        let unstable = self.instability(rates(self.scene, start.as_ref()), "at the start").or_else(|| {
+            // These rates are already the wreck's: they tell what grew, not which step would have been small enough.
+            let (why, _) = self.instability(rates(self.scene, last), "in the last good state")?;
+            Some((why, format!("use a step of {:.1e} s or smaller{}", 0.1 * self.h, self.or_implicit())))
+        });
         let (cause, advice) = match unstable {
             Some((why, advice)) => (format!("{how}; {why}"), advice),
             None => (format!("{how}; no instability of the step is seen in the tangent"), self.general_advice()),
@@ -73,32 +74,33 @@ impl Scenery<'_> {
         Failure { time: self.t, step: self.step, node, spring, term, cause, advice, blow_up_time: None }
     }
 
-    /// The step against the fastest rates of the tangent, for schemes with a limit.
+    /// The step against the fastest rates of the tangent, for schemes with a limit: what is wrong and what to do.
     fn instability(&self, rates: Rates, when: &str) -> Option<(String, String)> {
-        let h = self.h;
-        let unstable = |rate: f64| (h * rate > 1.0).then_some(h * rate);
-        let advise = |step: f64, implicit: bool| {
-            let or = if implicit { ", or an implicit method such as newmark" } else { "" };
-            format!("use a step of {step:.1e} s or smaller{or}")
-        };
-        let implicit_helps = self.method.family != Family::Implicit;
-        if let Some(c) = unstable(rates.damping).filter(|_| rates.damping >= rates.frequency) {
+        let node = |dof: usize| self.scene.name_of(dof).0;
+        let (c, w) = (self.h * rates.damping, self.h * rates.frequency);
+        let advise = |rate: f64| format!("use a step of {:.1e} s or smaller{}", 0.5 / rate, self.or_implicit());
+        if c > 1.0 && c >= w {
             let why = format!(
-                "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {} and the step is {c:.2} times that",
+                "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {}, and the step is {:.1e} s",
                 1.0 / rates.damping,
-                self.scene.name_of(rates.damping_dof).0
+                node(rates.damping_dof),
+                self.h
             );
-            return Some((why, advise(0.5 / rates.damping, implicit_helps)));
+            return Some((why, advise(rates.damping)));
         }
-        unstable(rates.frequency).map(|w| {
+        (w > 1.0).then(|| {
             let why = format!(
-                "{when} the stiffest oscillation has w = {:.3e} rad/s around node {}, so w h = {w:.2} where explicit schemes \
+                "{when} the stiffest oscillation has w = {:.3e} rad/s around node {}, so w h = {w:.3e} where explicit schemes \
                  allow 1 to 3, less with damping",
                 rates.frequency,
-                self.scene.name_of(rates.frequency_dof).0
+                node(rates.frequency_dof)
             );
-            (why, advise(1.0 / rates.frequency, implicit_helps))
+            (why, advise(rates.frequency))
         })
+    }
+
+    fn or_implicit(&self) -> &'static str {
+        if self.method.family == Family::Implicit { "" } else { ", or an implicit method such as newmark" }
     }
 
     fn general_advice(&self) -> String {

@@ -177,7 +177,7 @@ impl<'a> Run<'a> {
         let row = self.ledger.step(self.scene, &self.from, &self.to, &report);
         let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
         let extent = self.scene.extent(self.to.state.as_ref());
-        if !finite || !(extent <= self.limit) {
+        if !finite || extent.is_nan() || extent > self.limit {
             self.blown_up(k, Tick { h, t }, finite);
             if !finite || !self.spec.keep_going {
                 self.ledger = before;

@@ -152,7 +152,7 @@ impl Cholesky {
         }
     }
 
-    /// Solves, refines once, and returns ||b - W x|| / ||b||.
+    /// Solves, refines once, and returns ||b - W x|| / ||b||; keeps b in `refinement`.
     fn solve_refined(&mut self, values: &[f64], b: &mut [f64]) -> f64 {
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut rhs, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
@@ -218,15 +218,15 @@ impl LinearSolver for Cholesky {
         if self.kind == Kind::Llt {
             self.solve_once(b);
         } else {
-            let rhs = b.to_vec();
-            let relative = self.solve_refined(values, b);
-            if self.kind == Kind::Ldlt && !(relative <= LDLT_RESIDUAL) {
+            let too_large = |relative: f64| relative.is_nan() || relative > LDLT_RESIDUAL;
+            let mut relative = self.solve_refined(values, b);
+            if too_large(relative) && self.kind == Kind::Ldlt {
                 self.factor_pivoting(values)?;
-                b.copy_from_slice(&rhs);
-                let relative = self.solve_refined(values, b);
-                if !(relative <= LDLT_RESIDUAL) {
-                    return Err(LinearError::Singular { unknown: None });
-                }
+                b.copy_from_slice(&self.refinement);
+                relative = self.solve_refined(values, b);
+            }
+            if too_large(relative) {
+                return Err(LinearError::Singular { unknown: None });
             }
         }
         match b.iter().position(|x| !x.is_finite()) {

@@ -107,7 +107,7 @@ impl Graph {
         let mut side = vec![0; self.len()];
         let mut stamp = 0;
         // Parts still to be divided, as ranges of `nodes`; a part's separator goes to its end.
-        let mut open = vec![0..nodes.len()];
+        let mut open: Vec<std::ops::Range<usize>> = std::iter::once(0..nodes.len()).collect();
         while let Some(range) = open.pop() {
             let part = &mut nodes[range.clone()];
             if part.len() <= LEAF {

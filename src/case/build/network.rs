@@ -17,18 +17,18 @@ pub(super) fn network(
     step: Option<f64>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
+    let before = faults.count();
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
-    let before_springs = faults.count();
     let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
-    let springs_good = faults.count() == before_springs;
+    let masses_known = faults.count() == before;
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
     let air = air::air(&at.key("aero"), network.aero.as_ref(), geometry, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
     let geometry = geometry?;
-    // A faulty mass or spring section leaves masses too small, which would be reported a second time.
-    if springs_good {
+    // A faulty mass, support or spring section would be reported a second time as massless nodes.
+    if masses_known {
         check_masses(at, &masses, &fixed, faults);
         warn_loose(&groups.iter().flat_map(|g| g.edges.iter().copied()).collect::<Vec<_>>(), &fixed, geometry, faults);
     }

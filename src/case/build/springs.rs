@@ -4,7 +4,7 @@ use super::geometry::Geometry;
 use super::mass;
 use super::numbers::{first_few, not_negative};
 use super::select;
-use super::stiffness::{Springs, Stiffness, dashpot, rest_lengths, stiffness};
+use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{SlackRule, SpringRule};
@@ -29,9 +29,11 @@ pub(super) fn springs(
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
             add_mass(density, &edges, geometry, mass);
         }
-        if let Some(values) = values
+        // Before the values are asked for, so that faults of both are told at once.
+        let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
+        if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()
-            && let Some(group) = group(&at, &Members { rule, values, edges, step }, geometry, faults)
+            && let Some(group) = group(&at, Members { rule, values, edges, rest_length, step }, geometry, faults)
         {
             groups.push(group);
         }
@@ -63,7 +65,8 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Va
             not_negative(&slack_at.key("compression_limit"), eps, faults).then_some(Slack::CompressionLimit { eps })
         }
     };
-    Some(Values { stiffness: stiffness?, slack: slack? })
+    let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
+    Some(Values { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
 }
 
 /// The edges that follow this rule: the selected ones that no earlier rule took.
@@ -96,21 +99,23 @@ struct Members<'a> {
     rule: &'a SpringRule,
     values: Values,
     edges: Vec<u32>,
+    /// [m] one an edge
+    rest_length: Vec<f64>,
+    /// [s] the fixed step, if it is known
     step: Option<f64>,
 }
 
-fn group(at: &Pointer, members: &Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
-    let Members { rule, values, edges, step } = members;
-    let rest_length = rest_lengths(at, rule, edges, geometry, faults)?;
-    let stiffness = values.stiffness.of_edges(at, edges, &rest_length, geometry, faults)?;
+fn group(at: &Pointer, members: Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
+    let Members { rule, values, edges, rest_length, step } = members;
+    let stiffness = values.stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
     let dashpot = match rule.dashpot {
         None => None,
         Some(rule) => {
-            let springs = Springs { stiffness: &stiffness, rest: &rest_length, step: *step };
+            let springs = Springs { stiffness: &stiffness, rest: &rest_length, step };
             Some(dashpot(&at.key("dashpot"), rule, &springs, faults)?)
         }
     };
-    Some(SpringGroup { edges: edges.clone(), stiffness, rest_length, slack: values.slack, dashpot })
+    Some(SpringGroup { edges, stiffness, rest_length, slack: values.slack, dashpot })
 }
 
 /// Half of an edge's mass to each of its ends.

@@ -95,10 +95,12 @@ impl Stiffness {
             }
         }
         let k: Vec<f64> = edges.iter().zip(rest).map(|(&edge, &rest)| self.of(edge as usize, rest, geometry)).collect();
-        let bad: Vec<u32> = edges.iter().zip(&k).filter(|(_, k)| !k.is_normal()).map(|(e, _)| *e).collect();
+        let usable = |(k, rest): (&f64, &f64)| k.is_normal() && rest.is_normal();
+        let numbered = edges.iter().zip(k.iter().zip(rest));
+        let bad: Vec<u32> = numbered.filter(|(_, pair)| !usable(*pair)).map(|(e, _)| *e).collect();
         if !bad.is_empty() {
-            let value = format!("no usable stiffness on edges {}", first_few(&bad));
-            faults.add_value(at, value, "values whose stiffness is a normal double above 0", None);
+            let value = format!("no usable stiffness or rest length on edges {}", first_few(&bad));
+            faults.add_value(at, value, "lengths and stiffnesses within the range of a double", None);
             return None;
         }
         Some(k)
@@ -119,7 +121,22 @@ impl Stiffness {
     }
 }
 
-/// Dashpots of a rule: checked, with a coefficient for every edge.
+/// Checks the number of a dashpot rule, which needs no edge.
+pub(super) fn dashpot_number(at: &Pointer, dashpot: Dashpot, faults: &mut Faults<'_>) -> bool {
+    let (kind, rule) = match dashpot {
+        Dashpot::Axial(rule) => ("axial", rule),
+        Dashpot::Relative(rule) => ("relative", rule),
+    };
+    let (key, value) = match rule {
+        DashpotRule::Coefficient(c) => ("coefficient", c),
+        DashpotRule::Time(tau) => ("time", tau),
+        DashpotRule::PerStrain(c) => ("per_strain", c),
+        DashpotRule::Step => return true,
+    };
+    not_negative(&at.key(kind).key(key), value, faults)
+}
+
+/// Dashpots of a rule whose number is good, with a coefficient for every edge.
 pub(super) fn dashpot(
     at: &Pointer,
     dashpot: Dashpot,
@@ -132,14 +149,10 @@ pub(super) fn dashpot(
     };
     let at = at.key(key);
     let Springs { stiffness, rest, step } = springs;
-    let (good, coefficient): (bool, Vec<f64>) = match rule {
-        DashpotRule::Coefficient(c) => (not_negative(&at.key("coefficient"), c, faults), vec![c; stiffness.len()]),
-        DashpotRule::Time(tau) => {
-            (not_negative(&at.key("time"), tau, faults), stiffness.iter().map(|k| k * tau).collect())
-        }
-        DashpotRule::PerStrain(c) => {
-            (not_negative(&at.key("per_strain"), c, faults), rest.iter().map(|l0| c / l0).collect())
-        }
+    let coefficient: Vec<f64> = match rule {
+        DashpotRule::Coefficient(c) => vec![c; stiffness.len()],
+        DashpotRule::Time(tau) => stiffness.iter().map(|k| k * tau).collect(),
+        DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
         DashpotRule::Step => {
             // Without a step there is a fault at /time already.
             let h = (*step)?;
@@ -147,14 +160,14 @@ pub(super) fn dashpot(
                 "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the \
                  thesis, else {{\"time\": {h:e}}} means the same at this step and keeps its meaning at others"
             ));
-            (true, stiffness.iter().map(|k| k * h).collect())
+            stiffness.iter().map(|k| k * h).collect()
         }
     };
-    if good && coefficient.iter().any(|c| !c.is_finite()) {
+    if coefficient.iter().any(|c| !c.is_finite()) {
         faults.add(&at, "a coefficient that stays a finite number on every edge");
         return None;
     }
-    good.then_some(DashpotSpec { kind, coefficient, from_step: rule == DashpotRule::Step })
+    Some(DashpotSpec { kind, coefficient, from_step: rule == DashpotRule::Step })
 }
 
 /// What a dashpot's coefficient is made from.

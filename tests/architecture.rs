@@ -1,0 +1,75 @@
+//! The rules of the house that a compiler does not keep: which folder may name which.
+
+use std::path::{Path, PathBuf};
+
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
+    let mut open = vec![root];
+    let mut found = Vec::new();
+    while let Some(dir) = open.pop() {
+        for entry in std::fs::read_dir(&dir).expect("a folder of the crate") {
+            let path = entry.expect("readable").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).expect("readable");
+                found.push((path, text));
+            }
+        }
+    }
+    assert!(!found.is_empty(), "{folder} holds no sources");
+    found
+}
+
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")).map(|(i, line)| (i + 1, line))
+}
+
+#[test]
+fn layers_name_only_what_is_below_them() {
+    let rules: [(&str, &[&str]); 7] = [
+        ("integrate", &["crate::force", "crate::scene", "crate::drive", "crate::case", "crate::cli", "faer::"]),
+        ("force", &["crate::integrate", "crate::solve", "crate::drive", "crate::case", "crate::scene", "faer::"]),
+        ("solve", &["crate::force", "crate::integrate", "crate::scene", "crate::drive", "crate::case"]),
+        ("model", &["crate::integrate", "crate::solve", "crate::drive", "crate::case", "crate::cli", "faer::"]),
+        ("mesh", &["crate::force", "crate::integrate", "crate::scene", "crate::drive", "crate::case", "faer::"]),
+        ("drive", &["crate::cli", "crate::case", "crate::output", "crate::force", "faer::"]),
+        ("scene", &["crate::integrate", "crate::drive", "crate::case", "crate::output", "crate::cli", "faer::"]),
+    ];
+    for (folder, forbidden) in rules {
+        for (path, text) in sources(folder) {
+            for (number, line) in code(&text) {
+                for name in forbidden {
+                    assert!(!line.contains(name), "{}:{number} names {name}: {}", path.display(), line.trim());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_a_user_can_cause_panics_by_design() {
+    for folder in [
+        "analysis",
+        "assembly",
+        "case",
+        "cli",
+        "drive",
+        "force",
+        "integrate",
+        "mesh",
+        "model",
+        "output",
+        "scene",
+        "solve",
+    ] {
+        for (path, text) in sources(folder) {
+            let in_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");
+            for (number, line) in code(&text).take_while(|(_, line)| !in_tests(line)) {
+                for word in [".unwrap()", ".expect(", "panic!(", "todo!(", "unimplemented!(", "unreachable!("] {
+                    assert!(!line.contains(word), "{}:{number} has {word}: {}", path.display(), line.trim());
+                }
+            }
+        }
+    }
+}
