@@ -1,0 +1,95 @@
+//! Cases run through the library the way the program runs them, with what passes by kept.
+
+use canopy_fem::case::Case;
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::{Outcome, RunSpec};
+use canopy_fem::model::state::State;
+use canopy_fem::simulation::{bind, build_scene};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// A case from memory; `sets` are what `--set` would replace.
+pub fn case_of(json: &serde_json::Value, sets: &[(&str, &str)]) -> Case {
+    Case::from_text(json.to_string(), "test.json", PathBuf::new(), &owned(sets)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A case of `assets/cases` by its stem.
+pub fn asset(stem: &str, sets: &[(&str, &str)]) -> Case {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases").join(format!("{stem}.json"));
+    Case::from_file(&path, &owned(sets)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The same case with other values; its mesh is not made again.
+pub fn changed(case: &Case, sets: &[(&str, &str)]) -> Case {
+    case.with(&owned(sets)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn owned(sets: &[(&str, &str)]) -> Vec<(String, String)> {
+    sets.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect()
+}
+
+/// Runs a case to its end or its failure.
+pub fn run(case: &Case) -> Run {
+    run_with(case, 1)
+}
+
+/// The same on several threads.
+pub fn run_with(case: &Case, threads: usize) -> Run {
+    let mut problem = case.problem().clone();
+    let scene = build_scene(problem.take_system(), threads).expect("the case is good");
+    let mut stepper = bind(&problem, &*scene).expect("the method fits the scene");
+    let spec =
+        RunSpec { end: problem.time.end, step: problem.time.step, keep_going: false, method: problem.method.info };
+    let mut last = Last::default();
+    let stop = AtomicBool::new(false);
+    let outcome = canopy_fem::drive::run(&*scene, &mut stepper, spec, &mut [&mut last], &stop).expect("it starts");
+    let reference = scene.reference();
+    let (mut positions, mut velocities) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
+    scene.trace(last.state.as_ref(), &mut positions, &mut velocities);
+    let reference = reference.to_vec();
+    Run { outcome, state: last.state, reference, positions, velocities, most_iterations: last.most_iterations }
+}
+
+/// What a run left.
+pub struct Run {
+    pub outcome: Outcome,
+    /// last good state, in the scene's own numbering
+    pub state: State,
+    /// positions before any displacement, in the user's numbering
+    pub reference: Vec<[f64; 3]>,
+    /// last good positions, in the user's numbering
+    pub positions: Vec<[f64; 3]>,
+    /// last good velocities, in the user's numbering
+    pub velocities: Vec<[f64; 3]>,
+    /// most Newton iterations of any step
+    pub most_iterations: u32,
+}
+
+impl Run {
+    /// Whether every number of the last state is finite.
+    pub fn is_finite(&self) -> bool {
+        self.positions.iter().chain(&self.velocities).flatten().all(|v| v.is_finite())
+    }
+}
+
+#[derive(Default)]
+struct Last {
+    state: State,
+    most_iterations: u32,
+}
+
+impl Observer for Last {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        self.most_iterations = self.most_iterations.max(step.newton_iterations);
+        Ok(())
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        self.state = last.state.clone();
+        Ok(())
+    }
+}
