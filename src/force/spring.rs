@@ -13,6 +13,7 @@ use crate::model::forces::{Role, Tally};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
+use multiversion::multiversion;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -113,30 +114,60 @@ impl SpringData {
         self.stretch(x, i).elongation / self.rest_length[i]
     }
 
-    #[inline(always)]
-    fn block_forces<L: TensionLaw>(&self, law: L, x: &[DVec3], range: Range<usize>, out: &mut [DVec3]) -> Tally {
+    fn block_forces(&self, x: &[DVec3], range: Range<usize>, out: &mut [DVec3]) -> Tally {
         let n = range.len();
-        let mut buffers = [[0.0; BLOCK]; 4];
-        let [k, scale, energy, square] = &mut buffers;
-        let (k, scale, energy, square) = (&mut k[..n], &mut scale[..n], &mut energy[..n], &mut square[..n]);
+        let mut buffers = [[0.0; BLOCK]; 3];
+        let [k, energy, square] = &mut buffers;
+        let (k, energy, square) = (&mut k[..n], &mut energy[..n], &mut square[..n]);
         self.stiffness.fill(range.clone(), k);
         for ((&[a, b], d), q) in self.nodes[range.clone()].iter().zip(out.iter_mut()).zip(square.iter_mut()) {
             *d = x[b as usize] - x[a as usize];
             *q = d.length_squared();
         }
-        // No memory access by node number in this loop, so that it vectorises.
-        for ((((s, u), q), k), l0) in
-            scale.iter_mut().zip(energy.iter_mut()).zip(square.iter()).zip(k.iter()).zip(&self.rest_length[range])
-        {
-            let l = q.sqrt();
-            let t = law.at(*k, l - l0);
-            *s = if l > 0.0 { t.force / l } else { 0.0 };
-            *u = t.energy;
+        let springs = Stretched { square, energy, k, rest_length: &self.rest_length[range] };
+        match clamped(self.slack) {
+            None => scale_plain(springs),
+            Some(law) => scale_clamped(springs, law),
         }
-        for (d, s) in out.iter_mut().zip(scale.iter()) {
+        for (d, s) in out.iter_mut().zip(square.iter()) {
             *d *= *s;
         }
         Tally { energy: lane_sum(energy), power: 0.0 }
+    }
+}
+
+/// A block of springs by lengths alone: no memory access by node number, so that the loop over it vectorises.
+struct Stretched<'a> {
+    /// [m^2] squared length before, [N/m] T/l after
+    square: &'a mut [f64],
+    /// [J] stored energy, written
+    energy: &'a mut [f64],
+    /// [N/m]
+    k: &'a [f64],
+    /// [m]
+    rest_length: &'a [f64],
+}
+
+/// Compiled for each vector width and chosen at run time; without fused operations all give the same bits.
+#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx512f"))]
+fn scale_plain(springs: Stretched<'_>) {
+    scale(springs, Plain);
+}
+
+/// The same for slack springs.
+#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx512f"))]
+fn scale_clamped(springs: Stretched<'_>, law: Clamped) {
+    scale(springs, law);
+}
+
+#[inline(always)]
+fn scale<L: TensionLaw>(springs: Stretched<'_>, law: L) {
+    let Stretched { square, energy, k, rest_length } = springs;
+    for (((q, u), k), l0) in square.iter_mut().zip(energy.iter_mut()).zip(k).zip(rest_length) {
+        let l = q.sqrt();
+        let t = law.at(*k, l - l0);
+        *q = if l > 0.0 { t.force / l } else { 0.0 };
+        *u = t.energy;
     }
 }
 
@@ -170,10 +201,7 @@ impl Kernel<2> for SpringData {
     }
 
     fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        match clamped(self.slack) {
-            None => self.block_forces::<Plain>(Plain, at.x, range, out),
-            Some(law) => self.block_forces::<Clamped>(law, at.x, range, out),
-        }
+        self.block_forces(at.x, range, out)
     }
 }
 
