@@ -22,7 +22,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// Interrupts closer than this are one.
+const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let started = Instant::now();
@@ -91,12 +94,15 @@ fn fields(asked: &[Field]) -> Fields {
     }
 }
 
-/// Sets the flag at the first Ctrl-C; the run then ends after the step it is in. A second Ctrl-C ends the program at once.
+/// Sets the flag at the first Ctrl-C; the run then ends after the step it is in. A second Ctrl-C ends the program at once,
+/// unless it follows so closely that it is the same one, passed on by a wrapper.
 fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
+    let mut first: Option<Instant> = None;
     let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
+        flag.store(true, Ordering::Relaxed);
+        if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
             std::process::exit(130);
         }
     };
@@ -152,6 +158,8 @@ fn report(
 
 /// Digits for everyday times, powers of ten for the rest.
 fn seconds(t: f64) -> String {
+    // Twelve digits: sums of steps carry rounding that nobody wants to read.
+    let t = format!("{t:.11e}").parse().unwrap_or(t);
     if t == 0.0 || (1e-3..1e6).contains(&t) { format!("{t}") } else { format!("{t:e}") }
 }
 
