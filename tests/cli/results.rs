@@ -1,0 +1,193 @@
+//! What a good run leaves, and what the flags of `solve` do.
+
+use serde_json::json;
+
+use crate::bench::{Bench, contents};
+
+/// The files of the contract, and status 0.
+#[test]
+fn solve_writes_the_files_of_the_contract() {
+    let bench = Bench::new();
+    let ended = bench.solve(&[]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stdout.contains("completed"), "{}", ended.stdout);
+    let results = bench.results();
+    let summary = results.summary();
+    for key in "status method steps rejected_steps t_end cpu_seconds wall_seconds peak_memory_bytes force_evaluations \
+                tangent_assemblies factorizations linear_solves newton_iterations unknowns matrix_nonzeros factor_nonzeros \
+                linear_solver critical_step energy_error failure case version"
+        .split_whitespace()
+    {
+        assert!(summary.get(key).is_some(), "summary.json has no {key}");
+    }
+    assert_eq!([&summary["status"], &summary["failure"]], [&json!("completed"), &json!(null)]);
+    assert_eq!([&summary["steps"], &summary["unknowns"]], [&json!(100), &json!(12)]);
+    let header = "t,step,kinetic,elastic,gravity,external_work,dissipated,numerical,newton_iterations,residual,max_speed,\
+                  max_strain";
+    assert_eq!(results.text("history.csv").lines().next(), Some(header));
+    assert_eq!(results.table("history.csv").rows.len(), 101, "a row a step and one for the start");
+    assert_eq!(results.text("probes.csv").lines().next(), Some("t,name,node,x,y,z,vx,vy,vz"));
+    let frames = results.frames();
+    assert_eq!(frames.len(), 11);
+    for (time, frame) in frames {
+        assert_eq!((frame.points, frame.cells, frame.time), (6, 13, time), "triangles and springs are cells");
+        for (name, length) in [("displacement", 18), ("velocity", 18), ("force", 18), ("reaction", 18)] {
+            let values = frame.floats(name);
+            assert!(values.len() == length && values.iter().all(|v| v.is_finite()), "{name} at {time}");
+        }
+        assert_eq!([frame.floats("tension").len(), frame.floats("strain").len()], [13, 13]);
+    }
+}
+
+/// Without `--out` the results go to `out/<case name>`.
+#[test]
+fn the_default_folder_bears_the_name_of_the_case() {
+    let bench = Bench::new();
+    assert_eq!(bench.run(&["solve", "sail.json", "--quiet"]).code, Some(0));
+    assert!(bench.path("out/sail/summary.json").is_file() && bench.path("out/sail/sail.pvd").is_file());
+}
+
+/// Frames and probes lie at t = 0, at every multiple of `every` and at the end, though no step ends there.
+#[test]
+fn frames_are_at_multiples_of_the_interval() {
+    let bench = Bench::new();
+    let ended = bench.solve(&["--step", "0.03", "--end", "0.75", "--set", "output.frames.every=0.2"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let times: Vec<f64> = bench.results().frames().iter().map(|(time, _)| *time).collect();
+    let expected = [0.0, 0.2, 0.4, 0.6, 0.75];
+    // A frame that falls onto the end of a step bears that step's time, equal up to rounding.
+    let agree = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(agree(&times, &expected), "{times:?}");
+    let probes = bench.results().table("probes.csv");
+    let twice: Vec<f64> = times.iter().flat_map(|t| [*t, *t]).collect();
+    assert_eq!(probes.column("t"), twice);
+    assert_eq!(probes.column("node"), [2.0, 5.0].repeat(5));
+}
+
+/// The account closes in every row for every method: its sum keeps its value at t = 0 to the rounding of its parts. And what it
+/// calls numerical is small for methods of order 2 and above, so that work and loss are told right.
+#[test]
+fn the_ledger_closes_row_by_row() {
+    let bench = Bench::new();
+    for (method, share) in [
+        ("explicit-euler", 1.0),
+        ("euler-cromer", 1.0),
+        ("euler-richardson", 2e-3),
+        ("improved-euler", 2e-3),
+        ("improved-euler-pec", 2e-3),
+        ("velocity-verlet", 2e-3),
+        ("rk4", 2e-6),
+        ("newmark", 2e-3),
+        ("hht", 2e-3),
+        ("kang", 1.0),
+        ("backward-euler", 1.0),
+        ("generalized-alpha", 2e-3),
+    ] {
+        let ended = bench.solve(&["--force", "--quiet", "--method", method]);
+        assert_eq!(ended.code, Some(0), "{method}: {}", ended.stderr);
+        let table = bench.results().table("history.csv");
+        let signs = [
+            ("kinetic", 1.0),
+            ("elastic", 1.0),
+            ("gravity", 1.0),
+            ("external_work", -1.0),
+            ("dissipated", 1.0),
+            ("numerical", 1.0),
+        ];
+        let columns = signs.map(|(name, sign)| (table.column(name), sign));
+        let sum = |row: usize| columns.iter().map(|(c, sign)| sign * c[row]).sum::<f64>();
+        for row in 0..table.rows.len() {
+            let size = columns.iter().fold(0.0, |m: f64, (c, _)| m.max(c[row].abs()));
+            assert!((sum(row) - sum(0)).abs() <= 1e-14 * size, "{method}, row {row}: {} for {}", sum(row), sum(0));
+        }
+        let error = bench.results().summary()["energy_error"].as_f64().expect("a number");
+        assert!(error < share, "{method}: {error:e}");
+    }
+}
+
+/// The flags replace values of the case, and the summary shows the case as it was run.
+#[test]
+fn flags_replace_values_of_the_case() {
+    let bench = Bench::new();
+    let ended = bench.solve(&[
+        "--method",
+        r#"{"hht": {"alpha": -0.2}}"#,
+        "--step",
+        "0.02",
+        "--end",
+        "0.5",
+        "--set",
+        "system.network.springs.0.stiffness=60",
+        "--set",
+        "system.network.aero=null",
+    ]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = bench.results().summary();
+    assert_eq!(summary["case"]["time"], json!({"end": 0.5, "step": 0.02, "method": {"hht": {"alpha": -0.2}}}));
+    assert_eq!(summary["case"]["system"]["network"]["springs"][0]["stiffness"], json!(60));
+    assert_eq!(summary["case"]["system"]["network"].get("aero"), None);
+    assert_eq!([&summary["method"], &summary["method_parameters"]["alpha"]], [&json!("hht"), &json!(-0.2)]);
+    assert_eq!([&summary["steps"], &summary["t_end"]], [&json!(25), &json!(0.5)]);
+}
+
+/// Threads change nothing in what is written.
+#[test]
+fn two_threads_write_the_same_results() {
+    let (one, two) = (Bench::new(), Bench::new());
+    for (bench, threads) in [(&one, "1"), (&two, "2")] {
+        assert_eq!(bench.solve(&["--method", "newmark", "--threads", threads]).code, Some(0));
+    }
+    for name in ["history.csv", "probes.csv", "frames/sail_000010.vtu"] {
+        let bytes = |bench: &Bench| std::fs::read(bench.path("out").join(name)).expect("written");
+        assert!(bytes(&one) == bytes(&two), "{name} differs");
+    }
+}
+
+/// Earlier results stay as they are, bit by bit, until `--force` replaces them; foreign files stay even then.
+#[test]
+fn earlier_results_are_not_overwritten_unasked() {
+    let bench = Bench::new();
+    assert_eq!(bench.solve(&[]).code, Some(0));
+    std::fs::write(bench.path("out/notes.txt"), "mine").expect("a file");
+    let before = contents(&bench.path("out"));
+    let refused = bench.solve(&["--end", "0.3"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
+    assert!(contents(&bench.path("out")) == before, "a refused run changed something");
+    assert_eq!(bench.solve(&["--end", "0.3", "--force"]).code, Some(0));
+    assert_eq!(bench.results().frames().len(), 4);
+    assert!(!bench.path("out/frames/sail_000010.vtu").exists(), "an old frame is left over");
+    assert_eq!(bench.results().text("notes.txt"), "mine");
+}
+
+/// `--quiet` says nothing on either channel; without it the report is on standard output, and no progress bar is drawn where
+/// standard error is no terminal.
+#[test]
+fn quiet_prints_nothing() {
+    let bench = Bench::new();
+    let quiet = bench.solve(&["--quiet", "--set", "output.checkpoint.every=0.5"]);
+    assert_eq!((quiet.code, quiet.stdout.as_str(), quiet.stderr.as_str()), (Some(0), "", ""));
+    let loud = bench.solve(&["--force"]);
+    assert_eq!((loud.code, loud.stderr.as_str()), (Some(0), ""));
+    assert!(loud.stdout.contains("energy error"), "{}", loud.stdout);
+}
+
+/// The commands that only tell something end with 0 and tell it on standard output.
+#[test]
+fn commands_that_only_tell() {
+    let bench = Bench::new();
+    for (command, words) in
+        [("methods", "generalized-alpha"), ("schema", "\"areal_density\""), ("--version", "canopy-fem")]
+    {
+        let ended = bench.run(&[command]);
+        assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""), "{command}");
+        assert!(ended.stdout.contains(words), "{command}: {}", ended.stdout);
+    }
+    let checked = bench.run(&["check", "sail.json"]);
+    assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+    assert!(checked.stdout.contains("12") && !bench.path("out").exists(), "{}", checked.stdout);
+    let made = bench.run(&["init", "first"]);
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let file = made.stdout.split_whitespace().next().expect("the file's name").to_owned();
+    assert_eq!(bench.run(&["solve", &file, "--end", "0.01", "--quiet"]).code, Some(0), "the example case runs");
+}

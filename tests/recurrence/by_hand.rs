@@ -1,0 +1,140 @@
+//! The recurrences, written down by hand from the literature and not from the program: as matrix polynomials, two-step
+//! formulas or one equation for the new acceleration.
+
+use crate::bench::{Case, Damper, Oscillator};
+
+/// x, v, a of the recurrence; `a` is the acceleration that the method itself carries.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    pub x: f64,
+    pub v: f64,
+    pub a: f64,
+}
+
+type Matrix = [[f64; 2]; 2];
+
+fn product(a: Matrix, b: Matrix) -> Matrix {
+    [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+}
+
+/// p(h A) y for x' = A y + (0, g) where p is the truncated exponential series of `degree`, and the forcing
+/// enters through phi(h A) = sum (h A)^k/(k+1)!: what any Runge-Kutta method with as many stages as its order does.
+fn taylor(o: Oscillator, h: f64, degree: i32, m: Motion) -> Motion {
+    let za = [[0.0, h], [-h * o.frequency.powi(2), -h * o.d()]];
+    let (mut power, mut factorial) = ([[1.0, 0.0], [0.0, 1.0]], 1.0);
+    let mut y = [m.x, m.v];
+    for k in 1..=degree {
+        // h g (hA)^(k-1)/k! before, (hA)^k/k! after the power is raised.
+        factorial *= f64::from(k);
+        for (i, y) in y.iter_mut().enumerate() {
+            *y += power[i][1] * h * o.push / factorial;
+        }
+        power = product(za, power);
+        for (i, y) in y.iter_mut().enumerate() {
+            *y += (power[i][0] * m.x + power[i][1] * m.v) / factorial;
+        }
+    }
+    Motion { x: y[0], v: y[1], a: 0.0 }
+}
+
+/// Weights of M [(1 - am) a1 + am a0] = (1 - af) f1 + af f0 with Newmark's x1 and v1.
+struct Weighted {
+    beta: f64,
+    gamma: f64,
+    am: f64,
+    af: f64,
+}
+
+/// One linear equation for a1 (the program solves for the displacement instead).
+fn newmark_family(o: Oscillator, h: f64, w: &Weighted, m: Motion) -> Motion {
+    let Weighted { beta, gamma, am, af } = *w;
+    let x_predicted = m.x + h * m.v + h * h * (0.5 - beta) * m.a;
+    let v_predicted = m.v + h * (1.0 - gamma) * m.a;
+    let right = (1.0 - af) * o.a(x_predicted, v_predicted) + af * o.a(m.x, m.v) - am * m.a;
+    let left = (1.0 - am) + (1.0 - af) * (gamma * h * o.d() + beta * h * h * o.frequency.powi(2));
+    let a = right / left;
+    Motion { x: x_predicted + beta * h * h * a, v: v_predicted + gamma * h * a, a }
+}
+
+/// The states that PEC *predicts* follow Adams-Bashforth 2 after one step of Euler; the corrected state is
+/// y_n = p_n + h/2 (p'_n - p'_{n-1}).
+fn adams_bashforth(o: Oscillator, h: f64, start: Motion, steps: usize) -> Vec<Motion> {
+    let slope = |p: [f64; 2]| [p[1], o.a(p[0], p[1])];
+    let mut p = [start.x, start.v];
+    let mut before = slope(p);
+    p = [0, 1].map(|i| p[i] + h * before[i]);
+    let mut motions = Vec::new();
+    for _ in 0..steps {
+        let now = slope(p);
+        let y = [0, 1].map(|i| p[i] + 0.5 * h * (now[i] - before[i]));
+        motions.push(Motion { x: y[0], v: y[1], a: 0.0 });
+        p = [0, 1].map(|i| p[i] + h * (1.5 * now[i] - 0.5 * before[i]));
+        before = now;
+    }
+    motions
+}
+
+/// dv = F h/(m + h^2 k) with F = -k x + h k (0 - v); damping and load act outside the filter.
+fn kang(o: Oscillator, h: f64, damper: Damper, m: Motion) -> Motion {
+    let k = o.frequency.powi(2);
+    let filtered = -k * m.x - h * k * m.v;
+    // A "step" dashpot is the h k (0 - v) above and does not act again, whatever its coefficient is.
+    let outside = o.push - if damper == Damper::FromStep { 0.0 } else { o.d() * m.v };
+    let v = m.v + filtered * h / (1.0 + h * h * k) + h * outside;
+    Motion { x: m.x + h * v, v, a: 0.0 }
+}
+
+impl Case {
+    /// The recurrence, `steps` steps from rest of everything but x and v.
+    pub fn expected(&self, o: Oscillator, h: f64, damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
+        let newmark = |beta, gamma| Weighted { beta, gamma, am: 0.0, af: 0.0 };
+        let step: Box<dyn Fn(Motion) -> Motion> = match self.method {
+            "explicit-euler" => Box::new(move |m| taylor(o, h, 1, m)),
+            "euler-richardson" | "improved-euler" => Box::new(move |m| taylor(o, h, 2, m)),
+            "rk4" => Box::new(move |m| taylor(o, h, 4, m)),
+            "improved-euler-pec" => return adams_bashforth(o, h, start, steps),
+            "euler-cromer" => Box::new(move |m| {
+                // x_{n+1} from its own row of the matrix [[1 - w^2 h^2, h - d h^2], [-w^2 h, 1 - d h]].
+                let (w2, d) = (o.frequency.powi(2), o.d());
+                let x = (1.0 - w2 * h * h) * m.x + (h - d * h * h) * m.v + h * h * o.push;
+                Motion { x, v: -w2 * h * m.x + (1.0 - d * h) * m.v + h * o.push, a: 0.0 }
+            }),
+            "velocity-verlet" => Box::new(move |m| {
+                let a = o.a(m.x, m.v);
+                let x = m.x + h * m.v + 0.5 * h * h * a;
+                let star = o.a(x, m.v + h * a);
+                Motion { x, v: m.v + 0.5 * h * (a + star), a: 0.0 }
+            }),
+            "newmark" => {
+                let w = newmark(self.value("beta", 0.25), self.value("gamma", 0.5));
+                Box::new(move |m| newmark_family(o, h, &w, m))
+            }
+            "hht" => {
+                let alpha = self.value("alpha", -0.1);
+                let w = Weighted { beta: (1.0 - alpha).powi(2) / 4.0, gamma: 0.5 - alpha, am: 0.0, af: -alpha };
+                Box::new(move |m| newmark_family(o, h, &w, m))
+            }
+            "generalized-alpha" => {
+                let r = self.value("rho_inf", 0.8);
+                let (am, af) = ((2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0));
+                let w = Weighted { beta: (1.0 - am + af).powi(2) / 4.0, gamma: 0.5 - am + af, am, af };
+                Box::new(move |m| newmark_family(o, h, &w, m))
+            }
+            "backward-euler" => Box::new(move |m| {
+                // (I - h A) y1 = y0 + h (0, g), solved by Cramer's rule.
+                let (w2, d) = (o.frequency.powi(2), o.d());
+                let det = 1.0 + h * d + h * h * w2;
+                let right = m.v + h * o.push;
+                Motion { x: ((1.0 + h * d) * m.x + h * right) / det, v: (right - h * w2 * m.x) / det, a: 0.0 }
+            }),
+            "kang" => Box::new(move |m| kang(o, h, damper, m)),
+            other => panic!("write the recurrence of {other} here"),
+        };
+        let mut m = Motion { a: o.a(start.x, start.v), ..start };
+        let mut advance = || {
+            m = step(m);
+            m
+        };
+        (0..steps).map(|_| advance()).collect()
+    }
+}
