@@ -73,8 +73,8 @@ impl TangentSystem for Oscillator {
         assembler.values_mut()[0] = w.m + w.c * self.c + w.k * self.k;
     }
 
-    fn stiffness_scale(&self) -> f64 {
-        self.k
+    fn nodal_stiffness(&self) -> Vec<f64> {
+        vec![self.k]
     }
 
     fn force_scale(&self, _forces: &Forces) -> f64 {

@@ -36,17 +36,41 @@ pub fn rates(scene: &dyn Scene, at: StateRef<'_>) -> Rates {
     Rates { frequency: square.max(0.0).sqrt(), frequency_dof, damping: damping.max(0.0), damping_dof }
 }
 
-/// Largest (in size) eigenvalue of M^-1/2 A M^-1/2 by Rayleigh quotient, and where its vector is largest.
+/// Largest eigenvalue of M^-1/2 A M^-1/2, and where its vector is largest. Compressed springs make eigenvalues negative; where
+/// one of those is the largest in size, or close to it, a shift brings them all above zero.
 fn largest(scene: &dyn Scene, at: StateRef<'_>, w: Weights) -> (f64, usize) {
+    let found = iterate(scene, at, w, 0.0);
+    if found.quotient > 0.0 && found.defect < 0.3 * found.quotient {
+        return (found.quotient, found.most);
+    }
+    let shift = found.size;
+    let found = iterate(scene, at, w, shift);
+    (found.quotient - shift, found.most)
+}
+
+/// What a power iteration found.
+struct Found {
+    /// Rayleigh quotient of A + shift
+    quotient: f64,
+    /// size of (A + shift - quotient) q, how far q is from an eigenvector
+    defect: f64,
+    /// size of (A + shift) q
+    size: f64,
+    /// degree of freedom with the largest part
+    most: usize,
+}
+
+fn iterate(scene: &dyn Scene, at: StateRef<'_>, w: Weights, shift: f64) -> Found {
     let inverse = scene.inverse_mass();
     let n = inverse.len();
+    let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let root: Vec<f64> = inverse.iter().map(|m| m.sqrt()).collect();
     // A fixed start that is rough (rich in high modes) and has a part in every mode.
     let mut q: Vec<f64> = (0..n).map(|i| if root[i] > 0.0 { rough(i) } else { 0.0 }).collect();
     let (mut p, mut y) = (vec![0.0; n], vec![0.0; n]);
-    let mut quotient = 0.0;
+    let mut found = Found { quotient: 0.0, defect: 0.0, size: 0.0, most: 0 };
     for _ in 0..ITERATIONS {
-        let size = q.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let size = norm(&q);
         if !(size > 0.0 && size.is_finite()) {
             break;
         }
@@ -55,15 +79,19 @@ fn largest(scene: &dyn Scene, at: StateRef<'_>, w: Weights) -> (f64, usize) {
             *p = r * q;
         }
         scene.tangent_times(at, w, &p, &mut y);
-        quotient = 0.0;
-        for ((q, y), r) in q.iter_mut().zip(&y).zip(&root) {
-            let z = r * y;
-            quotient += *q * z;
-            *q = z;
+        for ((y, r), q) in y.iter_mut().zip(&root).zip(&q) {
+            *y = r * *y + shift * q;
         }
+        found.quotient = q.iter().zip(&y).map(|(q, y)| q * y).sum();
+        found.size = norm(&y);
+        found.defect = (found.size * found.size - found.quotient * found.quotient).max(0.0).sqrt();
+        std::mem::swap(&mut q, &mut y);
     }
-    let most = (0..n).max_by(|&a, &b| p[a].abs().total_cmp(&p[b].abs())).unwrap_or(0);
-    (if f64::is_finite(quotient) { quotient } else { 0.0 }, most)
+    found.most = (0..n).max_by(|&a, &b| p[a].abs().total_cmp(&p[b].abs())).unwrap_or(0);
+    if !(found.quotient.is_finite() && found.size.is_finite()) {
+        return Found { quotient: 0.0, defect: 0.0, size: 0.0, most: found.most };
+    }
+    found
 }
 
 /// A fixed number in [-1, 1] of alternating sign, from a multiplicative hash.

@@ -40,10 +40,10 @@ pub struct CaseArgs {
     #[arg(long)]
     pub method: Option<String>,
     /// Step [s]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub step: Option<String>,
     /// End of the simulated time [s]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub end: Option<String>,
     /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]

@@ -118,11 +118,21 @@ fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rate
         }
         let limit = critical_step(&choice, rates);
         let mark = if info.name == problem.method.info.name { '*' } else { ' ' };
-        if limit.is_infinite() {
+        let outside = info.family == Family::MatrixFree && scene.velocity_dependent();
+        if outside {
+            let _ = writeln!(
+                text,
+                "{mark} {:<20}  none for springs; air and dashpots outside the filter: not known",
+                info.name
+            );
+        } else if limit.is_infinite() {
             let _ = writeln!(text, "{mark} {:<20}  {:<18}", info.name, "none found");
+        } else if limit == 0.0 {
+            let _ = writeln!(text, "{mark} {:<20}  {:<18}  grows at every step without damping", info.name, "0");
         } else {
             let ratio = problem.time.step / limit;
-            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {ratio:.3}", info.name);
+            let over = if ratio > 1.0 { "  too large" } else { "" };
+            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {ratio:.3}{over}", info.name);
         }
     }
     text.push_str(

@@ -9,6 +9,7 @@ use crate::drive::observer::ObserveError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
 use crate::simulation::SetupError;
+use std::io::ErrorKind;
 
 /// Any failure of a command.
 #[derive(Debug, thiserror::Error)]
@@ -46,7 +47,7 @@ impl CliError {
     /// 1 for input/output and internal failures, 2 for bad usage and bad cases.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Case(CaseError::Read { .. }) => 1,
+            CliError::Case(CaseError::Read { source, .. }) if source.kind() != ErrorKind::NotFound => 1,
             CliError::Case(_) => 2,
             CliError::Setup(SetupError::Threads(_)) => 1,
             CliError::Setup(_) => 2,

@@ -25,15 +25,25 @@ pub fn main() -> ExitCode {
     match dispatch(&args.command) {
         Ok(Finished { text, code }) => {
             let mut out = std::io::stdout().lock();
-            // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
-            let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-            ExitCode::from(code)
+            match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+                // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
+                Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+                    complain(&format!("error: standard output: {e}"));
+                    ExitCode::from(1)
+                }
+                _ => ExitCode::from(code),
+            }
         }
         Err(error) => {
-            eprintln!("{error}");
+            complain(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// A line on standard error, if anybody listens: `eprintln!` would panic on a closed one.
+fn complain(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }
 
 /// What a command leaves: text for standard output, and its exit status.

@@ -1,7 +1,7 @@
 //! `canopy-fem solve`: the main job.
 
 use super::progress::{Display, Progress};
-use super::{CliError, Finished, SolveArgs};
+use super::{CliError, Finished, SolveArgs, complain};
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::rates;
 use crate::assembly::write_matrix_market;
@@ -9,13 +9,15 @@ use crate::case::Case;
 use crate::case::spec::{Field, Problem};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{Failure, Outcome, RunSpec, Status};
+use crate::integrate::registry::Family;
 use crate::output::encode::VtuFormat;
 use crate::output::folder::{ResultFolder, SUMMARY};
 use crate::output::frame::Fields;
 use crate::output::names::file_stem;
 use crate::output::probes::Probe;
+use crate::output::process::cpu_seconds;
 use crate::output::recorder::{Recorder, RecorderSpec};
-use crate::output::summary::Summary;
+use crate::output::summary::{Cost, Summary};
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use std::fmt::Write;
@@ -28,15 +30,16 @@ use std::time::{Duration, Instant};
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
-    let started = Instant::now();
     let case = Case::from_file(&args.case.case, &args.case.overrides())?;
     let mut problem = case.into_problem();
     if !args.quiet {
-        problem.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
+        problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
     let mut stepper = bind(&problem, &*scene)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
+    // Before any file is made, so that no interrupt leaves results without a summary.
+    let stop = stop_on_interrupt();
     let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
@@ -51,15 +54,15 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         keep_going: args.keep_going,
         method: problem.method.info,
     };
-    let stop = stop_on_interrupt();
+    let limit = limit_of(&problem, &*scene);
+    let (started, cpu) = (Instant::now(), cpu_seconds());
     let outcome =
         crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut recorder, &mut progress, &mut farthest], &stop)?;
-    let state = scene.initial_state();
-    let limit = critical_step(&problem.method, rates(&*scene, state.as_ref()));
-    let summary = Summary::new(&problem, &*scene, &outcome, limit, started.elapsed());
+    let cost = Cost { cpu: cpu.and_then(|before| Some(cpu_seconds()? - before)), wall: started.elapsed() };
+    let summary = Summary::new(&problem, &*scene, &outcome, limit, cost);
     summary.write(&folder.file(SUMMARY))?;
     if let Some(failure) = &outcome.failure {
-        eprint!("{}", describe(failure, outcome.status));
+        complain(&describe(failure, outcome.status));
     }
     let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &farthest) };
     let code = match outcome.status {
@@ -68,6 +71,14 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Status::Interrupted => 130,
     };
     Ok(Finished { text, code })
+}
+
+/// [s] the method's critical step at the start; costs a few hundred tangents, so only methods that have one pay for it.
+fn limit_of(problem: &Problem, scene: &dyn Scene) -> f64 {
+    if problem.method.info.family != Family::Explicit {
+        return f64::INFINITY;
+    }
+    critical_step(&problem.method, rates(scene, scene.initial_state().as_ref()))
 }
 
 fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
@@ -108,7 +119,7 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     };
     // Without a handler Ctrl-C still ends the program, only without a summary.
     if let Err(e) = ctrlc::set_handler(handler) {
-        eprintln!("warning: Ctrl-C will not be caught: {e}");
+        complain(&format!("warning: Ctrl-C will not be caught: {e}"));
     }
     stop
 }

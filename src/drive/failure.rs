@@ -1,10 +1,12 @@
 //! Why a run was stopped, in words a person can act on.
 
+use crate::analysis::limit::critical_step;
 use crate::analysis::rates::{Rates, rates};
 use crate::integrate::StepError;
-use crate::integrate::registry::{Family, MethodInfo};
+use crate::integrate::registry::{Family, MethodChoice, MethodInfo};
 use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
+use std::collections::BTreeMap;
 
 /// What `summary.json` shows under `failure`.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -78,7 +80,7 @@ impl Scenery<'_> {
     fn instability(&self, rates: Rates, when: &str) -> Option<(String, String)> {
         let node = |dof: usize| self.scene.name_of(dof).0;
         let (c, w) = (self.h * rates.damping, self.h * rates.frequency);
-        let advise = |rate: f64| format!("use a step of {:.1e} s or smaller{}", 0.5 / rate, self.or_implicit());
+        let advise = || self.advice_for(rates);
         if c > 1.0 && c >= w {
             let why = format!(
                 "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {}, and the step is {:.1e} s",
@@ -86,7 +88,7 @@ impl Scenery<'_> {
                 node(rates.damping_dof),
                 self.h
             );
-            return Some((why, advise(rates.damping)));
+            return Some((why, advise()));
         }
         (w > 1.0).then(|| {
             let why = format!(
@@ -95,8 +97,24 @@ impl Scenery<'_> {
                 rates.frequency,
                 node(rates.frequency_dof)
             );
-            (why, advise(rates.frequency))
+            (why, advise())
         })
+    }
+
+    /// Nine tenths of the method's own limit on an oscillator with these rates.
+    fn advice_for(&self, rates: Rates) -> String {
+        let limit = MethodChoice::new(self.method.name, &BTreeMap::new()).map_or(0.0, |m| critical_step(&m, rates));
+        if limit == 0.0 {
+            return format!(
+                "{} grows at every step on undamped oscillations: use velocity-verlet, rk4 or an implicit method such as \
+                 newmark",
+                self.method.name
+            );
+        }
+        if limit.is_infinite() {
+            return self.general_advice();
+        }
+        format!("use a step of {:.1e} s or smaller{}", 0.9 * limit, self.or_implicit())
     }
 
     fn or_implicit(&self) -> &'static str {

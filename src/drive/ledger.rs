@@ -41,8 +41,13 @@ impl Ledger {
         let row = self.row(system, to);
         let first = self.first;
         self.largest_numerical = self.largest_numerical.max(row.numerical.abs());
-        let parts =
-            [row.kinetic, row.elastic - first.elastic, row.gravity - first.gravity, row.external_work, row.dissipated];
+        let parts = [
+            row.kinetic - first.kinetic,
+            row.elastic - first.elastic,
+            row.gravity - first.gravity,
+            row.external_work,
+            row.dissipated,
+        ];
         self.exchanged = parts.iter().fold(self.exchanged, |m, p| m.max(p.abs()));
         row
     }

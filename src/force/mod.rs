@@ -6,7 +6,7 @@
 //! 1. Write `force/<name>.rs` with a struct of plain arrays and `impl ForceTerm` for it. If it has elements (springs,
 //!    triangles), write a [`batch::Kernel`] and let [`batch::Batch`] do the sums: that is what keeps results the same for
 //!    every number of threads.
-//! 2. Construct it where the scene is built (`scene/terms.rs`); if it is new to the case file, add its section
+//! 2. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
 //!    there and to [`crate::model::spec`].
 //! 3. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states.
 //!
@@ -70,13 +70,13 @@ pub trait ForceTerm: Send + Sync {
     /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);
 
-    /// [N/m] the largest stiffness this term puts on one node, for the rounding floor of a residual; 0 if it has none.
-    fn stiffness_scale(&self) -> f64 {
-        0.0
+    /// Adds the stiffness [N/m] this term puts on every node, for the rounding floor of a residual; most have none.
+    fn add_stiffness(&self, nodes: &mut [f64]) {
+        let _ = nodes;
     }
 }
 
-/// The matrix `n n^T`.
+/// The matrix `a b^T`.
 pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

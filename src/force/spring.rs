@@ -69,27 +69,17 @@ pub struct SpringData {
 
 /// A batch of springs as a force term.
 #[derive(Debug)]
-pub struct Springs {
-    batch: Batch<SpringData, 2>,
-    stiffness_scale: f64,
-}
+pub struct Springs(Batch<SpringData, 2>);
 
 impl Springs {
     /// Makes the term; node numbers must be below the number of nodes it will be used with.
     pub fn new(data: SpringData) -> Self {
-        let n_nodes = data.nodes.as_flattened().iter().max().map_or(0, |&m| m as usize + 1);
-        let mut sum = vec![0.0; n_nodes];
-        for (i, &[a, b]) in data.nodes.iter().enumerate() {
-            sum[a as usize] += data.stiffness.at(i);
-            sum[b as usize] += data.stiffness.at(i);
-        }
-        let stiffness_scale = sum.iter().copied().fold(0.0, f64::max);
-        Springs { batch: Batch::new(data), stiffness_scale }
+        Springs(Batch::new(data))
     }
 
     /// The arrays.
     pub fn data(&self) -> &SpringData {
-        self.batch.kernel()
+        self.0.kernel()
     }
 }
 
@@ -219,7 +209,7 @@ impl ForceTerm for Springs {
     }
 
     fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.batch.add(at, threads, f)
+        self.0.add(at, threads, f)
     }
 
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
@@ -231,7 +221,12 @@ impl ForceTerm for Springs {
         }
     }
 
-    fn stiffness_scale(&self) -> f64 {
-        self.stiffness_scale
+    fn add_stiffness(&self, nodes: &mut [f64]) {
+        let data = self.data();
+        for (i, pair) in data.nodes.iter().enumerate() {
+            for &node in pair {
+                nodes[node as usize] += data.stiffness.at(i);
+            }
+        }
     }
 }

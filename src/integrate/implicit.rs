@@ -45,6 +45,8 @@ struct Solver {
     a_next: Vec<f64>,
     inertia: Vec<f64>,
     weighted: Vec<f64>,
+    /// [N/m] by degree of freedom
+    stiffness: Vec<f64>,
 }
 
 /// F(z) = 0 of one step.
@@ -62,6 +64,44 @@ struct Stage<'a> {
     weighted: &'a mut [f64],
     /// M times that
     inertia: &'a mut [f64],
+    /// [N/m] by degree of freedom
+    stiffness: &'a [f64],
+    /// [s]
+    h: f64,
+    /// [m] largest coordinate, which sets the rounding of positions
+    largest: f64,
+    /// [N] size of the forces at the step's start
+    force_scale: f64,
+    guess: Guess,
+}
+
+/// First guesses for the step's displacement, from the best to the most cautious.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Guess {
+    /// h v + h^2/2 a: of second order, saves an iteration in small steps
+    ConstantAcceleration,
+    /// h v
+    ConstantVelocity,
+    /// 0: the tangent of the state the step starts from decides where to go
+    Rest,
+}
+
+/// A guess that changes the forces by more than this share of their size has left the neighbourhood in which it means
+/// anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
+const FORCE_CHANGE: f64 = 0.5;
+
+impl Stage<'_> {
+    fn fill(&self, z: &mut [f64]) {
+        let (h, v) = (self.h, &self.from.state.v);
+        for (&dof, z) in self.assembler.pattern.dof.iter().zip(z) {
+            let i = dof as usize;
+            *z = match self.guess {
+                Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * self.a[i]),
+                Guess::ConstantVelocity => h * v[i],
+                Guess::Rest => 0.0,
+            };
+        }
+    }
 }
 
 impl<M: ImplicitScheme> Implicit<M> {
@@ -72,7 +112,7 @@ impl<M: ImplicitScheme> Implicit<M> {
 }
 
 impl NonlinearProblem for Stage<'_> {
-    fn residual(&mut self, z: &[f64], r: &mut [f64]) {
+    fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
         let (n, map) = (&self.from.state, self.map);
         let pattern = &self.assembler.pattern;
         for (&dof, z) in pattern.dof.iter().zip(z) {
@@ -85,10 +125,29 @@ impl NonlinearProblem for Stage<'_> {
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
         self.system.mass_times(self.weighted, self.inertia);
         let (f, f_n) = (&self.to.forces.total, &self.from.forces.total);
-        for (&dof, r) in pattern.dof.iter().zip(r) {
+        // Positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as
+        // M v/(beta h).
+        let moved = map.av.abs();
+        for ((&dof, r), floor) in pattern.dof.iter().zip(r).zip(floor) {
             let i = dof as usize;
-            *r = self.inertia[i] - ((1.0 - map.af) * f[i] + map.af * f_n[i]);
+            let force = (1.0 - map.af) * f[i] + map.af * f_n[i];
+            *r = self.inertia[i] - force;
+            let mass = if self.weighted[i] != 0.0 { (self.inertia[i] / self.weighted[i]).abs() } else { 0.0 };
+            let inertia = self.inertia[i].abs() + mass * moved * n.v[i].abs();
+            *floor = 4.0 * f64::EPSILON * (self.stiffness[i] * self.largest + force.abs() + inertia);
         }
+    }
+
+    fn retreat(&mut self, z: &mut [f64]) -> bool {
+        let change: f64 = self.to.forces.total.iter().zip(&self.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
+        let too_far = change.is_nan() || change.sqrt() > FORCE_CHANGE * self.force_scale;
+        self.guess = match self.guess {
+            Guess::ConstantAcceleration if too_far => Guess::ConstantVelocity,
+            Guess::ConstantVelocity if too_far => Guess::Rest,
+            _ => return false,
+        };
+        self.fill(z);
+        true
     }
 
     fn linearise(&mut self) -> Result<(), LinearError> {
@@ -116,7 +175,16 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         let zero = || vec![0.0; n];
         let z = vec![0.0; unknowns];
-        self.solver = Some(Solver { assembler, linear, newton, z, a_next: zero(), inertia: zero(), weighted: zero() });
+        self.solver = Some(Solver {
+            assembler,
+            linear,
+            newton,
+            z,
+            a_next: zero(),
+            inertia: zero(),
+            weighted: zero(),
+            stiffness: system.nodal_stiffness(),
+        });
         Ok(())
     }
 
@@ -133,11 +201,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
         let scales = scales(system, from, &self.a, map, &mut s.inertia);
-        // Constant acceleration is a second-order guess: one iteration less than starting from rest.
-        for (&dof, z) in s.assembler.pattern.dof.iter().zip(s.z.iter_mut()) {
-            let i = dof as usize;
-            *z = h * (from.state.v[i] + 0.5 * h * self.a[i]);
-        }
+        let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let mut stage = Stage {
             system,
             map,
@@ -150,7 +214,13 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             a_next: &mut s.a_next,
             weighted: &mut s.weighted,
             inertia: &mut s.inertia,
+            stiffness: &s.stiffness,
+            h,
+            largest,
+            force_scale: scales.residual,
+            guess: Guess::ConstantAcceleration,
         };
+        stage.fill(&mut s.z);
         let report = s.newton.solve(&mut stage, &mut s.z, scales)?;
         Ok(StepReport {
             newton_iterations: report.iterations,
@@ -186,15 +256,8 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
 /// The sizes at the step's start that residuals and increments are compared with.
 fn scales(system: &dyn TangentSystem, from: &Point, a: &[f64], map: StageMap, product: &mut [f64]) -> Scales {
-    let eps = f64::EPSILON;
-    let x = &from.state.x;
-    let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let root = (x.len() as f64).sqrt();
     system.mass_times(a, product);
     let residual = system.force_scale(&from.forces).max(norm(product));
-    // Positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as M v/(beta h).
-    system.mass_times(&from.state.v, product);
-    let residual_floor = 4.0 * eps * (system.stiffness_scale() * largest * root + map.av.abs() * norm(product));
     let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
-    Scales { residual, residual_floor, increment, increment_floor: 4.0 * eps * largest * root }
+    Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
 }

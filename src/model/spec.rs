@@ -1,5 +1,5 @@
 //! A network as plain resolved data: no file, no selector, no default left. The case reader makes it,
-//! [`crate::model::scene`] turns it into something that can be integrated. All numbering is the user's.
+//! [`crate::scene`] turns it into something that can be integrated. All numbering is the user's.
 
 use crate::mesh::Mesh;
 

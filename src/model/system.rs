@@ -58,8 +58,8 @@ pub trait TangentSystem: System {
     /// Writes W = cm M + cc C + ck K at a state into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
 
-    /// [N/m] upper estimate of the stiffness at a node; scales the rounding floor of a residual.
-    fn stiffness_scale(&self) -> f64;
+    /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual there.
+    fn nodal_stiffness(&self) -> Vec<f64>;
 
     /// [N] the larger of |internal| and |external| forces (Euclidean norms over the free degrees of freedom) in a
     /// force pass; weight counts as external. What a residual is compared with.

@@ -46,6 +46,6 @@ pub trait Scene: TangentSystem + Picture {
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
 
-    /// y = (c C + k K) p at a state, without a matrix; `scratch`-free, sequential.
+    /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 }

@@ -204,8 +204,10 @@ impl TangentSystem for Network {
         }
     }
 
-    fn stiffness_scale(&self) -> f64 {
-        self.terms.iter().map(|t| t.stiffness_scale()).sum()
+    fn nodal_stiffness(&self) -> Vec<f64> {
+        let mut nodes = vec![0.0; self.mass.len()];
+        self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));
+        nodes.into_iter().flat_map(|k| [k; 3]).collect()
     }
 
     fn force_scale(&self, forces: &Forces) -> f64 {

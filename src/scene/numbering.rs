@@ -16,11 +16,12 @@ impl Numbering {
         let graph = Adjacency::new(n, edges);
         let mut order: Vec<u32> = Vec::with_capacity(n);
         let mut seen = vec![false; n];
+        let mut probe = (vec![false; n], Vec::new());
         let mut by_degree: Vec<u32> = (0..n as u32).collect();
         by_degree.sort_unstable_by_key(|&i| (graph.of(i).len(), i));
         for start in by_degree {
             if !seen[start as usize] {
-                let start = graph.far_end(start, &seen);
+                let start = graph.far_end(start, &mut probe);
                 graph.walk(start, &mut seen, &mut order);
             }
         }
@@ -80,11 +81,10 @@ impl Adjacency {
         }
     }
 
-    /// A node far from `start` in its component: the last of a walk.
-    fn far_end(&self, start: u32, seen: &[bool]) -> u32 {
-        let mut seen = seen.to_vec();
-        let mut order = Vec::new();
-        self.walk(start, &mut seen, &mut order);
+    /// A node far from `start` in its component: the last of a walk. `probe` is scratch, left as it was but for this component.
+    fn far_end(&self, start: u32, (seen, order): &mut (Vec<bool>, Vec<u32>)) -> u32 {
+        order.clear();
+        self.walk(start, seen, order);
         order.last().copied().unwrap_or(start)
     }
 }

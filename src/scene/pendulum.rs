@@ -109,8 +109,8 @@ impl TangentSystem for Pendulum {
         assembler.values_mut()[0] = w.m / self.inverse_inertia[0] + w.c * self.spec.damping + w.k * k;
     }
 
-    fn stiffness_scale(&self) -> f64 {
-        self.weight_moment()
+    fn nodal_stiffness(&self) -> Vec<f64> {
+        vec![self.weight_moment()]
     }
 
     fn force_scale(&self, _forces: &Forces) -> f64 {

@@ -119,6 +119,11 @@ impl LinearSolver for Lu {
     }
 
     fn stats(&self) -> LinearStats {
-        LinearStats { name: "lu", matrix_nonzeros: self.pattern.nonzeros(), factor_nonzeros: None, indefinite: 0 }
+        LinearStats {
+            name: "lu",
+            matrix_nonzeros: self.full.as_ref().map_or(self.pattern.nonzeros(), |(full, ..)| full.nonzeros()),
+            factor_nonzeros: None,
+            indefinite: 0,
+        }
     }
 }

@@ -44,8 +44,6 @@ impl Default for NewtonSpec {
 pub struct Scales {
     /// [N] size of the forces that the residual balances
     pub residual: f64,
-    /// [N] what rounding alone leaves of a residual
-    pub residual_floor: f64,
     /// [m] size of the unknown
     pub increment: f64,
     /// [m] what rounding alone leaves of an increment
@@ -54,8 +52,15 @@ pub struct Scales {
 
 /// F(z) = 0, its tangent and a solver for it.
 pub trait NonlinearProblem {
-    /// Writes the residual r = F(z).
-    fn residual(&mut self, z: &[f64], r: &mut [f64]);
+    /// Writes the residual r = F(z) and, one by one, what rounding alone can leave of it.
+    fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]);
+
+    /// Called after the residual at a first guess `z`: replaces a guess that went too far by a more cautious one and says
+    /// so; `false` keeps it.
+    fn retreat(&mut self, z: &mut [f64]) -> bool {
+        let _ = z;
+        false
+    }
 
     /// Factorises the tangent dF/dz where the residual was last evaluated.
     ///
@@ -151,6 +156,7 @@ pub struct Newton {
     spec: NewtonSpec,
     r: Vec<f64>,
     r_trial: Vec<f64>,
+    floor: Vec<f64>,
     dz: Vec<f64>,
     trial: Vec<f64>,
 }
@@ -170,11 +176,17 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
     lanes.iter().sum::<f64>().sqrt()
 }
 
+/// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
+/// nothing of a soft one.
+fn excess(r: &[f64], floor: &[f64]) -> f64 {
+    r.iter().zip(floor).map(|(r, floor)| (r.abs() - floor).max(0.0).powi(2)).sum::<f64>().sqrt()
+}
+
 impl Newton {
     /// Buffers for `n` unknowns.
     pub fn new(spec: NewtonSpec, n: usize) -> Self {
         let zero = || vec![0.0; n];
-        Newton { spec, r: zero(), r_trial: zero(), dz: zero(), trial: zero() }
+        Newton { spec, r: zero(), r_trial: zero(), floor: zero(), dz: zero(), trial: zero() }
     }
 
     /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual is
@@ -191,14 +203,17 @@ impl Newton {
         z: &mut [f64],
         scales: Scales,
     ) -> Result<NewtonReport, NewtonFailure> {
-        let tolerance = (self.spec.relative * scales.residual).max(scales.residual_floor);
-        let over_scale = |r: f64| if r > 0.0 { r / scales.residual.max(scales.residual_floor) } else { 0.0 };
-        problem.residual(z, &mut self.r);
+        let tolerance = self.spec.relative * scales.residual;
+        let over_scale = |r: f64| if scales.residual > 0.0 { r / scales.residual } else { 0.0 };
+        problem.residual(z, &mut self.r, &mut self.floor);
+        while problem.retreat(z) {
+            problem.residual(z, &mut self.r, &mut self.floor);
+        }
         let mut residual = norm(&self.r);
         if !residual.is_finite() {
             return Err(NewtonFailure::NotFinite { worst: self.worst() });
         }
-        if residual <= scales.residual_floor {
+        if self.excess() == 0.0 {
             return Ok(NewtonReport { iterations: 0, residual: over_scale(residual) });
         }
         for iterations in 1..=self.spec.max_iterations {
@@ -215,7 +230,8 @@ impl Newton {
             };
             let next_increment = lambda * norm(&self.dz) * (residual / before);
             let small = (self.spec.relative * scales.increment.max(norm(z))).max(scales.increment_floor);
-            if residual <= tolerance && (next_increment <= small || residual <= scales.residual_floor) {
+            let excess = self.excess();
+            if excess <= tolerance && (next_increment <= small || excess == 0.0) {
                 return Ok(NewtonReport { iterations, residual: over_scale(residual) });
             }
         }
@@ -236,12 +252,13 @@ impl Newton {
             for ((trial, z), dz) in self.trial.iter_mut().zip(z.iter()).zip(&self.dz) {
                 *trial = z + lambda * dz;
             }
-            problem.residual(&self.trial, &mut self.r_trial);
+            problem.residual(&self.trial, &mut self.r_trial, &mut self.floor);
             let merit = match self.spec.merit {
                 Merit::ResidualNorm => norm(&self.r_trial),
             };
-            // A full step that lands within the tolerance needs no decrease: rounding may not allow any.
-            if merit <= (1.0 - ARMIJO * lambda) * *residual || (merit <= tolerance && *residual <= tolerance) {
+            // A step that lands within the tolerance needs no decrease: rounding may not allow any.
+            let landed = merit.is_finite() && excess(&self.r_trial, &self.floor) <= tolerance;
+            if merit <= (1.0 - ARMIJO * lambda) * *residual || landed {
                 z.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.r, &mut self.r_trial);
                 *residual = merit;
@@ -250,6 +267,11 @@ impl Newton {
             lambda *= 0.5;
         }
         None
+    }
+
+    /// [N] norm of what the residual has beyond rounding.
+    fn excess(&self) -> f64 {
+        excess(&self.r, &self.floor)
     }
 
     fn worst(&self) -> usize {
@@ -270,9 +292,10 @@ mod tests {
     }
 
     impl NonlinearProblem for Atan {
-        fn residual(&mut self, z: &[f64], r: &mut [f64]) {
+        fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
             self.z = z[0];
             r[0] = (10.0 * z[0]).atan();
+            floor[0] = 1e-15;
             self.evaluations.push(r[0].abs());
         }
         fn linearise(&mut self) -> Result<(), LinearError> {
@@ -285,7 +308,7 @@ mod tests {
         }
     }
 
-    const SCALES: Scales = Scales { residual: 1.0, residual_floor: 1e-15, increment: 1.0, increment_floor: 1e-15 };
+    const SCALES: Scales = Scales { residual: 1.0, increment: 1.0, increment_floor: 1e-15 };
 
     #[test]
     fn the_line_search_converges_where_plain_newton_diverges() {
