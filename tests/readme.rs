@@ -1,0 +1,40 @@
+//! What the README promises exists: the table of methods agrees with the registry, and the files it names are there.
+
+use canopy_fem::integrate::registry::methods;
+use std::path::Path;
+
+fn readme() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    std::fs::read_to_string(path).expect("the README is there")
+}
+
+#[test]
+fn the_table_of_methods_is_the_registry() {
+    let text = readme();
+    let section = text.split("## Methods").nth(1).and_then(|s| s.split("\n## ").next()).expect("a section on methods");
+    let rows: Vec<(String, u32)> = section
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| {
+            let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+            (cells[0].trim_matches('`').to_owned(), cells[1].parse().expect("an order"))
+        })
+        .collect();
+    let registered: Vec<(String, u32)> = methods().iter().map(|m| (m.name.to_owned(), m.order)).collect();
+    assert_eq!(rows, registered);
+}
+
+#[test]
+fn the_files_it_names_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = readme();
+    let named = text
+        .split(|c: char| c.is_whitespace() || "()[]`'\"".contains(c))
+        .filter(|word| ["assets/", "docs/", "tests/"].iter().any(|folder| word.starts_with(folder)));
+    let mut count = 0;
+    for word in named {
+        assert!(root.join(word).exists(), "{word}");
+        count += 1;
+    }
+    assert!(count >= 6, "only {count} files are named");
+}
