@@ -23,6 +23,7 @@ use fixture::{Contents, PlainC, cloth};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::hint::black_box;
+use std::time::Instant;
 
 fn spring_pass(c: &mut Criterion) {
     let arrays = fixture::SpringArrays::of_cloth(703, 126);
@@ -43,10 +44,32 @@ fn spring_pass(c: &mut Criterion) {
     match PlainC::compile() {
         Ok(plain) => {
             group.bench_function("plain C loop, -O3", |b| b.iter(|| plain.spring_forces(black_box(&arrays), &mut f)));
+            let mut g = vec![DVec3::ZERO; arrays.x.len()];
+            // On a noisy machine only times taken in turn can be compared.
+            let ratio = median_ratio(
+                &mut || {
+                    let at = NodeState { t: 0.0, x: black_box(&arrays.x), v: &[] };
+                    black_box(batch.add(at, &threads, black_box(&mut f)));
+                },
+                &mut || plain.spring_forces(black_box(&arrays), black_box(&mut g)),
+            );
+            println!("spring pass, 703 nodes: canopy-fem / plain C, taken in turn: {ratio:.3}");
         }
         Err(why) => eprintln!("plain C loop left out: {why}"),
     }
     group.finish();
+}
+
+/// Median over 400 rounds of the time of `a` over that of `b`, 20 calls each a round.
+fn median_ratio(a: &mut dyn FnMut(), b: &mut dyn FnMut()) -> f64 {
+    let time = |f: &mut dyn FnMut()| {
+        let start = Instant::now();
+        (0..20).for_each(|_| f());
+        start.elapsed().as_secs_f64()
+    };
+    let mut ratios: Vec<f64> = (0..400).map(|_| time(a) / time(b)).collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    ratios[ratios.len() / 2]
 }
 
 fn explicit_steps(c: &mut Criterion) {
