@@ -61,6 +61,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let cost = Cost { cpu: cpu.and_then(|before| Some(cpu_seconds()? - before)), wall: started.elapsed() };
     let summary = Summary::new(&problem, &*scene, &outcome, limit, cost);
     summary.write(&folder.file(SUMMARY))?;
+    if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
+        complain(&doubt);
+    }
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
@@ -79,6 +82,23 @@ fn limit_of(problem: &Problem, scene: &dyn Scene) -> f64 {
         return f64::INFINITY;
     }
     critical_step(&problem.method, rates(scene, scene.initial_state().as_ref()))
+}
+
+/// Energy made by the scheme, as a share of the energy exchanged, that makes a finished run doubtful.
+const DOUBTFUL_GAIN: f64 = 0.1;
+
+/// A word on a run that reached its end on energy its scheme made itself (Kuhl & Crisfield 1999 show it for Newmark).
+fn energy_doubt(outcome: &Outcome) -> Option<String> {
+    let doubtful =
+        outcome.status == Status::Completed && outcome.energy_error > DOUBTFUL_GAIN && outcome.ledger.numerical < 0.0;
+    doubtful.then(|| {
+        format!(
+            "warning: the scheme itself has made energy, up to {:.0} % of what was exchanged ({:.3e} J at the end); do not trust \
+             this run: use a smaller step, some damping, or a method that damps, such as backward-euler",
+            100.0 * outcome.energy_error,
+            -outcome.ledger.numerical
+        )
+    })
 }
 
 fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
