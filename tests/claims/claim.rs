@@ -1,0 +1,96 @@
+//! A claim: what is measured on a run of the program, what it should be, and how far off it may be.
+
+use std::fmt;
+
+/// One row of the table.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// the statement, with its parameters
+    pub what: String,
+    /// what a run gave
+    pub measured: f64,
+    /// what theory says
+    pub expected: Expected,
+}
+
+/// What theory says of a measured number.
+#[derive(Clone, Copy, Debug)]
+pub enum Expected {
+    /// a value, to a share of its size
+    Relative { value: f64, tolerance: f64 },
+    /// a value, to an absolute tolerance in its own unit
+    Absolute { value: f64, tolerance: f64 },
+    /// an error that must stay below a bound
+    Below(f64),
+    /// anything between two bounds
+    Between(f64, f64),
+}
+
+impl Claim {
+    /// `measured` equals `value` to the share `tolerance` of it.
+    pub fn relative(what: impl Into<String>, measured: f64, value: f64, tolerance: f64) -> Self {
+        Claim { what: what.into(), measured, expected: Expected::Relative { value, tolerance } }
+    }
+
+    /// `measured` equals `value` to `tolerance`, in the unit of both.
+    pub fn absolute(what: impl Into<String>, measured: f64, value: f64, tolerance: f64) -> Self {
+        Claim { what: what.into(), measured, expected: Expected::Absolute { value, tolerance } }
+    }
+
+    /// `measured`, an error, is below `bound`.
+    pub fn below(what: impl Into<String>, measured: f64, bound: f64) -> Self {
+        Claim { what: what.into(), measured, expected: Expected::Below(bound) }
+    }
+
+    /// `measured` is between two bounds.
+    pub fn between(what: impl Into<String>, measured: f64, low: f64, high: f64) -> Self {
+        Claim { what: what.into(), measured, expected: Expected::Between(low, high) }
+    }
+
+    /// How far from the expected value, in the tolerance's measure; nothing for a bound.
+    pub fn off(&self) -> Option<f64> {
+        match self.expected {
+            Expected::Relative { value, .. } => Some((self.measured - value).abs() / value.abs()),
+            Expected::Absolute { value, .. } => Some((self.measured - value).abs()),
+            Expected::Below(_) | Expected::Between(..) => None,
+        }
+    }
+
+    /// Whether the claim stands; a number that is not finite never does.
+    pub fn holds(&self) -> bool {
+        let off = self.off().unwrap_or(0.0);
+        match self.expected {
+            Expected::Relative { tolerance, .. } | Expected::Absolute { tolerance, .. } => off <= tolerance,
+            Expected::Below(bound) => self.measured.abs() <= bound,
+            Expected::Between(low, high) => (low..=high).contains(&self.measured),
+        }
+    }
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Expected::Relative { value, tolerance } => write!(f, "{} to {tolerance:.0e} of it", short(value)),
+            Expected::Absolute { value, tolerance } => write!(f, "{} +- {tolerance:.1e}", short(value)),
+            Expected::Below(bound) => write!(f, "below {bound:.1e}"),
+            Expected::Between(low, high) => write!(f, "{} .. {}", short(low), short(high)),
+        }
+    }
+}
+
+/// A number as a person reads it: few digits, powers of ten where they help.
+pub fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:.4e}") } else { format!("{value:.6}") }
+}
+
+/// Row by row: verdict, statement, measured, expected with its tolerance.
+pub fn table(group: &str, claims: &[Claim]) -> String {
+    let mut text = format!("\n{group}\n");
+    for c in claims {
+        let verdict = if c.holds() { "  ok " } else { "MISS " };
+        let off = c.off().map_or_else(String::new, |off| format!("off by {off:.1e}"));
+        text += &format!("{verdict} {:<92} {:>14}   {:<28} {off}\n", c.what, short(c.measured), c.expected.to_string());
+    }
+    text
+}

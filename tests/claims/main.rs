@@ -1,0 +1,47 @@
+//! Claim, measured, tolerance: what the program promises of its schemes, forces and systems, each against a closed form or an
+//! independent computation, printed as one table.
+//!
+//! ```text
+//! cargo test --release --test claims                 # all groups
+//! cargo test --release --test claims -- pendulum     # groups whose name contains a word
+//! ```
+//!
+//! A group is a file with `pub fn claims() -> Vec<Claim>` and a line in [`GROUPS`]. Tolerances stand beside the claims with what
+//! explains them: the order of the scheme, the size of the elements, rounding.
+
+mod claim;
+#[path = "../common/mod.rs"]
+mod common;
+mod free_fall;
+
+use claim::{Claim, table};
+use rayon::prelude::*;
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+
+type Group = (&'static str, fn() -> Vec<Claim>);
+
+/// All groups in the order they are printed.
+const GROUPS: &[Group] = &[("free fall through air", free_fall::claims)];
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let chosen: Vec<&Group> = GROUPS.iter().filter(|g| words.iter().all(|w| g.0.contains(w.as_str()))).collect();
+    // Long groups must not wait behind each other, whatever their order in the table.
+    let results: Vec<_> =
+        chosen.par_iter().with_max_len(1).map(|(name, claims)| (*name, catch_unwind(claims))).collect();
+    let (mut held, mut missed) = (0, Vec::new());
+    for (name, result) in &results {
+        match result {
+            Ok(claims) => {
+                print!("{}", table(name, claims));
+                held += claims.iter().filter(|c| c.holds()).count();
+                missed.extend(claims.iter().filter(|c| !c.holds()).map(|c| format!("{name}: {}", c.what)));
+            }
+            Err(_) => missed.push(format!("{name}: ended in a panic, printed above")),
+        }
+    }
+    println!("\n{held} claims hold, {} missed", missed.len());
+    missed.iter().for_each(|m| println!("  missed: {m}"));
+    if missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
