@@ -4,8 +4,7 @@ use canopy_fem::case::Case;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use canopy_fem::drive::{Outcome, RunSpec};
 use canopy_fem::model::state::State;
-use canopy_fem::scene::Scene;
-use canopy_fem::simulation::{bind, build_scene};
+use canopy_fem::simulation::{self, FollowSpec, Seen, bind, build_scene};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -51,60 +50,9 @@ pub fn run_with(case: &Case, threads: usize) -> Run {
     Run { outcome, state: last.state, reference, positions, velocities, most_iterations: last.most_iterations }
 }
 
-/// One accepted step as a person sees it, in the user's numbering.
-pub struct Seen<'a> {
-    /// [s]
-    pub t: f64,
-    /// [m]
-    pub positions: &'a [[f64; 3]],
-    /// [m/s]
-    pub velocities: &'a [[f64; 3]],
-    pub ledger: LedgerRow,
-    pub newton_iterations: u32,
-}
-
 /// Runs a case and shows its start and every accepted step to `watch`.
 pub fn follow(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Outcome {
-    let mut problem = case.problem().clone();
-    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
-    let mut stepper = bind(&problem, &*scene).expect("the method fits the scene");
-    let spec =
-        RunSpec { end: problem.time.end, step: problem.time.step, keep_going: false, method: problem.method.info };
-    let n = scene.reference().len();
-    let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };
-    canopy_fem::drive::run(&*scene, &mut stepper, spec, &mut [&mut follower], &AtomicBool::new(false))
-        .expect("it starts")
-}
-
-struct Follower<'a, W> {
-    scene: &'a dyn Scene,
-    positions: Vec<[f64; 3]>,
-    velocities: Vec<[f64; 3]>,
-    watch: W,
-}
-
-impl<W: FnMut(&Seen<'_>)> Follower<'_, W> {
-    fn show(&mut self, at: &Point, ledger: LedgerRow, newton_iterations: u32) {
-        self.scene.trace(at.state.as_ref(), &mut self.positions, &mut self.velocities);
-        let (positions, velocities) = (&self.positions, &self.velocities);
-        (self.watch)(&Seen { t: at.state.t, positions, velocities, ledger, newton_iterations });
-    }
-}
-
-impl<W: FnMut(&Seen<'_>)> Observer for Follower<'_, W> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.show(at, ledger, 0);
-        Ok(())
-    }
-
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.show(step.to, step.ledger, step.newton_iterations);
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
+    simulation::follow(case.problem(), FollowSpec::default(), watch).expect("it starts")
 }
 
 /// What a run left.
