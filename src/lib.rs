@@ -13,6 +13,7 @@ pub mod integrate;
 pub mod mesh;
 pub mod model;
 pub mod output;
+pub mod plot;
 pub mod scene;
 pub mod simulation;
 pub mod solve;
