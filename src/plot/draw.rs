@@ -1,8 +1,188 @@
-//! Drawing (on its way): the interface stands first.
+//! From charts to SVG text: where everything stands in a picture.
 
 use super::PlotError;
-use super::chart::Chart;
+use super::chart::{Axis, Chart, Line, Marker, Scale, Size, Stroke};
+use super::legend::{Entry, Legend};
+use super::pen::{Anchor, FINE, FINE_GRID, GRID, LETTERS, Look, Pen, Spot};
+use super::ruler::Ruler;
+use super::trim::{Place, cut, inside, thin};
 
-pub(super) fn grid(_charts: &[Chart], _columns: usize) -> Result<String, PlotError> {
-    Err(PlotError::Drawing("the drawing is not built yet".to_owned()))
+/// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers grow slow.
+const MOST_POINTS: usize = 2000;
+const MOST_POINTS_OF_ALL: usize = 40_000;
+/// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide with them.
+const WIDTHS: [f64; 2] = [3.2, 1.4];
+/// Largest picture [px]; plotters counts drawing units in 32 bits.
+const LARGEST: u32 = 20_000;
+
+/// A rectangle of the picture.
+#[derive(Clone, Copy, Debug)]
+struct Field {
+    /// upper left corner
+    from: Spot,
+    /// lower right corner
+    to: Spot,
+}
+
+/// Both axes of a chart.
+#[derive(Clone, Copy, Debug)]
+struct Rulers {
+    x: Ruler,
+    y: Ruler,
+}
+
+/// Charts side by side and one under the other, with the legend of the first to their right.
+pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
+    let Some(first) = charts.first() else { return Err(PlotError::NothingToDraw { title: String::new() }) };
+    let columns = columns.clamp(1, charts.len());
+    let rows = charts.len().div_ceil(columns);
+    let grown = |length: u32, times: usize| length.saturating_mul(times as u32).clamp(100, LARGEST);
+    let size = Size { width: grown(first.size.width, columns), height: grown(first.size.height, rows) };
+    let (width, height) = (f64::from(size.width), f64::from(size.height));
+    let looks = looks(&first.lines);
+    let entries = first.lines.iter().zip(&looks).filter(|(line, _)| !line.label.is_empty());
+    let legend = Legend::new(entries.map(|(line, look)| Entry { label: &line.label, look: *look }).collect(), size);
+    let cell = Spot { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
+    let mut text = String::new();
+    let pen = Pen::new(&mut text, size)?;
+    for (i, chart) in charts.iter().enumerate() {
+        let from = Spot { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
+        draw_chart(&pen, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
+    }
+    legend.draw(&pen, Spot { x: width - legend.width(), y: 40.0 })?;
+    pen.finish()?;
+    Ok(shown_at(&text, size))
+}
+
+/// Tells the header how large the finely drawn picture is shown, and that corners of lines are round.
+fn shown_at(text: &str, Size { width, height }: Size) -> String {
+    let fine = |length: u32| f64::from(length) * FINE;
+    let drawn = format!("width=\"{}\" height=\"{}\"", fine(width), fine(height));
+    let shown = format!("width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"");
+    text.replacen(&drawn, &shown, 1)
+}
+
+fn draw_chart(pen: &Pen<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError> {
+    let top = if chart.title.is_empty() { 18.0 } else { 42.0 };
+    let field = Field {
+        from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
+        to: Spot { x: cell.to.x - 22.0, y: cell.to.y - 58.0 },
+    };
+    let rulers = rulers(chart, field)?;
+    let middle = f64::midpoint(field.from.x, field.to.x);
+    pen.write(&chart.title, LETTERS[0], Spot { x: middle, y: field.from.y - 10.0 }, Anchor::Above)?;
+    draw_axes(pen, chart, rulers, field)?;
+    let looks = looks(&chart.lines);
+    for (line, look) in chart.lines.iter().zip(looks) {
+        draw_line(pen, line, look, &Canvas { rulers, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) })?;
+    }
+    Ok(())
+}
+
+fn rulers(chart: &Chart, field: Field) -> Result<Rulers, PlotError> {
+    let nothing = || PlotError::NothingToDraw { title: chart.title.clone() };
+    let points = || chart.lines.iter().flat_map(|line| line.points.iter().copied());
+    let placed = |scale: Scale, v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
+    // A point without a place on one axis says nothing of the range of the other.
+    let drawable = || points().filter(|p| placed(chart.x.scale, p.0) && placed(chart.y.scale, p.1));
+    let ruler = |axis: &Axis, values: &mut dyn Iterator<Item = f64>| match axis.range {
+        Some((low, high)) => Ruler::between(axis.scale, (low, high)).ok_or_else(|| PlotError::BadRange {
+            title: chart.title.clone(),
+            axis: axis.label.clone(),
+            low,
+            high,
+        }),
+        None => Ruler::around(axis.scale, values).ok_or_else(nothing),
+    };
+    drawable().next().ok_or_else(nothing)?;
+    let x = ruler(&chart.x, &mut drawable().map(|p| p.0))?;
+    let y = ruler(&chart.y, &mut drawable().map(|p| p.1))?;
+    if !chart.equal_units {
+        return Ok(Rulers { x, y });
+    }
+    let (across, down) = (field.to.x - field.from.x, field.to.y - field.from.y);
+    let unit = (x.span() / across).max(y.span() / down);
+    Ok(Rulers { x: x.widened(unit * across), y: y.widened(unit * down) })
+}
+
+fn draw_axes(pen: &Pen<'_>, chart: &Chart, rulers: Rulers, field: Field) -> Result<(), PlotError> {
+    let Field { from, to } = field;
+    let (across, down) = (to.x - from.x, to.y - from.y);
+    let ticks_x = rulers.x.ticks((across / 85.0) as usize);
+    let ticks_y = rulers.y.ticks((down / 55.0) as usize);
+    let ink = |label: &str| if label.is_empty() { FINE_GRID } else { GRID };
+    for tick in &ticks_x {
+        let x = from.x + tick.at * across;
+        pen.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label))?;
+        pen.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below)?;
+    }
+    for tick in &ticks_y {
+        let y = to.y - tick.at * down;
+        pen.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label))?;
+        pen.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End)?;
+    }
+    pen.frame(from, to)?;
+    let below = Spot { x: f64::midpoint(from.x, to.x), y: to.y + 32.0 };
+    pen.write(&chart.x.label, LETTERS[1], below, Anchor::Below)?;
+    let beside = Spot { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
+    pen.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards)
+}
+
+/// What a line is drawn on.
+struct Canvas {
+    rulers: Rulers,
+    field: Field,
+    /// most points of this line
+    share: usize,
+}
+
+impl Canvas {
+    fn place(&self, (x, y): (f64, f64)) -> Option<Place> {
+        Some((self.rulers.x.place(x)?, self.rulers.y.place(y)?))
+    }
+
+    fn spot(&self, (across, up): Place) -> Spot {
+        let Field { from, to } = self.field;
+        Spot { x: from.x + across * (to.x - from.x), y: to.y - up * (to.y - from.y) }
+    }
+}
+
+fn draw_line(pen: &Pen<'_>, line: &Line, look: Look, canvas: &Canvas) -> Result<(), PlotError> {
+    let places = || line.points.iter().map(|p| canvas.place(*p));
+    if look.stroke != Stroke::None {
+        let pieces = cut(places());
+        let all: usize = pieces.iter().map(Vec::len).sum();
+        let most = MOST_POINTS.min(canvas.share);
+        for piece in pieces {
+            let share = (most * piece.len()).div_ceil(all.max(1)).max(8);
+            let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| canvas.spot(p)).collect();
+            pen.line(&spots, look)?;
+        }
+    }
+    if look.marker != Marker::None {
+        let within: Vec<Place> = places().flatten().filter(|p| inside(*p)).collect();
+        for place in thin(&within, MOST_POINTS.min(canvas.share)) {
+            pen.mark(canvas.spot(place), look)?;
+        }
+    }
+    Ok(())
+}
+
+/// Colours and widths of all lines, in their order.
+fn looks(lines: &[Line]) -> Vec<Look> {
+    let usual = lines.iter().filter(|l| l.stroke == Stroke::Normal).count();
+    let (mut next, mut last, mut drawn) = (0, 0, 0);
+    let look = |line: &Line| {
+        last = match line.color {
+            Some(color) => color,
+            None if line.label.is_empty() => last,
+            None => next,
+        };
+        next = next.max(last + 1);
+        let [widest, narrowest] = if usual > 1 { WIDTHS } else { [1.8, 1.8] };
+        let width = widest + (narrowest - widest) * f64::from(drawn) / usual.saturating_sub(1).max(1) as f64;
+        drawn += u32::from(line.stroke == Stroke::Normal);
+        Look { color: last, stroke: line.stroke, marker: line.marker, width: width.max(narrowest) }
+    };
+    lines.iter().map(look).collect()
 }

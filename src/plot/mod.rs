@@ -5,5 +5,9 @@
 pub mod chart;
 mod draw;
 mod error;
+mod legend;
+mod pen;
+mod ruler;
+mod trim;
 
 pub use error::PlotError;

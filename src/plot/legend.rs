@@ -1,0 +1,79 @@
+//! The legend: a column to the right of the charts, so that it covers no line.
+
+use super::PlotError;
+use super::chart::{Marker, Size, Stroke};
+use super::pen::{Anchor, LETTERS, Look, Pen, Spot, width_of};
+
+/// [px] from one entry to the next
+const ROW: f64 = 22.0;
+/// [px] of the sample line
+const SAMPLE: f64 = 26.0;
+/// Widest legend as a share of the picture.
+const WIDEST: f64 = 0.4;
+
+/// A line's name and look.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry<'a> {
+    /// its name
+    pub label: &'a str,
+    /// how it is drawn
+    pub look: Look,
+}
+
+/// All entries, as many as there is room for.
+pub(super) struct Legend<'a> {
+    entries: Vec<Entry<'a>>,
+    /// [px]
+    width: f64,
+    /// entries there is room for
+    rows: usize,
+}
+
+impl<'a> Legend<'a> {
+    pub(super) fn new(entries: Vec<Entry<'a>>, size: Size) -> Self {
+        let widest = entries.iter().map(|e| width_of(e.label, LETTERS[2])).fold(0.0, f64::max);
+        let width = if entries.is_empty() { 0.0 } else { SAMPLE + 24.0 + widest };
+        let rows = ((f64::from(size.height) - 60.0) / ROW).max(1.0) as usize;
+        Legend { entries, width: width.min(WIDEST * f64::from(size.width)), rows }
+    }
+
+    /// [px] of the column; 0 without entries
+    pub(super) fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Draws the column from its upper left corner on.
+    pub(super) fn draw(&self, pen: &Pen<'_>, from: Spot) -> Result<(), PlotError> {
+        let shown = if self.entries.len() > self.rows { self.rows - 1 } else { self.entries.len() };
+        let at = |row: usize| from.y + (row as f64 + 0.5) * ROW;
+        for (row, Entry { label, look }) in self.entries.iter().take(shown).enumerate() {
+            let y = at(row);
+            // A hair line shows no colour; its sample is drawn as a usual line.
+            let stroke = if look.stroke == Stroke::Thin { Stroke::Normal } else { look.stroke };
+            let sample = Look { stroke, ..*look };
+            pen.line(&[Spot { x: from.x, y }, Spot { x: from.x + SAMPLE, y }], sample)?;
+            if look.marker != Marker::None {
+                pen.mark(Spot { x: from.x + 0.5 * SAMPLE, y }, sample)?;
+            }
+            let words = self.fitted(label);
+            pen.write(&words, LETTERS[2], Spot { x: from.x + SAMPLE + 8.0, y }, Anchor::Start)?;
+        }
+        match self.entries.len() - shown {
+            0 => Ok(()),
+            more => {
+                let words = format!("… and {more} more");
+                pen.write(&words, LETTERS[2], Spot { x: from.x + SAMPLE + 8.0, y: at(shown) }, Anchor::Start)
+            }
+        }
+    }
+
+    /// A label shortened to the room there is.
+    fn fitted(&self, label: &str) -> String {
+        let room = self.width - SAMPLE - 20.0;
+        if width_of(label, LETTERS[2]) <= room {
+            return label.to_owned();
+        }
+        let letters = (room / width_of("x", LETTERS[2])).max(2.0) as usize;
+        label.chars().take(letters - 1).chain(['…']).collect()
+    }
+}

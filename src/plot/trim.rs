@@ -1,0 +1,126 @@
+//! Lines made fit for a picture: cut at its frame and thinned to what can be seen.
+//!
+//! All places are shares of the frame: the picture is the square from 0 to 1.
+
+/// A place in the frame, across and up.
+pub(super) type Place = (f64, f64);
+
+/// The parts of a line inside the frame. A missing place interrupts the line.
+pub(super) fn cut(places: impl IntoIterator<Item = Option<Place>>) -> Vec<Vec<Place>> {
+    let mut pieces: Vec<Vec<Place>> = Vec::new();
+    let mut open = false;
+    let mut last = None;
+    for place in places {
+        if let (Some(from), Some(to)) = (last, place) {
+            match segment(from, to) {
+                Some((enters, leaves)) => {
+                    match pieces.last_mut().filter(|_| open && enters == from) {
+                        Some(piece) => piece.push(leaves),
+                        None => pieces.push(vec![enters, leaves]),
+                    }
+                    open = leaves == to;
+                }
+                None => open = false,
+            }
+        } else {
+            open = false;
+        }
+        last = place;
+    }
+    pieces
+}
+
+/// Whether a place is inside the frame.
+pub(super) fn inside(place: Place) -> bool {
+    (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
+}
+
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends that are inside stay as they are, bit by bit.
+fn segment(from: Place, to: Place) -> Option<(Place, Place)> {
+    let along = (to.0 - from.0, to.1 - from.1);
+    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+    for (start, step) in [(from.0, along.0), (from.1, along.1)] {
+        if step == 0.0 {
+            if !(0.0..=1.0).contains(&start) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((0.0 - start) / step, (1.0 - start) / step);
+        enters = enters.max(a.min(b));
+        leaves = leaves.min(a.max(b));
+    }
+    let at = |s: f64| (from.0 + s * along.0, from.1 + s * along.1);
+    let start = if enters > 0.0 { at(enters) } else { from };
+    let end = if leaves < 1.0 { at(leaves) } else { to };
+    (enters <= leaves).then_some((start, end))
+}
+
+/// At most about `most` points that look the same: of every stretch of the line its extremes in both directions, and both ends. For
+/// a curve over time these are first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich & Markl 2014).
+pub(super) fn thin(points: &[Place], most: usize) -> Vec<Place> {
+    if points.len() <= most {
+        return points.to_vec();
+    }
+    let stretch = points.len().div_ceil((most / 4).max(1));
+    let mut kept = Vec::with_capacity(most + 2);
+    kept.extend(points.first());
+    for part in points.chunks(stretch) {
+        let mut extremes = [0; 4];
+        for (i, p) in part.iter().enumerate() {
+            let beats = |best: usize, wins: fn(&Place, &Place) -> bool| part.get(best).is_none_or(|b| wins(p, b));
+            let wins: [fn(&Place, &Place) -> bool; 4] =
+                [|p, b| p.0 < b.0, |p, b| p.0 > b.0, |p, b| p.1 < b.1, |p, b| p.1 > b.1];
+            for (best, wins) in extremes.iter_mut().zip(wins) {
+                if beats(*best, wins) {
+                    *best = i;
+                }
+            }
+        }
+        extremes.sort_unstable();
+        kept.extend(extremes.iter().filter_map(|i| part.get(*i)));
+    }
+    kept.extend(points.last());
+    kept.dedup();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Thinning keeps both ends and every extreme: a lone spike of one point in a hundred thousand stays.
+    #[test]
+    fn thinning_keeps_extremes() {
+        let mut points: Vec<Place> = (0..100_000).map(|i| (f64::from(i) / 1e5, (f64::from(i) * 0.37).sin())).collect();
+        points[54_321].1 = 7.0;
+        points[54_322].1 = -9.0;
+        let thin = thin(&points, 2000);
+        assert!((500..=2002).contains(&thin.len()), "{}", thin.len());
+        assert!(thin.contains(&points[54_321]) && thin.contains(&points[54_322]));
+        assert_eq!((thin.first(), thin.last()), (points.first(), points.last()));
+        assert!(thin.windows(2).all(|w| w[0].0 < w[1].0), "the order of time is kept");
+    }
+
+    /// Thinning leaves short lines alone.
+    #[test]
+    fn short_lines_stay() {
+        let points = [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)];
+        assert_eq!(thin(&points, 3), points);
+    }
+
+    /// A line that leaves the frame and comes back is two pieces that end on the frame; a missing place parts it too.
+    #[test]
+    fn lines_are_cut_at_the_frame() {
+        let line = [(0.0, 0.5), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (1.0, 0.5)].map(Some);
+        let pieces = cut(line);
+        assert_eq!(pieces, [[(0.0, 0.5), (0.25, 0.5), (0.375, 1.0)], [(0.625, 1.0), (0.75, 0.5), (1.0, 0.5)]]);
+        let parted = cut([Some((0.1, 0.1)), Some((0.2, 0.2)), None, Some((0.3, 0.3)), Some((0.4, 0.4))]);
+        assert_eq!(parted, [[(0.1, 0.1), (0.2, 0.2)], [(0.3, 0.3), (0.4, 0.4)]]);
+        let outside = cut([Some((2.0, 0.0)), Some((3.0, 1.0))]);
+        assert!(outside.is_empty());
+        let across = cut([Some((-1.0, 0.5)), Some((2.0, 0.5))]);
+        assert_eq!(across.len(), 1);
+        assert!(across[0].iter().all(|p| inside(*p)));
+    }
+}
