@@ -13,6 +13,11 @@ mod claim;
 #[path = "../common/mod.rs"]
 mod common;
 mod free_fall;
+mod linearised;
+mod oscillator;
+mod pendulum;
+mod signal;
+mod spring_pendulum;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -22,7 +27,12 @@ use std::process::ExitCode;
 type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
-const GROUPS: &[Group] = &[("free fall through air", free_fall::claims)];
+const GROUPS: &[Group] = &[
+    ("free fall through air", free_fall::claims),
+    ("oscillator", oscillator::claims),
+    ("pendulum", pendulum::claims),
+    ("spring pendulum", spring_pendulum::claims),
+];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
