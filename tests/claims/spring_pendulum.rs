@@ -89,7 +89,7 @@ fn slack() -> Vec<Claim> {
         "run, l = 1.5 a: pushed off the line as cosh(t sqrt(K/M)), 2 s",
         grown,
         expected,
-        1e-6,
+        1e-7,
     ));
     claims
 }
