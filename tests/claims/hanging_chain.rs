@@ -69,10 +69,10 @@ pub fn double_pendulum() -> Vec<Claim> {
         // k l eps/T: the tension is a difference of lengths.
         let square = linear.modes("x").squares[i] * c.link / G;
         claims.push(Claim::relative(format!("tangent: w^2 l/g = 2 {sign} sqrt 2"), square, zero, 1e-13));
-        // (w h)^4/120 = 1e-12 at worst for the fast one; (amplitude over link)^2 = 1e-12.
-        let w = measured(&c, zero, 1e-6);
+        // (w h)^4/120 = 1e-12 at worst for the fast one; (amplitude over link)^2 is 1e-14.
+        let w = measured(&c, zero, 1e-7);
         let expected = (zero * G / c.link).sqrt();
-        claims.push(Claim::relative(format!("run: {name} mode, amplitude 1e-6 l"), w, expected, 1e-11));
+        claims.push(Claim::relative(format!("run: {name} mode, amplitude 1e-7 l"), w, expected, 1e-11));
         let share = |amplitude| measured(&c, zero, amplitude) / expected - 1.0;
         // Next to the square of the amplitude comes its fourth.
         let order = (share(0.004) / share(0.002)).log2();
@@ -112,7 +112,7 @@ pub fn claims() -> Vec<Claim> {
             4.0 * c.stiffness / c.mass * phase.sin().powi(2)
         });
         let off = worst_share(&linear.modes("z").squares, rod);
-        claims.push(Claim::below(format!("tangent, N = {beads}: all w^2 along z, a rod, worst share"), off, 1e-12));
+        claims.push(Claim::below(format!("tangent, N = {beads}: all w^2 along z, a rod, worst share"), off, 1e-13));
     }
     // x = j01^2/(4 n) (1 + (j01^2 - 2)/(48 n^2)) + O(n^-5), n = N + 1/2 (Abramowitz and Stegun 22.16.8).
     let (bessel2, n) = (2.404_825_557_695_773_f64.powi(2), 20.5);
@@ -123,7 +123,7 @@ pub fn claims() -> Vec<Claim> {
         "N = 20: lowest w is Bessel's j01/2 sqrt(g/L), corrected to 1/N^2",
         lowest,
         expected,
-        1e-6,
+        2e-7,
     ));
     let (c, x) = (chain(5), zeros(5));
     for j in [0, 1] {
