@@ -9,10 +9,20 @@
 //! A group is a file with `pub fn claims() -> Vec<Claim>` and a line in [`GROUPS`]. Tolerances stand beside the claims with what
 //! explains them: the order of the scheme, the size of the elements, rounding.
 
+mod catenary;
+mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
 mod free_fall;
+mod hanging_chain;
+mod linearised;
+mod net;
+mod oscillator;
+mod pendulum;
+mod signal;
+mod spring_pendulum;
+mod waves;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -22,7 +32,18 @@ use std::process::ExitCode;
 type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
-const GROUPS: &[Group] = &[("free fall through air", free_fall::claims)];
+const GROUPS: &[Group] = &[
+    ("free fall through air", free_fall::claims),
+    ("oscillator", oscillator::claims),
+    ("pendulum", pendulum::claims),
+    ("spring pendulum", spring_pendulum::claims),
+    ("double pendulum", hanging_chain::double_pendulum),
+    ("hanging chain", hanging_chain::claims),
+    ("catenary", catenary::claims),
+    ("dispersion of a chain", waves::dispersion),
+    ("wave speed of a chain", waves::speed),
+    ("dispersion of a triangular net", net::claims),
+];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
