@@ -13,6 +13,10 @@ mod claim;
 #[path = "../common/mod.rs"]
 mod common;
 mod free_fall;
+mod hencky;
+mod kang;
+mod lattice;
+mod membrane;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -22,7 +26,12 @@ use std::process::ExitCode;
 type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
-const GROUPS: &[Group] = &[("free fall through air", free_fall::claims)];
+const GROUPS: &[Group] = &[
+    ("free fall through air", free_fall::claims),
+    ("kang", kang::claims),
+    ("hencky membrane", hencky::claims),
+    ("prestressed membrane", membrane::claims),
+];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
