@@ -12,6 +12,7 @@
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod elastic_pendulum;
 mod free_fall;
 mod hencky;
 mod kang;
@@ -31,6 +32,7 @@ const GROUPS: &[Group] = &[
     ("kang", kang::claims),
     ("hencky membrane", hencky::claims),
     ("prestressed membrane", membrane::claims),
+    ("elastic pendulum", elastic_pendulum::claims),
 ];
 
 fn main() -> ExitCode {
