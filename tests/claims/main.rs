@@ -14,9 +14,14 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod elastic_pendulum;
 mod free_fall;
 mod hanging_chain;
+mod hencky;
+mod kang;
+mod lattice;
 mod linearised;
+mod membrane;
 mod net;
 mod oscillator;
 mod pendulum;
@@ -43,6 +48,10 @@ const GROUPS: &[Group] = &[
     ("dispersion of a chain", waves::dispersion),
     ("wave speed of a chain", waves::speed),
     ("dispersion of a triangular net", net::claims),
+    ("kang", kang::claims),
+    ("hencky membrane", hencky::claims),
+    ("prestressed membrane", membrane::claims),
+    ("elastic pendulum", elastic_pendulum::claims),
 ];
 
 fn main() -> ExitCode {

@@ -1,8 +1,9 @@
 //! A scalar motion followed through a run: when it crosses zero, how fast it oscillates, by what angle a step turns it.
 
-use crate::common::run::{Seen, follow};
+use crate::common::run::follow;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
+use canopy_fem::simulation::Seen;
 use std::f64::consts::PI;
 
 /// A motion with its rate at every step.

@@ -1,0 +1,311 @@
+//! Hencky's membrane (1915; corrected by Campbell 1956 and Fichter 1997): a flat, unstrained disc held at its edge bulges under a
+//! uniform pressure across it. With q = p R/(E t), r = R rho, N_r = n E t q^(2/3), w' = -rho/(2 n) q^(1/3):
+//! ```text
+//! n^2 (n'' + 3 n'/rho) = -1/8,     n'(1) + (1 - nu) n(1) = 0  (no radial displacement at the edge)
+//! n = sum a_k rho^2k,   w(0) = R q^(1/3) int_0^1 rho/(2 n) drho
+//! ```
+//! The theory is of small strains (here q^(2/3) < 3e-5) and moderate slopes. nu = 1/3 is that of an equilateral net.
+
+use crate::claim::Claim;
+use crate::common::run::{Run, case_of, run};
+use crate::lattice::Lattice;
+use canopy_fem::mesh::source::MeshSource;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// [N/m] E t; radius and areal density are 1
+const SHEET: f64 = 1e5;
+/// [-] p R/(E t) of the comparison with the series
+const LOAD: f64 = 1e-7;
+
+/// Hencky's series for a Poisson ratio.
+struct Series {
+    /// n(rho) in powers of rho^2
+    n: Vec<f64>,
+    /// 1/n in powers of rho^2
+    inverse: Vec<f64>,
+}
+
+impl Series {
+    /// The terms fall like 0.6^k; 60 leave 1e-13.
+    const TERMS: usize = 60;
+
+    fn of(poisson: f64) -> Self {
+        let edge = |s: &Series| s.n.iter().zip(0..).map(|(a, k)| a * (2.0 * f64::from(k) + 1.0 - poisson)).sum::<f64>();
+        // A smaller n(0) falls faster towards the edge.
+        let (mut low, mut high) = (0.3, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            *(if edge(&Series::from_centre(middle)) < 0.0 { &mut low } else { &mut high }) = middle;
+        }
+        Series::from_centre(high)
+    }
+
+    fn from_centre(n0: f64) -> Self {
+        let product = |a: &[f64], b: &[f64], k: usize| (0..=k).map(|i| a[i] * b[k - i]).sum::<f64>();
+        let (mut n, mut inverse) = (vec![n0], vec![1.0 / n0]);
+        for k in 1..Self::TERMS {
+            // n'' + 3 n'/rho has the terms 4 k (k + 1) a_k rho^(2k - 2) and equals -(1/n)^2/8.
+            n.push(-product(&inverse, &inverse, k - 1) / (32.0 * (k * (k + 1)) as f64));
+            inverse.push(-(1..=k).map(|i| n[i] * inverse[k - i]).sum::<f64>() / n0);
+        }
+        Series { n, inverse }
+    }
+
+    /// w/(R q^(1/3))
+    fn deflection(&self, rho: f64) -> f64 {
+        let term = |(b, k): (&f64, i32)| b * (1.0 - rho.powi(2 * k + 2)) / (4.0 * f64::from(k + 1));
+        self.inverse.iter().zip(0..).map(term).sum()
+    }
+}
+
+/// How the pressure acts.
+#[derive(Clone, Copy)]
+enum Push {
+    /// across the disc on the area at the start, which is that of the bulge the run starts from
+    Dead,
+    Follower,
+    /// across the disc on the flat area
+    Nodal,
+}
+
+/// A disc of springs under pressure, brought to rest by backward Euler: with w h = 3 a step leaves a third of what moves.
+/// It starts from a bulge: a flat sheet without tension resists no small deflection, and Newton does not get off it in such steps.
+struct Disc {
+    mesh: Value,
+    springs: Value,
+    mass: Value,
+    pinned: Value,
+    loads: Vec<Value>,
+}
+
+impl Disc {
+    /// `membrane` wherever an edge has its two triangles; what the circle cuts has the same EA.
+    fn net(lattice: &Lattice, pressure: f64, kind: Push) -> Self {
+        let mut sides: HashMap<[u32; 2], u8> = HashMap::new();
+        for [a, b, c] in &lattice.triangles {
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                *sides.entry([*p.min(q), *p.max(q)]).or_default() += 1;
+            }
+        }
+        let whole = |s: &&[u32; 2]| sides.get(&[s[0].min(s[1]), s[0].max(s[1])]) == Some(&2);
+        let sheet: Vec<usize> = (0..lattice.springs.len()).filter(|&i| whole(&&lattice.springs[i])).collect();
+        let rigidity = 0.75_f64.sqrt() * SHEET * lattice.edge;
+        // Whole triangles carry their pressure; the sixths of a cell that the circle has cut are forces on the node.
+        let (mut loads, mut around) = (Vec::new(), lattice.triangles_around());
+        match kind {
+            Push::Dead => {
+                loads.push(json!({"on": "all", "pressure": pressure, "kind": "dead", "direction": [0, 0, 1]}))
+            }
+            Push::Follower => loads.push(json!({"on": "all", "pressure": pressure, "kind": "follower"})),
+            Push::Nodal => around.fill(0),
+        }
+        let free = |i: &u32| !lattice.pinned.contains(i);
+        for (there, missing) in (0..6_usize).zip((1..=6).rev()) {
+            let ids: Vec<u32> = (0..).zip(&around).filter(|(i, n)| **n == there && free(i)).map(|(i, _)| i).collect();
+            if !ids.is_empty() {
+                let force = f64::from(missing) / 6.0 * pressure * lattice.cell();
+                loads.push(json!({"on": {"ids": ids}, "force": [0, 0, force]}));
+            }
+        }
+        Disc {
+            mesh: json!({"explicit": {
+                "nodes": lattice.nodes, "springs": lattice.springs, "triangles": lattice.triangles
+            }}),
+            springs: json!([
+                {"on": {"ids": sheet}, "membrane": {"modulus": 1e4 * SHEET, "thickness": 1e-4}},
+                {"on": "all", "axial_rigidity": rigidity}
+            ]),
+            mass: json!({"nodal": lattice.cell()}),
+            pinned: json!({"ids": lattice.pinned}),
+            loads,
+        }
+    }
+
+    fn unstructured(nodes: u32, pressure: f64) -> Self {
+        Disc {
+            mesh: json!({"disc": {"radius": 1.0, "nodes": nodes, "grading": 1.0}}),
+            springs: json!([{"on": "all", "membrane": {"modulus": 1e4 * SHEET, "thickness": 1e-4}}]),
+            mass: json!({"areal_density": 1.0}),
+            pinned: json!("outer"),
+            loads: vec![json!({"on": "all", "pressure": pressure, "kind": "dead", "direction": [0, 0, 1]})],
+        }
+    }
+
+    fn at_rest(self, load: f64) -> Run {
+        // [rad/s] the slowest mode of a disc under the tension that will be: 2.4 sqrt(N/sigma)
+        let rate = 2.4 * (0.4 * SHEET * load.powf(2.0 / 3.0)).sqrt();
+        let h = 3.0 / rate;
+        let source: MeshSource = serde_json::from_value(self.mesh.clone()).expect("a mesh section");
+        let bulge = |p: &[f64; 3]| [0.0, 0.0, 0.6 * load.cbrt() * (1.0 - p[0] * p[0] - p[1] * p[1])];
+        let nodes = source.build(Path::new("")).expect("a sound mesh").nodes;
+        let displacement: Vec<[f64; 3]> = nodes.iter().map(bulge).collect();
+        let case = json!({
+            "name": "hencky",
+            "system": {"network": {
+                "mesh": self.mesh, "mass": self.mass, "springs": self.springs, "loads": self.loads,
+                "supports": [{"on": self.pinned, "fix": "xyz"}],
+                "initial": {"displacement": displacement}
+            }},
+            "time": {"end": 20.0 * h, "method": "backward-euler", "step": h}
+        });
+        let run = run(&case_of(&case, &[]));
+        let (ledger, status) = (run.outcome.ledger, run.outcome.status);
+        assert!(ledger.kinetic < 1e-12 * ledger.elastic, "not at rest: {status:?}, {ledger:?}");
+        run
+    }
+}
+
+/// Deflections of a run against the series, as shares of the deflection of the centre.
+struct Errors {
+    /// of the highest node
+    centre: f64,
+    /// of the worst node
+    worst: f64,
+}
+
+fn height(run: &Run) -> f64 {
+    run.positions.iter().map(|p| p[2]).fold(0.0, f64::max)
+}
+
+fn errors(run: &Run, series: &Series) -> Errors {
+    let scale = LOAD.cbrt();
+    let off = |p: &[f64; 3]| (p[2] / scale - series.deflection(p[0].hypot(p[1]))) / series.deflection(0.0);
+    let top = run.positions.iter().max_by(|a, b| a[2].total_cmp(&b[2])).expect("a disc has nodes");
+    Errors { centre: off(top), worst: run.positions.iter().map(|p| off(p).abs()).fold(0.0, f64::max) }
+}
+
+/// [-] N(0)/(E t q^(2/3)) from the six springs around the centre: N = sqrt 3 T/a.
+fn tension(run: &Run, lattice: &Lattice) -> f64 {
+    let from = |p: [f64; 3], q: [f64; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>().sqrt();
+    let centre = (0..lattice.nodes.len()).find(|&i| from(lattice.nodes[i], [0.0; 3]) < 1e-12).expect("it has one");
+    let ends = lattice.springs.iter().map(|s| s.map(|n| n as usize)).filter(|s| s.contains(&centre));
+    let strains =
+        ends.map(|[a, b]| from(run.positions[a], run.positions[b]) / from(lattice.nodes[a], lattice.nodes[b]) - 1.0);
+    // T = (sqrt 3/2) E t a e in all six
+    1.5 * strains.sum::<f64>() / 6.0 / LOAD.powf(2.0 / 3.0)
+}
+
+/// d ln w(0)/d q^(2/3) that a pressure gains by following the surface: it then also pushes outwards, and acts on the area that has
+/// been stretched. By shooting for n(0) with u(1) = 0, e = q^(2/3) being the switch:
+/// ```text
+/// w' = -(rho/2 + e u)/n,   n_t = u/rho + nu n,   rho n' = n_t - n + e rho w',   u' = n - nu n_t - w'^2/2
+/// ```
+fn follower_gain(poisson: f64) -> f64 {
+    let slope = |e: f64, rho: f64, y: [f64; 3]| {
+        let [n, u, _] = y;
+        let (dw, around) = (-(0.5 * rho + e * u) / n, u / rho + poisson * n);
+        [(around - n) / rho + e * dw, n - poisson * around - 0.5 * dw * dw, dw]
+    };
+    // n, u and w at the edge by the classical Runge-Kutta method
+    let edge = |e: f64, n0: f64| {
+        let (start, steps) = (1e-3, 2000);
+        let h = (1.0 - start) / f64::from(steps);
+        let mut y = [n0, (1.0 - poisson) * n0 * start, 0.0];
+        for i in 0..steps {
+            let rho = start + h * f64::from(i);
+            let ahead = |s: f64, k: [f64; 3]| slope(e, rho + s, std::array::from_fn(|c| y[c] + s * k[c]));
+            let k1 = slope(e, rho, y);
+            let (k2, k3) = (ahead(0.5 * h, k1), ahead(0.5 * h, ahead(0.5 * h, k1)));
+            let k4 = ahead(h, k3);
+            y = std::array::from_fn(|c| y[c] + h / 6.0 * (k1[c] + 2.0 * (k2[c] + k3[c]) + k4[c]));
+        }
+        y
+    };
+    let height = |e: f64| {
+        let (mut low, mut high) = (0.3, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            *(if edge(e, middle)[1] < 0.0 { &mut low } else { &mut high }) = middle;
+        }
+        -edge(e, high)[2]
+    };
+    let e = 1e-3;
+    (height(e) / height(-e)).ln() / (2.0 * e)
+}
+
+fn lattices(claims: &mut Vec<Claim>, series: &Series) {
+    let solved = [8, 16, 32].map(|n| {
+        let lattice = Lattice::disc(n);
+        let run = Disc::net(&lattice, LOAD * SHEET, Push::Dead).at_rest(LOAD);
+        (f64::from(n), errors(&run, series), tension(&run, &lattice) / series.n[0] - 1.0)
+    });
+    for (n, e, tension) in &solved {
+        // The cut at the circle differs from net to net: C wanders between 0.024 and 0.047 for n = 5 .. 40.
+        claims.push(Claim::between(
+            format!("regular net, edge R/{n}: error of the centre's deflection = C (edge/R)^2, C"),
+            e.centre * n * n,
+            0.02,
+            0.05,
+        ));
+        // Steepest at the edge, where the cut is.
+        claims.push(Claim::below(
+            format!("regular net, edge R/{n}: error of the worst node over the deflection of the centre"),
+            e.worst,
+            0.6 / (n * n),
+        ));
+        claims.push(Claim::below(
+            format!("regular net, edge R/{n}: error of the centre's tension"),
+            *tension,
+            0.1 / (n * n),
+        ));
+    }
+    let [_, (_, middle, _), (_, fine, _)] = &solved;
+    // C's wandering is not extrapolated away; strains of 1e-5 are not the theory's small ones: 0.16 q^(2/3) = 3.5e-6.
+    claims.push(Claim::absolute(
+        "regular nets R/16 and R/32 extrapolated (order 2): deflection of the centre over the series'",
+        1.0 + (4.0 * fine.centre - middle.centre) / 3.0,
+        1.0,
+        3e-5,
+    ));
+}
+
+/// Nets without order are not a sheet of Poisson ratio 1/3 at any fineness: between 150 and 4800 nodes the mean deflection is off
+/// by up to 1.8e-3 in both directions, without a trend; only the scatter of single nodes evens out.
+fn unstructured(claims: &mut Vec<Claim>, series: &Series) {
+    for nodes in [300, 1200] {
+        let run = Disc::unstructured(nodes, LOAD * SHEET).at_rest(LOAD);
+        let exact: f64 = run.reference.iter().map(|p| series.deflection(p[0].hypot(p[1]))).sum();
+        let mean = run.positions.iter().map(|p| p[2]).sum::<f64>() / LOAD.cbrt() / exact - 1.0;
+        claims.push(Claim::between(
+            format!("the program's disc of {nodes} nodes: error of the mean deflection, a plateau"),
+            mean,
+            -2e-3,
+            2e-3,
+        ));
+        claims.push(Claim::between(
+            format!("the program's disc of {nodes} nodes: error of the worst node over the centre's deflection"),
+            errors(&run, series).worst,
+            1e-3,
+            1.2e-2,
+        ));
+    }
+}
+
+fn follower(claims: &mut Vec<Claim>) {
+    let (lattice, load) = (Lattice::disc(24), 1e-3_f64);
+    let [dead, follower] =
+        [Push::Nodal, Push::Follower].map(|kind| height(&Disc::net(&lattice, load * SHEET, kind).at_rest(load)));
+    // The sixths cut off at the circle do not follow: 0.8 % at this edge, falling with its square. The next order in q^(2/3) = 0.01
+    // gives 0.4 %.
+    claims.push(Claim::relative(
+        "pressure that follows against one that does not, q = 1e-3, edge R/24: gain of the centre's deflection over q^(2/3)",
+        (follower / dead - 1.0) / load.powf(2.0 / 3.0),
+        follower_gain(1.0 / 3.0),
+        2e-2,
+    ));
+}
+
+pub fn claims() -> Vec<Claim> {
+    let (series, published) = (Series::of(1.0 / 3.0), Series::of(0.3));
+    // Fichter (NASA TP-3658, 1997) tabulates b0 = 4 n(0), Campbell (1956) the deflection; to their last digit.
+    let mut claims = vec![
+        Claim::absolute("the series: 4 n(0) for nu = 0.3 as published", 4.0 * published.n[0], 1.7244, 5e-5),
+        Claim::absolute("the series: w(0) for nu = 0.3 as published", published.deflection(0.0), 0.653, 5e-4),
+    ];
+    lattices(&mut claims, &series);
+    unstructured(&mut claims, &series);
+    follower(&mut claims);
+    claims
+}
