@@ -42,7 +42,7 @@ fn zeros(n: usize) -> Vec<f64> {
     between[1..=n].to_vec()
 }
 
-/// A chain of 1 m and 1 kg with links 10 to 200 times stiffer than m g/l.
+/// A chain of 1 m and 1 kg with links 200 N times stiffer than m g/l.
 fn chain(beads: usize) -> Hanging {
     let n = beads as f64;
     Hanging { beads, mass: 1.0 / n, link: 1.0 / n, stiffness: 2000.0 * n }
