@@ -2,6 +2,7 @@
 
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
+use super::plot::PlotArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -21,6 +22,8 @@ pub enum Command {
     Solve(SolveArgs),
     /// Solve nothing: show all faults, what is modelled, and the critical step of every method
     Check(CaseArgs),
+    /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
+    Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
     /// List the methods with order and stability
