@@ -20,15 +20,15 @@ struct Entry {
     of: fn(&LedgerRow) -> f64,
 }
 
-/// In the order of the picture; colours go with the place in this list.
+/// In the order of the picture.
 const ENTRIES: [Entry; 7] = [
+    Entry { name: "kinetic + elastic + gravity", of: |r| r.kinetic + r.elastic + r.gravity },
     Entry { name: "kinetic", of: |r| r.kinetic },
     Entry { name: "elastic", of: |r| r.elastic },
     Entry { name: "gravity", of: |r| r.gravity },
     Entry { name: "external work", of: |r| r.external_work },
     Entry { name: "dissipated", of: |r| r.dissipated },
     Entry { name: "numerical", of: |r| r.numerical },
-    Entry { name: "kinetic + elastic + gravity", of: |r| r.kinetic + r.elastic + r.gravity },
 ];
 
 /// All entries of a single run in one chart; a chart an entry for several runs. Entries that are zero throughout are left out.
@@ -74,9 +74,11 @@ fn shown(runs: &[Run], view: &View) -> Vec<(usize, Entry)> {
     let sizes = ENTRIES.map(|entry| size(&entry));
     let largest = sizes.iter().copied().fold(0.0, f64::max);
     let counts = |i: usize| sizes[i] > ROUNDING * largest;
-    let parts = (0..3).filter(|i| counts(*i)).count();
-    let kept = |i: &usize| counts(*i) && (*i < ENTRIES.len() - 1 || parts > 1);
-    let shown: Vec<_> = (0..ENTRIES.len()).filter(kept).map(|i| (i, ENTRIES[i])).collect();
+    let parts = (1..4).filter(|i| counts(*i)).count();
+    let kept = |i: &usize| if *i == 0 { parts > 1 } else { counts(*i) };
+    // The sum is black, the last colour of the palette; the others keep theirs whatever is left out.
+    let entry = |i: usize| ((i + ENTRIES.len() - 1) % ENTRIES.len(), ENTRIES[i]);
+    let shown: Vec<_> = (0..ENTRIES.len()).filter(kept).map(entry).collect();
     // A run at rest from end to end has an account of zeros; that is what its picture shows.
-    if shown.is_empty() { vec![(0, ENTRIES[0])] } else { shown }
+    if shown.is_empty() { vec![entry(0)] } else { shown }
 }

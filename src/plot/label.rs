@@ -4,14 +4,15 @@ use super::results::{Ending, Run};
 use crate::drive::Status;
 use std::collections::BTreeSet;
 
-/// One label a run: method and step where the runs differ in these, their folders where that does not tell them apart; and how a run
+/// One label a run: case, method and step where the runs differ in these, their folders where that does not tell them apart; and how a run
 /// ended, if not well. A single run has no name beside the title's.
 pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
     let step = |run: &Run| run.step.map_or_else(|| "adaptive".to_owned(), |h| format!("h = {} s", short(h)));
+    let names = differ(&|r| r.name.clone());
     let (methods, steps) = (differ(&|r| r.method.clone()), differ(&step));
     let told = |run: &Run| {
-        let words = [methods.then(|| run.method.clone()), steps.then(|| step(run))];
+        let words = [names.then(|| run.name.clone()), methods.then(|| run.method.clone()), steps.then(|| step(run))];
         words.into_iter().flatten().collect::<Vec<_>>().join(", ")
     };
     let distinct = runs.iter().map(told).collect::<BTreeSet<_>>().len() == runs.len();
@@ -48,7 +49,7 @@ fn ending(Ending { status, time }: Ending) -> String {
         Status::NotConverged => "not converged",
         Status::Interrupted => "interrupted",
     };
-    format!("{word} at t = {} s", short(time))
+    format!("{word} at {} s", short(time))
 }
 
 /// A number with at most four digits that count.

@@ -41,7 +41,7 @@ pub(super) fn displacement(runs: &[Run], view: &View) -> Result<Chart, PlotError
         quantity.samples(track, view).map(|s| Timed { t: s.t, at: (s.t, s.value) }).collect()
     });
     let limits = Limits { x: times(&drawn.curves), y: limits(&drawn.curves, |p| p.1) };
-    let title = title(runs, &format!("{}{}", quantity.name(), subject(&groups)));
+    let title = title(runs, &format!("{}{}", quantity.name(), quantity.subject(&groups)));
     drawn.chart(title, [Axis::linear("time t [s]"), Axis::linear(quantity.label())], limits)
 }
 
@@ -53,7 +53,7 @@ pub(super) fn phase(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
         quantity.samples(track, view).map(|s| Timed { t: s.t, at: (s.value, s.rate) }).collect()
     });
     let limits = Limits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
-    let title = title(runs, &format!("phase{}", subject(&groups)));
+    let title = title(runs, &format!("phase{}", quantity.subject(&groups)));
     drawn.chart(title, [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())], limits)
 }
 
@@ -70,6 +70,14 @@ impl Quantity {
         match self {
             Quantity::Along(_) => "displacement",
             Quantity::Angle => "angle",
+        }
+    }
+
+    /// Whose it is; a pendulum has one bob only.
+    fn subject(self, groups: &[Group<'_>]) -> String {
+        match self {
+            Quantity::Along(_) => subject(groups),
+            Quantity::Angle => String::new(),
         }
     }
 

@@ -158,7 +158,7 @@ impl<'a> Pen<'a> {
 
 /// [px] about how wide words are; SVG letters are the reader's, so nobody knows.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    0.58 * size * text.chars().count() as f64
+    0.54 * size * text.chars().count() as f64
 }
 
 fn fine(spot: Spot) -> (i32, i32) {
