@@ -200,6 +200,11 @@ fn a_diverged_run_is_drawn() {
     // a unit is 0.0015 m.
     let edge = 2.0 + 4.0 + 0.04 * 12.0;
     assert!((good - 2.0).abs() < 0.01 && (wild - edge).abs() < 0.03, "{good} m and {wild} m, cut at {edge} m");
+    // What is lost in a dashpot is nothing beside the energies of the blow-up, and shown all the same.
+    assert_eq!(desk.solve("oscillator-damped", "damped", &[]), Some(0));
+    desk.plot(&["wild", "damped", "--kind", "energy"], &["energy.svg"]);
+    let energy = desk.picture("energy.svg");
+    assert!(energy.says("dissipated") && energy.says("kinetic"), "{:?}", energy.words());
 }
 
 /// A run without probes has an energy account all the same; a long one is thinned.

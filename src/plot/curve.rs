@@ -48,11 +48,11 @@ impl Curve {
         Line { label: label.to_owned(), points, stroke, color: Some(color), ..Line::default() }
     }
 
-    /// A cross where a run that did not reach its end stopped, at the frame's edge if the line has left the frame there.
-    pub(super) fn end_mark(&self, color: usize, limits: Limits) -> Option<Line> {
+    /// A cross where a run that did not reach its end stopped. Over time it stays at the frame's edge where the line has left the frame:
+    /// `held` is the vertical range it is held in.
+    pub(super) fn end_mark(&self, color: usize, held: Option<(f64, f64)>) -> Option<Line> {
         let (x, y) = self.trusted().last().filter(|_| self.ending.status != Status::Completed)?;
-        let held = |v: f64, limits: Option<(f64, f64)>| limits.map_or(v, |(low, high)| v.max(low).min(high));
-        let points = vec![(held(x, limits.x), held(y, limits.y))];
+        let points = vec![(x, held.map_or(y, |(low, high)| y.max(low).min(high)))];
         Some(Line { points, stroke: Stroke::None, marker: Marker::Cross, color: Some(color), ..Line::default() })
     }
 }
@@ -109,8 +109,8 @@ mod tests {
         near(limits(&[good.clone(), mild.clone()], y), (-1.5, 2.0));
         near(limits(&[good.clone(), wild], y), (-3.0, 3.0));
         near(limits(std::slice::from_ref(&mild), y), (-1.5, 2.0));
-        let mark = mild.end_mark(1, Limits { x: None, y: Some((-1.0, 1.0)) }).expect("it failed");
+        let mark = mild.end_mark(1, Some((-1.0, 1.0))).expect("it failed");
         assert_eq!(mark.points, [(3.0, 1.0)]);
-        assert_eq!(good.end_mark(0, Limits { x: None, y: None }), None);
+        assert_eq!(good.end_mark(0, None), None);
     }
 }

@@ -60,7 +60,7 @@ fn curve(run: &Run, entry: Entry, view: &View) -> Curve {
 fn chart(title: String, curves: Vec<Curve>, names: Vec<(usize, String)>) -> Chart {
     let limits = Limits { x: times(&curves), y: limits(&curves, |p| p.1) };
     let lines = curves.iter().zip(&names).map(|(curve, (color, name))| curve.line(name, *color, Stroke::Normal));
-    let marks = curves.iter().zip(&names).filter_map(|(curve, (color, _))| curve.end_mark(*color, limits));
+    let marks = curves.iter().zip(&names).filter_map(|(curve, (color, _))| curve.end_mark(*color, limits.y));
     let lines: Vec<Line> = lines.chain(marks).collect();
     let x = Axis { range: limits.x, ..Axis::linear("time t [s]") };
     let y = Axis { range: limits.y, ..Axis::linear("energy [J]") };
@@ -69,11 +69,10 @@ fn chart(title: String, curves: Vec<Curve>, names: Vec<(usize, String)>) -> Char
 
 /// The entries that are not zero in some run, with their numbers; the sum only where it sums something.
 fn shown(runs: &[Run], view: &View) -> Vec<(usize, Entry)> {
-    let rows = || runs.iter().flat_map(|run| run.energies.iter().filter(|(t, _)| view.sees(*t)).map(|(_, row)| row));
-    let size = |entry: &Entry| rows().map(|r| (entry.of)(r).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let sizes = ENTRIES.map(|entry| size(&entry));
-    let largest = sizes.iter().copied().fold(0.0, f64::max);
-    let counts = |i: usize| sizes[i] > ROUNDING * largest;
+    // A run at a time: beside the numbers of a blow-up, all of another run would pass for rounding.
+    let sizes: Vec<[f64; ENTRIES.len()]> = runs.iter().map(|run| sizes(run, view)).collect();
+    let largest = |sizes: &[f64]| sizes.iter().copied().fold(0.0, f64::max);
+    let counts = |i: usize| sizes.iter().any(|of_run| of_run[i] > ROUNDING * largest(of_run));
     let parts = (1..4).filter(|i| counts(*i)).count();
     let kept = |i: &usize| if *i == 0 { parts > 1 } else { counts(*i) };
     // The sum is black, the last colour of the palette; the others keep theirs whatever is left out.
@@ -81,4 +80,10 @@ fn shown(runs: &[Run], view: &View) -> Vec<(usize, Entry)> {
     let shown: Vec<_> = (0..ENTRIES.len()).filter(kept).map(entry).collect();
     // A run at rest from end to end has an account of zeros; that is what its picture shows.
     if shown.is_empty() { vec![entry(0)] } else { shown }
+}
+
+/// [J] the largest absolute value of every entry in a run.
+fn sizes(run: &Run, view: &View) -> [f64; ENTRIES.len()] {
+    let rows = || run.energies.iter().filter(|(t, _)| view.sees(*t)).map(|(_, row)| row);
+    ENTRIES.map(|entry| rows().map(|row| (entry.of)(row).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max))
 }

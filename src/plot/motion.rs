@@ -42,7 +42,8 @@ pub(super) fn displacement(runs: &[Run], view: &View) -> Result<Chart, PlotError
     });
     let limits = Limits { x: times(&drawn.curves), y: limits(&drawn.curves, |p| p.1) };
     let title = title(runs, &format!("{}{}", quantity.name(), quantity.subject(&groups)));
-    drawn.chart(title, [Axis::linear("time t [s]"), Axis::linear(quantity.label())], limits)
+    let axes = [Axis::linear("time t [s]"), Axis::linear(quantity.label())];
+    drawn.chart(title, axes, limits, limits.y)
 }
 
 /// Rate over displacement.
@@ -54,7 +55,9 @@ pub(super) fn phase(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
     });
     let limits = Limits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
     let title = title(runs, &format!("phase{}", quantity.subject(&groups)));
-    drawn.chart(title, [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())], limits)
+    let axes = [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())];
+    // A mark at the edge of a phase diagram would stand where the run never was.
+    drawn.chart(title, axes, limits, None)
 }
 
 impl Quantity {
@@ -132,14 +135,21 @@ impl<'a> Drawn<'a> {
         Drawn { groups, curves: groups.iter().flat_map(of_group).collect() }
     }
 
-    fn chart(self, title: String, [x, y]: [Axis; 2], limits: Limits) -> Result<Chart, PlotError> {
+    /// `held` is where marks of ends are held, see [`Curve::end_mark`].
+    fn chart(
+        self,
+        title: String,
+        [x, y]: [Axis; 2],
+        limits: Limits,
+        held: Option<(f64, f64)>,
+    ) -> Result<Chart, PlotError> {
         let (mut lines, mut marks) = (Vec::new(), Vec::new());
         let mut curves = self.curves.iter();
         for (color, group) in self.groups.iter().enumerate() {
             let stroke = if group.tracks.len() > FEW { Stroke::Thin } else { Stroke::Normal };
             for (i, curve) in curves.by_ref().take(group.tracks.len()).enumerate() {
                 lines.push(curve.line(if i == 0 { &group.label } else { "" }, color, stroke));
-                marks.extend(curve.end_mark(color, limits).filter(|_| i < FEW));
+                marks.extend(curve.end_mark(color, held).filter(|_| i < FEW));
             }
         }
         lines.extend(marks);
