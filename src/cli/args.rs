@@ -23,6 +23,9 @@ pub enum Command {
     /// Solve nothing: show all faults, what is modelled, and the critical step of every method
     Check(CaseArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
+    ///
+    /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from
+    /// where a node lies before any initial displacement; a pendulum shows its angle.
     Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),

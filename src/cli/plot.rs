@@ -8,10 +8,7 @@ use crate::plot::view::{Direction, Kind, View, picture};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid.
-///
-/// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from where a
-/// node lies before any initial displacement; a pendulum shows its angle.
+/// `plot`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PlotArgs {
     /// Folders with results, as `canopy-fem solve` writes them
