@@ -8,6 +8,7 @@ use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
+use crate::plot::PlotError;
 use crate::simulation::SetupError;
 use std::io::ErrorKind;
 
@@ -38,6 +39,9 @@ pub enum CliError {
     /// A mesh cannot be made, read or written.
     #[error(transparent)]
     Mesh(#[from] MeshCliError),
+    /// Results cannot be read or drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// An example case cannot be written.
     #[error(transparent)]
     Init(#[from] InitError),
@@ -54,6 +58,7 @@ impl CliError {
             CliError::Folder(FolderError::System { .. }) => 1,
             CliError::Folder(_) => 2,
             CliError::Mesh(e) => e.exit_status(),
+            CliError::Plot(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_)) => 2,

@@ -6,6 +6,7 @@ mod error;
 pub mod init;
 pub mod mesh;
 mod methods;
+pub mod plot;
 pub mod progress;
 pub mod schema;
 mod solve;
@@ -58,6 +59,7 @@ fn dispatch(command: &Command) -> Result<Finished, CliError> {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
+        Command::Plot(args) => plot::run(args).map(done),
         Command::Methods => Ok(done(methods::run())),
         Command::Schema => Ok(done(schema::run() + "\n")),
         Command::Init(args) => {
