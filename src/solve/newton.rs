@@ -273,7 +273,7 @@ impl Newton {
     }
 
     /// Whether the trial is nearer to the solution although its residual (norm `merit`) is larger: the same tangent asks of it a
-    /// correction clearly smaller than the step (Deuflhard's restricted natural monotonicity, 2004, Eq. 3.32). Where a stiff spring
+    /// correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004, section 3.3, algorithm NLEQ-ERR). Where a stiff spring
     /// turns or a flat sheet begins to bulge, the residual must rise first: its norm only sees the stiff direction.
     fn nears(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, merit: f64) -> bool {
         if !merit.is_finite() {
