@@ -27,6 +27,7 @@ mod oscillator;
 mod pendulum;
 mod signal;
 mod spring_pendulum;
+mod thesis;
 mod waves;
 
 use claim::{Claim, table};
@@ -52,6 +53,8 @@ const GROUPS: &[Group] = &[
     ("hencky membrane", hencky::claims),
     ("prestressed membrane", membrane::claims),
     ("elastic pendulum", elastic_pendulum::claims),
+    ("table 4 of the thesis", thesis::table_4),
+    ("remarks of the thesis", thesis::remarks),
 ];
 
 fn main() -> ExitCode {
