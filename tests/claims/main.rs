@@ -12,7 +12,10 @@
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod energy_oscillator;
 mod free_fall;
+mod linear_theory;
+mod one_mass;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -22,7 +25,8 @@ use std::process::ExitCode;
 type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
-const GROUPS: &[Group] = &[("free fall through air", free_fall::claims)];
+const GROUPS: &[Group] =
+    &[("free fall through air", free_fall::claims), ("energy of an oscillator", energy_oscillator::claims)];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
