@@ -23,17 +23,26 @@ pub fn claims() -> Vec<Claim> {
     predicted_only(&mut claims);
     for wh in [0.1, 1.0, 10.0] {
         let kept = worst(&rows(&json!("newmark"), wh, 10_000), Row::energy);
-        // Rounding of 10^4 steps; whether it walks or drifts, it is a few eps a step at most.
-        claims.push(Claim::below(format!("newmark 1/4: w h {wh}: energy over 10^4 steps, worst share off"), kept, 1e-12));
+        // The map's coefficients 4/h^2, 4/h, 2/h are rounded once for all steps, which makes growth or decay of some eps a step.
+        claims.push(Claim::below(
+            format!("newmark 1/4: w h {wh}: energy over 10^4 steps, worst share off"),
+            kept,
+            1e-11,
+        ));
     }
     claims.push(Claim::below(
-        "newmark 1/4: chain of 12 masses, w h 0.5 to 4: energy over 10^4 steps, worst share off",
+        "newmark 1/4: chain of 12 masses, w h 0.5 to 4, h = 2 s: energy over 10^4 steps, worst share off",
         chain(),
-        1e-12,
+        5e-12,
     ));
-    for named in
-        [newmark(0.3025, 0.6), hht(-0.1), hht(-0.3), generalized_alpha(0.8), generalized_alpha(0.3), generalized_alpha(0.0)]
-    {
+    for named in [
+        newmark(0.3025, 0.6),
+        hht(-0.1),
+        hht(-0.3),
+        generalized_alpha(0.8),
+        generalized_alpha(0.3),
+        generalized_alpha(0.0),
+    ] {
         for wh in [0.3, 1.5] {
             decay(&named, wh, &mut claims);
         }
@@ -65,7 +74,7 @@ fn fixed_factors(wh: f64) -> Vec<Claim> {
         let lost = rows[steps].ledger.numerical / rows[0].energy();
         let what = format!("{method}: w h {wh}: numerical after {steps} steps over the first energy");
         let grown = factor.powi(steps as i32);
-        claims.push(Claim::absolute(what, lost, 1.0 - grown, ROUNDING * steps as f64 * grown.max(1.0)));
+        claims.push(Claim::absolute(what, lost, 1.0 - grown, 2.0 * ROUNDING * grown.max(1.0)));
     }
     claims
 }
@@ -90,7 +99,11 @@ fn euler_cromer(wh: f64, claims: &mut Vec<Claim>) {
     let w = frequency();
     let rows = rows(&json!("euler-cromer"), wh, 10_000);
     let kept = worst(&rows, |r| r.v.powi(2) + (w * r.x).powi(2) - wh * w * r.x * r.v);
-    claims.push(Claim::below(format!("euler-cromer: w h {wh}: v^2 + w^2 x^2 - w^2 h x v over 10^4 steps"), kept, 1e-12));
+    claims.push(Claim::below(
+        format!("euler-cromer: w h {wh}: v^2 + w^2 x^2 - w^2 h x v over 10^4 steps"),
+        kept,
+        1e-12,
+    ));
     let [low, high] = extremes(&rows);
     let name = |which| format!("euler-cromer: w h {wh}: {which} energy over the first");
     claims.push(Claim::relative(name("largest"), high, 1.0 / (1.0 - wh / 2.0), PHASES));
@@ -102,7 +115,11 @@ fn verlet(wh: f64, claims: &mut Vec<Claim>) {
     let w = frequency();
     let rows = rows(&json!("velocity-verlet"), wh, 10_000);
     let kept = worst(&rows, |r| r.v.powi(2) + (w * r.x).powi(2) * (1.0 - wh * wh / 4.0));
-    claims.push(Claim::below(format!("velocity-verlet: w h {wh}: v^2 + w^2 x^2 (1 - W^2/4) over 10^4 steps"), kept, 1e-12));
+    claims.push(Claim::below(
+        format!("velocity-verlet: w h {wh}: v^2 + w^2 x^2 (1 - W^2/4) over 10^4 steps"),
+        kept,
+        1e-12,
+    ));
     let [low, high] = extremes(&rows);
     let name = |which| format!("velocity-verlet: w h {wh}: {which} energy over the first");
     claims.push(Claim::relative(name("largest"), high, 1.0, 1e-12));
@@ -123,24 +140,16 @@ fn predicted_only(claims: &mut Vec<Claim>) {
 }
 
 /// x_n^2 - x_{n-1} x_{n+1} of an oscillation c z^n is |z|^2 times itself a step: the spectral radius without any phase in it,
-/// once the third root has died out. The program's energy, which does have a phase in it, must fall at the same mean rate.
+/// once the third root has died out.
 fn decay(named: &Named, wh: f64, claims: &mut Vec<Claim>) {
     let (first, last) = (40, 60);
     let rows = rows(&named.method, wh, last + 1);
     let q = |n: usize| rows[n].x.powi(2) - rows[n - 1].x * rows[n + 1].x;
     let radius = (q(last) / q(first)).powf(0.5 / (last - first) as f64);
     let expected = named.member.character(wh).radius;
-    // Rounding of x is up to 1e-16 of l0, x itself down to START radius^60.
-    let digits = 2e-15 * expected.powi(-(last as i32));
+    // Rounding of the force is 1e-16 of that at x = l0, x is down to START radius^60; the root of 20 steps takes most of it back.
+    let digits = 2e-14 + 1e-17 * expected.powi(-(last as i32));
     claims.push(Claim::relative(format!("{}: w h {wh}: amplitude a step", named.method), radius, expected, digits));
-    let lost = rows[last].ledger.numerical / rows[0].energy();
-    let left = rows[last].energy() / rows[0].energy();
-    claims.push(Claim::absolute(
-        format!("{}: w h {wh}: numerical and what is left, over the first energy", named.method),
-        lost + left,
-        1.0,
-        ROUNDING,
-    ));
 }
 
 /// A chain between two anchors, moving along itself: linear, with frequencies from 0.12 to 2 times the fastest of one spring.
