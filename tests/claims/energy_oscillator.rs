@@ -149,7 +149,7 @@ fn decay(named: &Named, wh: f64, claims: &mut Vec<Claim>) {
     let expected = named.member.character(wh).radius;
     // Rounding of the force is 1e-16 of that at x = l0, x is down to START radius^60; the root of 20 steps takes most of it back.
     let digits = 2e-14 + 1e-17 * expected.powi(-(last as i32));
-    claims.push(Claim::relative(format!("{}: w h {wh}: amplitude a step", named.method), radius, expected, digits));
+    claims.push(Claim::relative(format!("{}: w h {wh}: amplitude a step", named.name()), radius, expected, digits));
 }
 
 /// A chain between two anchors, moving along itself: linear, with frequencies from 0.12 to 2 times the fastest of one spring.

@@ -29,6 +29,14 @@ pub struct Named {
     pub member: Member,
 }
 
+impl Named {
+    /// `hht alpha -0.1`
+    pub fn name(&self) -> String {
+        let text = self.method.to_string().replace([':', ','], " ");
+        text.chars().filter(|c| !"{}\"".contains(*c)).collect()
+    }
+}
+
 pub fn newmark(beta: f64, gamma: f64) -> Named {
     let method = json!({"newmark": {"beta": beta, "gamma": gamma}});
     Named { method, member: Member { beta, gamma, am: 0.0, af: 0.0 } }

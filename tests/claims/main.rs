@@ -16,6 +16,7 @@ mod energy_oscillator;
 mod free_fall;
 mod linear_theory;
 mod one_mass;
+mod spectra;
 
 use claim::{Claim, table};
 use rayon::prelude::*;
@@ -25,8 +26,11 @@ use std::process::ExitCode;
 type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
-const GROUPS: &[Group] =
-    &[("free fall through air", free_fall::claims), ("energy of an oscillator", energy_oscillator::claims)];
+const GROUPS: &[Group] = &[
+    ("free fall through air", free_fall::claims),
+    ("energy of an oscillator", energy_oscillator::claims),
+    ("spectra", spectra::claims),
+];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
