@@ -12,10 +12,12 @@
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod energy_ledger;
 mod energy_oscillator;
 mod free_fall;
 mod linear_theory;
 mod one_mass;
+mod rich_net;
 mod spectra;
 
 use claim::{Claim, table};
@@ -29,6 +31,7 @@ type Group = (&'static str, fn() -> Vec<Claim>);
 const GROUPS: &[Group] = &[
     ("free fall through air", free_fall::claims),
     ("energy of an oscillator", energy_oscillator::claims),
+    ("energy ledger", energy_ledger::claims),
     ("spectra", spectra::claims),
 ];
 
