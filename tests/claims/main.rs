@@ -16,6 +16,7 @@ mod energy_ledger;
 mod energy_oscillator;
 mod free_fall;
 mod linear_theory;
+mod newton_rate;
 mod one_mass;
 mod rich_net;
 mod spectra;
@@ -33,6 +34,7 @@ const GROUPS: &[Group] = &[
     ("energy of an oscillator", energy_oscillator::claims),
     ("energy ledger", energy_ledger::claims),
     ("spectra", spectra::claims),
+    ("newton", newton_rate::claims),
 ];
 
 fn main() -> ExitCode {
