@@ -16,6 +16,7 @@ mod energy_ledger;
 mod energy_oscillator;
 mod free_fall;
 mod linear_theory;
+mod newton_cases;
 mod newton_rate;
 mod one_mass;
 mod rich_net;
