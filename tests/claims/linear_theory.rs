@@ -30,11 +30,15 @@ pub struct Named {
 }
 
 impl Named {
-    /// `hht alpha -0.1`
     pub fn name(&self) -> String {
-        let text = self.method.to_string().replace([':', ','], " ");
-        text.chars().filter(|c| !"{}\"".contains(*c)).collect()
+        method_name(&self.method)
     }
+}
+
+/// `hht alpha -0.1`
+pub fn method_name(method: &Value) -> String {
+    let text = method.to_string().replace([':', ','], " ");
+    text.chars().filter(|c| !"{}\"".contains(*c)).collect()
 }
 
 pub fn newmark(beta: f64, gamma: f64) -> Named {
@@ -48,7 +52,7 @@ pub fn hht(alpha: f64) -> Named {
     Named { method: json!({"hht": {"alpha": alpha}}), member }
 }
 
-/// Chung & Hulbert 1993, Eq. 25.
+/// Chung & Hulbert 1993.
 pub fn generalized_alpha(r: f64) -> Named {
     let (am, af) = ((2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0));
     let member = Member { beta: 0.25 * (1.0 - am + af).powi(2), gamma: 0.5 - am + af, am, af };

@@ -19,6 +19,8 @@ mod linear_theory;
 mod newton_cases;
 mod newton_rate;
 mod one_mass;
+mod order;
+mod recurrence;
 mod rich_net;
 mod spectra;
 
@@ -31,6 +33,8 @@ type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
 const GROUPS: &[Group] = &[
+    ("order", order::claims),
+    ("recurrence", recurrence::claims),
     ("free fall through air", free_fall::claims),
     ("energy of an oscillator", energy_oscillator::claims),
     ("energy ledger", energy_ledger::claims),
