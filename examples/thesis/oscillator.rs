@@ -110,6 +110,9 @@ pub fn section(out: &Path) -> Result<Section, Failed> {
     Ok(s)
 }
 
+/// What of a trace is drawn.
+type Curve = fn(&Trace) -> Vec<(f64, f64)>;
+
 /// x(t) and v(t) of the closed form, from rest at 2 m; c = 0 or 0.5 N s/m.
 fn closed_form(t: f64, c: f64) -> (f64, f64) {
     let (k, m, x0) = (3.0_f64, 2.0, 2.0_f64);
@@ -134,7 +137,7 @@ fn figure(out: &Path, s: &mut Section, shown: &Shown) -> Result<(), Failed> {
         traces.push((*method, traced(&base, method)?));
     }
     let what = if shown.damped { "damped" } else { "undamped" };
-    let kinds: [(&str, Axis, Axis, fn(&Trace) -> Vec<(f64, f64)>); 2] = [
+    let kinds: [(&str, Axis, Axis, Curve); 2] = [
         ("displacement", Axis::linear("time t [s]"), Axis::linear("displacement x [m]"), Trace::over_time),
         ("phase", Axis::linear("displacement x [m]"), Axis::linear("velocity v [m/s]"), Trace::phase),
     ];
