@@ -70,6 +70,12 @@ pub trait ForceTerm: Send + Sync {
     /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);
 
+    /// The same elements in the same order, but each positive semidefinite: what makes K indefinite in a compressed or buckled
+    /// state is left out. The exact tangent for terms that never are.
+    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        self.tangent(at, w, sink);
+    }
+
     /// Adds the stiffness [N/m] this term puts on every node, for the rounding floor of a residual; most have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;

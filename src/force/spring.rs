@@ -221,6 +221,16 @@ impl ForceTerm for Springs {
         }
     }
 
+    /// B = max(T, 0)/l (I - n n^T) + (dT/dl) n n^T: the geometric part of a compressed spring is dropped.
+    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.data();
+        for (i, &nodes) in data.nodes.iter().enumerate() {
+            let s = data.stretch(at.x, i);
+            let t = tension(data.slack, data.stiffness.at(i), s.elongation);
+            sink.edge(nodes, s.block(t.force.max(0.0), t.slope) * w.k);
+        }
+    }
+
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let data = self.data();
         for (i, pair) in data.nodes.iter().enumerate() {

@@ -9,8 +9,8 @@ use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::assembly::Assembler;
 use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
-use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales, norm};
-use crate::solve::{LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+use crate::solve::newton::{Curvature, Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales, norm};
+use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
 
 /// A scheme of the family: nothing but its stage map.
 pub trait ImplicitScheme: Send {
@@ -184,14 +184,22 @@ impl NonlinearProblem for Stage<'_> {
         true
     }
 
-    fn linearise(&mut self) -> Result<(), LinearError> {
+    fn conservative(&self) -> bool {
+        self.assembler.pattern.symmetric
+    }
+
+    fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let new = 1.0 - self.map.af;
         let w = Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new };
-        self.counters.newton_iterations += 1;
         self.counters.tangent_assemblies += 1;
-        self.system.assemble(self.to.state.as_ref(), w, self.assembler);
         self.counters.factorizations += 1;
-        self.linear.factor(self.assembler.values())
+        let at = self.to.state.as_ref();
+        match curvature {
+            Curvature::Exact => self.system.assemble(at, w, self.assembler),
+            Curvature::Convex => self.system.assemble_convex(at, w, self.assembler),
+        }
+        let values = self.assembler.values();
+        if self.conservative() { self.linear.factor_definite(values) } else { self.linear.factor(values) }
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
@@ -257,7 +265,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             halfway: &mut s.halfway,
         };
         stage.fill(&mut s.z);
-        let report = s.newton.solve(&mut stage, &mut s.z, scales)?;
+        let solved = s.newton.solve(&mut stage, &mut s.z, scales);
+        let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
+        counters.newton_iterations += u64::from(iterations);
+        let report = solved?;
         Ok(StepReport {
             newton_iterations: report.iterations,
             residual: report.residual,

@@ -58,6 +58,12 @@ pub trait TangentSystem: System {
     /// Writes W = cm M + cc C + ck K at a state into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
 
+    /// The same with every element's part made positive semidefinite (the compressive geometric stiffness of springs
+    /// dropped), so that a symmetric W with a mass is positive definite and -W^-1 r leads downhill.
+    fn assemble_convex(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler) {
+        self.assemble(at, weights, assembler);
+    }
+
     /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual there.
     fn nodal_stiffness(&self) -> Vec<f64>;
 

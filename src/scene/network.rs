@@ -204,6 +204,13 @@ impl TangentSystem for Network {
         }
     }
 
+    fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            term.convex_tangent(node_state(at), w, &mut sink);
+        }
+    }
+
     fn nodal_stiffness(&self) -> Vec<f64> {
         let mut nodes = vec![0.0; self.mass.len()];
         self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));

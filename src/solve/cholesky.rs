@@ -3,7 +3,7 @@
 //! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
 //! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
 
-use super::linear::{LinearError, LinearSolver, LinearStats, check_finite};
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
 use super::ordering::fill_reducing;
 use crate::assembly::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -179,24 +179,30 @@ impl Cholesky {
 }
 
 impl LinearSolver for Cholesky {
-    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError> {
+    fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
-        let w = matrix(&self.pattern, values);
-        let stack = MemStack::new(&mut self.memory);
         let llt = self.symbolic.factorize_numeric_llt(
             &mut self.l,
-            w,
+            matrix(&self.pattern, values),
             Side::Lower,
             Default::default(),
             PAR,
-            stack,
+            MemStack::new(&mut self.memory),
             Default::default(),
         );
         if llt.is_ok() {
             self.kind = Kind::Llt;
-            return Ok(());
+            return Ok(Inertia::Definite);
         }
         self.indefinite += 1;
+        Ok(Inertia::Indefinite)
+    }
+
+    fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        if self.factor_definite(values)? == Inertia::Definite {
+            return Ok(Inertia::Definite);
+        }
+        let w = matrix(&self.pattern, values);
         let stack = MemStack::new(&mut self.memory);
         let ldlt = self.symbolic.factorize_numeric_ldlt(
             &mut self.l,
@@ -209,9 +215,10 @@ impl LinearSolver for Cholesky {
         );
         if ldlt.is_ok() {
             self.kind = Kind::Ldlt;
-            return Ok(());
+            return Ok(Inertia::Indefinite);
         }
-        self.factor_pivoting(values)
+        self.factor_pivoting(values)?;
+        Ok(Inertia::Indefinite)
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {

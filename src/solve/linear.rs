@@ -60,13 +60,32 @@ pub enum LinearError {
     },
 }
 
+/// What a factorisation tells of W.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inertia {
+    /// W is positive definite
+    Definite,
+    /// W has eigenvalues that are not positive
+    Indefinite,
+    /// the factorisation does not tell
+    Unknown,
+}
+
 /// Factorises W on a fixed pattern and solves with it. The analysis is done at construction, once.
 pub trait LinearSolver: Send {
     /// Factorises the values of W (in the order of the pattern).
     ///
     /// # Errors
     /// Values that are not finite, or a singular W.
-    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError>;
+    fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError>;
+
+    /// The same, but an indefinite W is only told, not factorised: for those who want a descent direction or none.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factor`].
+    fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factor(values)
+    }
 
     /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`.
     ///

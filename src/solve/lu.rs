@@ -1,6 +1,6 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
-use super::linear::{LinearError, LinearSolver, LinearStats, check_finite};
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
 use crate::assembly::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
@@ -78,7 +78,7 @@ impl Lu {
 }
 
 impl LinearSolver for Lu {
-    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError> {
+    fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
         self.factored = false;
         let w = match &mut self.full {
@@ -98,7 +98,7 @@ impl LinearSolver for Lu {
             }
             Err(e) => return Err(LinearError::Analysis { unknowns: self.pattern.n(), reason: format!("{e:?}") }),
         }
-        Ok(())
+        Ok(Inertia::Unknown)
     }
 
     fn solve(&mut self, _values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {

@@ -5,8 +5,9 @@ mod linear;
 mod lu;
 pub mod newton;
 mod ordering;
+mod search;
 
 pub use cholesky::Cholesky;
-pub use linear::{LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+pub use linear::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
 pub use lu::Lu;
 pub use ordering::fill_reducing;

@@ -1,6 +1,11 @@
-//! Newton's iteration for F(z) = 0 with a backtracking line search. Knows nothing of time or schemes.
+//! Newton's iteration for F(z) = 0, made to converge from far away. Knows nothing of time or schemes.
+//!
+//! Where F is the gradient of a potential (a symmetric tangent), the iteration goes downhill in it: an indefinite tangent is
+//! replaced by its convex part, and the search along the direction d follows F.d, the slope of the potential ([`super::search`]).
+//! Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both only crawl, the convex
+//! direction and its slope take over until full steps are possible again.
 
-use super::LinearError;
+use super::{Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,14 +17,6 @@ pub enum Strategy {
     Full,
 }
 
-/// What the line search makes smaller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Merit {
-    /// The Euclidean norm of the residual.
-    #[default]
-    ResidualNorm,
-}
-
 /// Settings of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSpec {
@@ -29,13 +26,11 @@ pub struct NewtonSpec {
     pub max_iterations: u32,
     /// how often the tangent is factorised
     pub strategy: Strategy,
-    /// what the line search makes smaller
-    pub merit: Merit,
 }
 
 impl Default for NewtonSpec {
     fn default() -> Self {
-        NewtonSpec { relative: 1e-8, max_iterations: 20, strategy: Strategy::Auto, merit: Merit::ResidualNorm }
+        NewtonSpec { relative: 1e-8, max_iterations: 100, strategy: Strategy::Auto }
     }
 }
 
@@ -50,6 +45,15 @@ pub struct Scales {
     pub increment_floor: f64,
 }
 
+/// Which tangent a direction is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// dF/dz
+    Exact,
+    /// dF/dz without what makes it indefinite
+    Convex,
+}
+
 /// F(z) = 0, its tangent and a solver for it.
 pub trait NonlinearProblem {
     /// Writes the residual r = F(z) and, one by one, what rounding alone can leave of it.
@@ -62,11 +66,17 @@ pub trait NonlinearProblem {
         false
     }
 
-    /// Factorises the tangent dF/dz where the residual was last evaluated.
+    /// Whether F is the gradient of a potential.
+    fn conservative(&self) -> bool {
+        false
+    }
+
+    /// Factorises the tangent dF/dz where the residual was last evaluated. An exact tangent of a conservative problem that is
+    /// indefinite need not be factorised: no direction is taken from it.
     ///
     /// # Errors
     /// A tangent that is not finite or singular.
-    fn linearise(&mut self) -> Result<(), LinearError>;
+    fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
     /// Replaces b by (dF/dz)^-1 b.
     ///
@@ -134,6 +144,16 @@ pub enum NewtonFailure {
 }
 
 impl NewtonFailure {
+    /// Iterations made.
+    pub fn iterations(&self) -> u32 {
+        match self {
+            NewtonFailure::MaxIterations { iterations, .. }
+            | NewtonFailure::Stuck { iterations, .. }
+            | NewtonFailure::Linear { iterations, .. } => *iterations,
+            NewtonFailure::NotFinite { .. } => 0,
+        }
+    }
+
     /// The unknown to look at.
     pub fn worst(&self) -> usize {
         match self {
@@ -145,43 +165,61 @@ impl NewtonFailure {
     }
 }
 
-/// Halvings after which a line search gives up: 2^-12 of Newton's step.
-const MAX_HALVINGS: u32 = 12;
-/// Share of the decrease promised by the tangent that a step must deliver (Armijo 1966).
-const ARMIJO: f64 = 1e-4;
-/// Share of Newton's step by which the correction at the end of it must be smaller.
-const NATURAL: f64 = 0.25;
+/// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
+const CRAWL: f64 = 0.125;
+
+/// How long a problem without a potential is led by the convex tangent after the exact one crawled.
+#[derive(Clone, Copy, Debug, Default)]
+struct Caution {
+    /// full steps still to be made with the convex tangent
+    left: u32,
+    /// how many it will be the next time: twice as many as the last
+    next: u32,
+}
+
+impl Caution {
+    fn raise(&mut self) {
+        self.next = (2 * self.next).clamp(1, 64);
+        self.left = self.next;
+    }
+}
 
 /// The iteration and its buffers.
 #[derive(Clone, Debug)]
 pub struct Newton {
     spec: NewtonSpec,
-    r: Vec<f64>,
-    r_trial: Vec<f64>,
-    floor: Vec<f64>,
-    dz: Vec<f64>,
-    trial: Vec<f64>,
-    correction: Vec<f64>,
+    pub(super) r: Vec<f64>,
+    pub(super) floor: Vec<f64>,
+    pub(super) dz: Vec<f64>,
+    /// a point on the way along `dz`, its residual, and the correction asked for there
+    pub(super) trial: Vec<f64>,
+    pub(super) r_trial: Vec<f64>,
+    pub(super) correction: Vec<f64>,
 }
 
 pub(crate) fn norm(v: &[f64]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+/// v.w with sums in fixed lanes.
+pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
-    let chunks = v.chunks_exact(8);
-    let rest = chunks.remainder();
-    for chunk in chunks {
-        for (lane, v) in lanes.iter_mut().zip(chunk) {
-            *lane += v * v;
+    let (chunks, others) = (v.chunks_exact(8), w.chunks_exact(8));
+    let (rest, other) = (chunks.remainder(), others.remainder());
+    for (v, w) in chunks.zip(others) {
+        for ((lane, v), w) in lanes.iter_mut().zip(v).zip(w) {
+            *lane += v * w;
         }
     }
-    for (lane, v) in lanes.iter_mut().zip(rest) {
-        *lane += v * v;
+    for ((lane, v), w) in lanes.iter_mut().zip(rest).zip(other) {
+        *lane += v * w;
     }
-    lanes.iter().sum::<f64>().sqrt()
+    lanes.iter().sum()
 }
 
 /// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
 /// nothing of a soft one.
-fn excess(r: &[f64], floor: &[f64]) -> f64 {
+pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
     r.iter().zip(floor).map(|(r, floor)| (r.abs() - floor).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
@@ -219,18 +257,16 @@ impl Newton {
         if self.excess() == 0.0 {
             return Ok(NewtonReport { iterations: 0, residual: over_scale(residual) });
         }
+        let mut caution = Caution::default();
         for iterations in 1..=self.spec.max_iterations {
-            let linear = |error, worst| NewtonFailure::Linear { iterations, error, worst };
-            problem.linearise().map_err(|e| linear(e, self.worst()))?;
-            for (dz, r) in self.dz.iter_mut().zip(&self.r) {
-                *dz = -r;
-            }
-            problem.solve(&mut self.dz).map_err(|e| linear(e, self.worst()))?;
             let before = residual;
-            let Some(lambda) = self.line_search(problem, z, &mut residual, tolerance) else {
+            let step = self.step(problem, z, &mut caution, tolerance);
+            let lambda = step.map_err(|error| NewtonFailure::Linear { iterations, error, worst: self.worst() })?;
+            let Some(lambda) = lambda else {
                 let worst = self.worst();
                 return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst });
             };
+            residual = norm(&self.r);
             let next_increment = lambda * norm(&self.dz) * (residual / before);
             let small = (self.spec.relative * scales.increment.max(norm(z))).max(scales.increment_floor);
             let excess = self.excess();
@@ -242,48 +278,50 @@ impl Newton {
         Err(NewtonFailure::MaxIterations { iterations: self.spec.max_iterations, residual, tolerance, worst })
     }
 
-    /// Halves the step until the merit drops; moves `z`, `self.r` and `residual` there.
-    fn line_search(
+    /// One direction and the search along it; moves `z` and `self.r`. Returns the accepted share of the direction, nothing when
+    /// there is none.
+    fn step(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
-        residual: &mut f64,
+        caution: &mut Caution,
         tolerance: f64,
-    ) -> Option<f64> {
-        let mut lambda = 1.0;
-        for _ in 0..=MAX_HALVINGS {
-            for ((trial, z), dz) in self.trial.iter_mut().zip(z.iter()).zip(&self.dz) {
-                *trial = z + lambda * dz;
+    ) -> Result<Option<f64>, LinearError> {
+        if problem.conservative() {
+            if !self.direction(problem, Curvature::Exact)? {
+                self.direction(problem, Curvature::Convex)?;
             }
-            problem.residual(&self.trial, &mut self.r_trial, &mut self.floor);
-            let merit = match self.spec.merit {
-                Merit::ResidualNorm => norm(&self.r_trial),
-            };
-            // A step that lands within the tolerance needs no decrease: rounding may not allow any.
-            let landed = merit.is_finite() && excess(&self.r_trial, &self.floor) <= tolerance;
-            if merit <= (1.0 - ARMIJO * lambda) * *residual || landed || self.nears(problem, lambda, merit) {
-                z.copy_from_slice(&self.trial);
-                std::mem::swap(&mut self.r, &mut self.r_trial);
-                *residual = merit;
-                return Some(lambda);
-            }
-            lambda *= 0.5;
+            return Ok(search::downhill(self, problem, z, tolerance));
         }
-        None
+        if caution.left == 0 {
+            self.direction(problem, Curvature::Exact)?;
+            let lambda = search::smaller_residual(self, problem, z, tolerance);
+            if lambda.is_none_or(|lambda| lambda < CRAWL) {
+                caution.raise();
+            }
+            if lambda.is_some() {
+                return Ok(lambda);
+            }
+            problem.residual(z, &mut self.r, &mut self.floor);
+        }
+        self.direction(problem, Curvature::Convex)?;
+        let lambda = search::downhill(self, problem, z, tolerance);
+        if lambda.is_some_and(|lambda| lambda >= 1.0) {
+            caution.left = caution.left.saturating_sub(1);
+        }
+        Ok(lambda)
     }
 
-    /// Whether the trial is nearer to the solution although its residual (norm `merit`) is larger: the same tangent asks of it a
-    /// correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004, section 3.3, algorithm NLEQ-ERR). Where a stiff spring
-    /// turns or a flat sheet begins to bulge, the residual must rise first: its norm only sees the stiff direction.
-    fn nears(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, merit: f64) -> bool {
-        if !merit.is_finite() {
-            return false;
+    /// dz = -W^-1 r; whether it leads downhill.
+    fn direction(&mut self, problem: &mut dyn NonlinearProblem, curvature: Curvature) -> Result<bool, LinearError> {
+        if problem.linearise(curvature)? == Inertia::Indefinite && problem.conservative() {
+            return Ok(false);
         }
-        for (correction, r) in self.correction.iter_mut().zip(&self.r_trial) {
-            *correction = -r;
+        for (dz, r) in self.dz.iter_mut().zip(&self.r) {
+            *dz = -r;
         }
-        let solved = problem.solve(&mut self.correction).is_ok();
-        solved && norm(&self.correction) <= (1.0 - NATURAL * lambda) * norm(&self.dz)
+        problem.solve(&mut self.dz)?;
+        Ok(dot(&self.r, &self.dz) < 0.0)
     }
 
     /// [N] norm of what the residual has beyond rounding.
@@ -315,9 +353,9 @@ mod tests {
             floor[0] = 1e-15;
             self.evaluations.push(r[0].abs());
         }
-        fn linearise(&mut self) -> Result<(), LinearError> {
+        fn linearise(&mut self, _: Curvature) -> Result<Inertia, LinearError> {
             self.slope = 10.0 / (1.0 + 100.0 * self.z * self.z);
-            Ok(())
+            Ok(Inertia::Unknown)
         }
         fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
             b[0] /= self.slope;
