@@ -15,29 +15,35 @@ pub fn table_4() -> Vec<Claim> {
         follow(&changed(&base, &[("time.method", method), ("time.step", step)]), |_| {})
     };
     let mut claims = Vec::new();
-    let explicit = [
-        ("velocity-verlet", 3.4e-11),
-        ("rk4", 3.4e-11),
-        ("euler-cromer", 3.4e-11),
-        ("euler-richardson", 3.2e-11),
-        ("improved-euler", 3.4e-11),
-        ("improved-euler-pec", 3.4e-11),
-        ("kang", 3.4e-11),
-    ];
-    for (method, printed) in explicit {
+    let printed =
+        [("velocity-verlet", 3.4e-11), ("rk4", 3.4e-11), ("euler-cromer", 3.4e-11), ("euler-richardson", 3.2e-11)];
+    for (method, printed) in printed {
         let failure = end(method, "1e-12").failure.unwrap_or_default();
-        // The thesis gives no mass and no porosity; the reproduction with other meshes scatters from 3.0e-11 to 3.9e-11 s.
-        claims.push(Claim::relative(format!("{method}: diverges [s]"), failure.time, printed, 0.15));
+        // The thesis gives no mass and no porosity; other meshes, masses and porosities near ours scatter by a tenth.
+        claims.push(Claim::relative(format!("{method}: diverges [s]"), failure.time, printed, 0.1));
         let air = failure.term.as_deref() == Some("air");
         claims.push(Claim::is(format!("{method}: the report names the air"), air));
     }
+    let kang = end("kang", "1e-12").failure.unwrap_or_default();
+    claims.push(Claim::between("kang (not in Table 4): diverges with the others [s]", kang.time, 3.0e-11, 3.9e-11));
+    // Where a thesis' number is missed, the row says by how much.
     let euler = end("explicit-euler", "1e-12").failure.unwrap_or_default();
     claims.push(Claim::between(
-        "explicit-euler: diverges later, for it follows damped motion [s]",
-        euler.time,
-        4.2e-11,
-        5.0e-11,
+        "explicit-euler: NOT reproduced, time over the thesis' 3.3e-11 s",
+        euler.time / 3.3e-11,
+        1.2,
+        1.6,
     ));
+    for method in ["improved-euler", "improved-euler-pec"] {
+        let time = end(method, "1e-12").failure.unwrap_or_default().time;
+        claims.push(Claim::between(format!("{method}: diverges with the others [s]"), time, 3.0e-11, 3.9e-11));
+        claims.push(Claim::between(
+            format!("{method}: NOT reproduced, time over the thesis' 1.16e-10 s"),
+            time / 1.16e-10,
+            0.2,
+            0.4,
+        ));
+    }
     for method in ["newmark", "hht", "generalized-alpha"] {
         let outcome = end(method, "1e-12");
         claims.push(Claim::between(
@@ -54,10 +60,10 @@ pub fn table_4() -> Vec<Claim> {
     claims.push(Claim::relative("newmark at half the step: completes the run to [s]", half.t_end, 1.5e-10, 1e-12));
     let finer = end("improved-euler", "1.25e-13").failure.unwrap_or_default();
     claims.push(Claim::relative(
-        "the outlier: Heun at an eighth of the step diverges where the thesis' did [s]",
-        finer.time,
-        1.16e-10,
-        0.03,
+        "for information: Heun's time moves with the step; at an eighth of it, over 1.16e-10 s",
+        finer.time / 1.16e-10,
+        1.0,
+        0.1,
     ));
     claims
 }
@@ -101,6 +107,20 @@ pub fn remarks() -> Vec<Claim> {
     let bare = follow(&asset("cloth-k1000", &plain), |_| {});
     let diverged = bare.status == Status::Diverged;
     claims.push(Claim::is("explicit Euler on the cloth without that dashpot diverges", diverged));
+    let swing = |sets: &[(&str, &str)]| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let case = asset("cloth-k1000", sets);
+        let node = case.problem().output.probes[0].nodes[0] as usize;
+        follow(&case, |seen| {
+            if seen.t >= 1.5 {
+                (low, high) = (low.min(seen.positions[node][2]), high.max(seen.positions[node][2]));
+            }
+        });
+        high - low
+    };
+    // The air damps what moves along a triangle's normal; what is left after 1.5 s swings through it.
+    let ratio = swing(&[]) / swing(&[("system.network.springs.0.dashpot", "null")]);
+    claims.push(Claim::below("cloth: swing left after 1.5 s with Eq. 68's dashpot over that without", ratio, 0.3));
     let pendulum =
         |method: &str| limit(&asset("pendulum", &[("time.method", method), ("system.pendulum.angle", "1e-3")]));
     // |R(i y - 0.016 y)| = 1 by hand: y = 2.86 for RK4, 0.52 for Heun, with w = 3.132 rad/s.
