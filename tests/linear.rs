@@ -86,7 +86,7 @@ fn a_singular_tangent_is_an_error_not_a_number() {
     for choice in [LinearChoice::Cholesky, LinearChoice::Lu] {
         let mut solver = solver_for(w.pattern.clone(), choice).expect("the choice fits");
         let mut b = right_hand_side(w.pattern.n());
-        let outcome = solver.factor(w.values()).and_then(|()| solver.solve(w.values(), &mut b));
+        let outcome = solver.factor(w.values()).and_then(|_| solver.solve(w.values(), &mut b));
         assert!(matches!(outcome, Err(LinearError::Singular { .. })), "{choice:?}: {outcome:?}");
     }
 }

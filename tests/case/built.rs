@@ -169,7 +169,7 @@ fn loads_and_air() {
 fn defaults() {
     let case = base_with(&[("time.end", "1000"), ("time.step", "0.001")]).expect("good");
     let problem = case.problem();
-    assert_eq!((problem.solver.newton.relative, problem.solver.newton.max_iterations), (1e-8, 20));
+    assert_eq!((problem.solver.newton.relative, problem.solver.newton.max_iterations), (1e-8, 100));
     assert_eq!(problem.output.frames_every, None);
     assert_eq!(problem.time.steps(), 1_000_000);
     let rows = problem.time.steps() / problem.output.history_every + 2;
