@@ -53,11 +53,21 @@ impl Picture {
         of_color.map(|(_, points)| points.iter().map(|p| (x.value(p.0), y.value(p.1))).collect()).collect()
     }
 
+    /// Middles of the lines of two points of a colour, in the units of the axes: strokes of crosses, and samples in the legend.
+    pub fn crosses(&self, color: &str) -> Vec<(f64, f64)> {
+        let (x, y) = (self.axis("middle", 0), self.axis("end", 1));
+        let strokes = self.lines.iter().filter(|(c, _)| c == color).filter_map(|(_, points)| match points.as_slice() {
+            [a, b] => Some((x.value(f64::midpoint(a.0, b.0)), y.value(f64::midpoint(a.1, b.1)))),
+            _ => None,
+        });
+        strokes.collect()
+    }
+
     /// An axis from the numbers written along it that lie farthest apart.
     fn axis(&self, anchor: &str, direction: usize) -> Axis {
         let numbers = self.words.iter().filter(|(_, _, a)| a == anchor);
         let numbers: Vec<(f64, f64)> =
-            numbers.filter_map(|(words, at, _)| Some((words.parse().ok()?, at[direction]))).collect();
+            numbers.filter_map(|(words, at, _)| Some((written(words)?, at[direction]))).collect();
         let (first, last) = (numbers.first().expect("numbers"), numbers.last().expect("numbers"));
         let unit = (last.0 - first.0) / (last.1 - first.1);
         Axis { origin: first.0 - unit * first.1, unit }
@@ -68,6 +78,19 @@ impl Axis {
     fn value(self, at: f64) -> f64 {
         self.origin + self.unit * at
     }
+}
+
+/// A number at an axis; "5·10⁶" is one too.
+fn written(words: &str) -> Option<f64> {
+    let Some((mantissa, power)) = words.split_once("·10") else { return words.parse().ok() };
+    let digit = |c: char| {
+        if c == '⁻' {
+            Some('-')
+        } else {
+            "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..).find(|(s, _)| *s == c).map(|d| d.1)
+        }
+    };
+    format!("{mantissa}e{}", power.chars().map(digit).collect::<Option<String>>()?).parse().ok()
 }
 
 fn number(text: &str) -> f64 {
