@@ -253,7 +253,8 @@ fn a_diverged_run_is_drawn() {
     let shown = largest(energy.curves(BLACK).iter().flatten().map(|p| p.1));
     assert!((shown / edge - 1.0).abs() < 2e-3, "{shown} J of {edge} J, and {} J at the end", made[30]);
     let crosses = energy.crosses(BLACK);
-    assert!(crosses.iter().any(|(t, e)| (t - 27.0).abs() < 0.1 && (e / edge - 1.0).abs() < 2e-3), "{crosses:?}");
+    let off = |(t, e): &(f64, f64)| (t - 27.0).abs().max((e / edge - 1.0).abs() / 0.02);
+    assert!(crosses.len() == 2 && largest(crosses.iter().map(off)) < 0.1, "{crosses:?} J is not at {edge} J");
     desk.plot(&["wild", "good", "--kind", "displacement"], &["displacement.svg"]);
     let both = desk.picture("displacement.svg");
     let legend = "explicit-euler, diverged at 27 s";
