@@ -53,6 +53,14 @@ impl Desk {
         assert_eq!(ended.stdout.lines().collect::<Vec<_>>(), files);
     }
 
+    /// A column of a table by its name.
+    fn column(&self, file: &str, name: &str) -> Vec<f64> {
+        let table = std::fs::read_to_string(self.path(file)).expect("written");
+        let (header, rows) = table.split_once('\n').expect("a header");
+        let column = header.split(',').position(|n| n == name).expect("a column of this name");
+        rows.lines().map(|row| row.split(',').nth(column).expect("a cell").parse().expect("a number")).collect()
+    }
+
     fn picture(&self, file: &str) -> Picture {
         Picture::read(&std::fs::read_to_string(self.path(file)).expect("written"))
     }
@@ -100,6 +108,23 @@ fn the_oscillator_is_drawn_as_it_moves() {
     assert!(error < 0.05, "{error} J from the closed form");
     assert!(energy.says("kinetic") && energy.says("elastic"), "{:?}", energy.words());
     assert!(!energy.says("gravity") && !energy.says("dissipated"), "entries that are zero are left out");
+}
+
+/// Frames every 2.5 steps of explicit Euler lie on its spiral, r = 2 m (1 + (w0 h)^2)^(t/2h): between two steps the velocity is that of
+/// the chord, which cuts the turn w0 h of a step by (w0 h)^2/8 of r.
+#[test]
+fn euler_spirals_between_its_steps() {
+    let desk = Desk::new();
+    let arguments = ["--method", "explicit-euler", "--step", "0.02", "--set", "output.frames.every=0.05"];
+    assert_eq!(desk.solve("oscillator", "out", &arguments), Some(0));
+    let [t, x, v] = ["t", "x", "vx"].map(|name| desk.column("out/probes.csv", name));
+    let w0 = 1.5_f64.sqrt();
+    let turn = w0 * 0.02;
+    let off =
+        |((t, x), v): ((&f64, &f64), &f64)| (x - 10.0).hypot(v / w0) / (2.0 * (1.0 + turn * turn).powf(t / 0.04)) - 1.0;
+    let error = largest(t.iter().zip(&x).zip(&v).map(off));
+    assert_eq!(t.len(), 401);
+    assert!(error < 1.2 * turn * turn / 8.0, "{error} of the radius, a chord cuts {}", turn * turn / 8.0);
 }
 
 /// Several runs lie in one picture, told apart by what they differ in.
@@ -153,6 +178,36 @@ fn a_pendulum_shows_its_angle() {
     desk.plot(&["out", "--kind", "displacement", "--axis", "z"], &["out/displacement.svg"]);
     let height = desk.picture("out/displacement.svg");
     assert!(height.says("displacement in z [m]"), "{:?}", height.words());
+    // It begins L (1 - cos 0.5 rad) above its lowest point; half a unit of this axis is 0.0001 m.
+    let highest = largest(height.curves(BLUE)[0].iter().map(|p| p.1));
+    assert!((highest - (1.0 - 0.5_f64.cos())).abs() < 2e-4, "{highest} m");
+}
+
+/// Beside an oscillator a pendulum's bob swings about 0 in x too; no title tells of nodes that only one of them has.
+#[test]
+fn unlike_cases_are_overlaid() {
+    let desk = Desk::new();
+    assert_eq!(desk.solve("oscillator", "oscillator", &["--end", "5"]), Some(0));
+    assert_eq!(desk.solve("pendulum", "pendulum", &["--end", "5"]), Some(0));
+    desk.plot(&["oscillator", "pendulum", "--kind", "displacement"], &["displacement.svg"]);
+    let picture = desk.picture("displacement.svg");
+    assert!(picture.says("displacement") && picture.says("displacement in x [m]"), "{:?}", picture.words());
+    let bob = &picture.curves(VERMILLION)[0];
+    // L sin 0.5 rad; half a unit is 0.0005 m.
+    let (start, farthest) = (bob[0].1, largest(bob.iter().map(|p| p.1)));
+    let expected = 0.5_f64.sin();
+    assert!((start - expected).abs() < 2e-3 && (farthest - expected).abs() < 2e-3, "{start} m, {farthest} m");
+    // c/m = 0.1/s leaves exp(-0.05 t) of the angle until the other side, half a swing of 2.04 s later. The nearest frame is up to
+    // 0.025 s away, in which the bob comes back by g/L x t^2/2 = 0.0015 m.
+    let other_side = bob.iter().map(|p| p.1).fold(0.0, f64::min);
+    let expected = -(0.5 * (-0.05_f64 * 1.02).exp()).sin();
+    assert!((other_side - expected).abs() < 3e-3, "{other_side} m, not {expected} m");
+
+    let probes = r#"output.probes=[{"name": "mass", "on": "all"}]"#;
+    assert_eq!(desk.solve("oscillator", "both", &["--end", "5", "--set", probes]), Some(0));
+    desk.plot(&["oscillator", "both", "--kind", "displacement"], &["displacement.svg"]);
+    let picture = desk.picture("displacement.svg");
+    assert!(picture.says("oscillator: displacement of &quot;mass&quot;"), "{:?}", picture.words());
 }
 
 /// A bundle of nodes is one entry of the legend; probes, nodes and times can be chosen.
@@ -190,6 +245,16 @@ fn a_diverged_run_is_drawn() {
     let alone = desk.picture("wild/displacement.svg");
     // Growth of sqrt(1 + (0.9 w0)^2) a step passes 1e4 times the scene's 10 m in the 30th: 2 m 1.488^30 = 3e5 m.
     assert!(alone.says("diverged at 27 s"), "{:?}", alone.words());
+    // The energy grows at each of 30 steps; the median one is the 15th, and ten times what was made until then is shown, with a
+    // margin of 4 % of twice that. Half a unit is 0.04 % of it.
+    let made = desk.column("wild/history.csv", "numerical");
+    let edge = 10.0 * (1.0 + 0.04 * 2.0) * -made[15];
+    let energy = desk.picture("wild/energy.svg");
+    let shown = largest(energy.curves(BLACK).iter().flatten().map(|p| p.1));
+    assert!((shown / edge - 1.0).abs() < 2e-3, "{shown} J of {edge} J, and {} J at the end", made[30]);
+    let crosses = energy.crosses(BLACK);
+    let off = |(t, e): &(f64, f64)| (t - 27.0).abs().max((e / edge - 1.0).abs() / 0.02);
+    assert!(crosses.len() == 2 && largest(crosses.iter().map(off)) < 0.1, "{crosses:?} J is not at {edge} J");
     desk.plot(&["wild", "good", "--kind", "displacement"], &["displacement.svg"]);
     let both = desk.picture("displacement.svg");
     let legend = "explicit-euler, diverged at 27 s";

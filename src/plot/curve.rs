@@ -4,6 +4,11 @@ use super::chart::{Line, Marker, Stroke};
 use super::results::Ending;
 use crate::drive::Status;
 
+/// A failed run that went farther than so many times its typical distance from its start ended as a wreck.
+const WRECK: f64 = 100.0;
+/// Of a wreck so many typical distances are shown; the rest of its way is cut off at the frame.
+const SHOWN: f64 = 10.0;
+
 /// A curve of a run; every point with its time.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
@@ -42,6 +47,21 @@ impl Curve {
         self.points.iter().filter(move |p| p.t <= end && p.at.0.is_finite() && p.at.1.is_finite()).map(|p| p.at)
     }
 
+    /// Lower and upper end of a coordinate. The last steps before trouble is found are wreck already, and beside their 1e31 J all
+    /// that led to them would be a flat line: the median distance of the points that left the start is the measure of a wreck's.
+    fn range(&self, coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
+        let values: Vec<f64> = self.trusted().map(coordinate).collect();
+        let start = *values.first()?;
+        let (low, high) = values.iter().fold((start, start), |(l, h), v| (l.min(*v), h.max(*v)));
+        let mut distances: Vec<f64> = values.iter().map(|v| (v - start).abs()).filter(|d| *d > 0.0).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        let typical = distances.get(distances.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
+        if !self.failed() || (high - start).max(start - low) <= WRECK * typical {
+            return Some((low, high));
+        }
+        Some((low.max(start - SHOWN * typical), high.min(start + SHOWN * typical)))
+    }
+
     /// The curve as a line.
     pub(super) fn line(&self, label: &str, color: usize, stroke: Stroke) -> Line {
         let points = self.points.iter().map(|p| p.at).collect();
@@ -58,12 +78,12 @@ impl Curve {
 }
 
 /// What a chart should show of one coordinate. Runs that failed may not squeeze the others flat: they count as far as the others'
-/// range, once more to either side. Nothing where no run failed: the chart then fits itself to its points.
+/// range, once more to either side; where there are no others, as far as they went before they were a wreck. Nothing where no run
+/// failed: the chart then fits itself to its points.
 pub(super) fn limits(curves: &[Curve], coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
     let range = |failed: bool| {
-        let curves = curves.iter().filter(move |c| c.failed() == failed);
-        let values = curves.flat_map(|c| c.trusted().map(coordinate));
-        values.fold(None, |ends: Option<(f64, f64)>, v| Some(ends.map_or((v, v), |(l, h)| (l.min(v), h.max(v)))))
+        let ranges = curves.iter().filter(|c| c.failed() == failed).filter_map(|c| c.range(coordinate));
+        ranges.reduce(|(l, h), (low, high)| (l.min(low), h.max(high)))
     };
     let failed = range(true)?;
     let (low, high) = match range(false) {
@@ -112,5 +132,21 @@ mod tests {
         let mark = mild.end_mark(1, Some((-1.0, 1.0))).expect("it failed");
         assert_eq!(mark.points, [(3.0, 1.0)]);
         assert_eq!(good.end_mark(0, None), None);
+    }
+
+    /// A blow-up alone leaves room for what led to it, also after a long rest; a run that only grew is shown whole.
+    #[test]
+    fn wrecks_do_not_squeeze_themselves() {
+        let y = |at: (f64, f64)| at.1;
+        let alone = |status, values: &[f64]| {
+            let points = values.iter().map(|v| Timed { t: 0.0, at: (0.0, *v) }).collect();
+            Curve { ending: Ending { status, time: 3.0 }, points }.range(y).expect("points")
+        };
+        let swing = [5.0, 6.0, 5.0, 4.0, 5.0, 6.0, 3e8, -5e31];
+        assert_eq!(alone(Status::Diverged, &swing), (-5.0, 15.0), "ten times 1 to either side of 5");
+        assert_eq!(alone(Status::Diverged, &[0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 1.0, -1e9]), (-10.0, 2.0));
+        assert_eq!(alone(Status::Diverged, &[0.0, 1.0, 2.0, 4.0, 50.0, 200.0]), (0.0, 200.0), "not beyond 100 times 2");
+        assert_eq!(alone(Status::Completed, &swing), (-5e31, 3e8), "what is sound is shown whole");
+        assert_eq!(alone(Status::Diverged, &[7.0]), (7.0, 7.0));
     }
 }

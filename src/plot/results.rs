@@ -50,7 +50,7 @@ pub struct Track {
     pub probe: String,
     /// in the user's numbering
     pub node: u32,
-    /// [m] where it lies before any displacement
+    /// [m] where it lies before any displacement; a bob hangs at the lowest point then
     pub reference: [f64; 3],
     /// at each frame time
     pub moments: Vec<Moment>,
@@ -165,6 +165,14 @@ fn read_probes(path: &Path, text: &str) -> Result<Vec<Track>, PlotError> {
 
 /// Gives every track the reference position of its node.
 fn place(run: &mut Run) -> Result<(), PlotError> {
+    if run.pendulum {
+        // The frames count a bob's displacement from where the run began, which is no place of rest.
+        for track in &mut run.tracks {
+            let length = track.moments.first().map_or(0.0, |m| m.x[0].hypot(m.x[2]));
+            track.reference = [0.0, 0.0, -length];
+        }
+        return Ok(());
+    }
     let file = format!("{FRAMES}/{}_000000.vtu", file_stem(&run.name));
     let first = bytes(&run.folder, &file, "; displacements count from the positions in it")?;
     let path = run.folder.join(&file);

@@ -53,11 +53,19 @@ pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>,
     Ok(groups)
 }
 
-/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ.
+/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ. A range of nodes is that of every run.
 pub(super) fn subject(groups: &[Group<'_>]) -> String {
     let all = || groups.iter().flat_map(|g| g.tracks.iter());
     let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();
     let probes: BTreeSet<&str> = all().map(|t| t.probe.as_str()).collect();
+    // A group a run, where there are several.
+    let several = groups.first().is_some_and(|f| groups.iter().any(|g| !std::ptr::eq(g.run, f.run)));
+    if several && groups.iter().any(|g| g.tracks.iter().map(|t| t.node).collect::<BTreeSet<_>>() != nodes) {
+        return probes
+            .first()
+            .filter(|_| probes.len() == 1)
+            .map_or_else(String::new, |probe| format!(" of \"{probe}\""));
+    }
     match (nodes.len(), nodes.first(), nodes.last(), probes.first()) {
         (1, Some(node), _, _) => format!(" of node {node}"),
         (n, Some(first), Some(last), _) if (last - first) as usize == n - 1 => format!(" of nodes {first} to {last}"),

@@ -4,6 +4,8 @@
 pub struct Picture {
     /// colour and points [px, to the right and down] of every polyline
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
+    /// colour and middle [px] of every stroke of a cross
+    strokes: Vec<(String, (f64, f64))>,
     /// words, their place [drawing units] and their anchor
     words: Vec<(String, [f64; 2], String)>,
 }
@@ -19,7 +21,7 @@ impl Picture {
     pub fn read(svg: &str) -> Self {
         assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "a number that is none");
-        let mut picture = Picture { lines: Vec::new(), words: Vec::new() };
+        let mut picture = Picture { lines: Vec::new(), strokes: Vec::new(), words: Vec::new() };
         for tag in svg.split('<') {
             let key = |name: &str| {
                 let value = tag.split_once(&format!(" {name}=\"")).and_then(|(_, rest)| rest.split_once('"'));
@@ -29,6 +31,9 @@ impl Picture {
                 let pair = |p: &str| p.split_once(',').map(|(x, y)| (number(x), number(y))).expect("a pair");
                 let points = key("points").split_whitespace().map(pair).collect();
                 picture.lines.push((key("stroke"), points));
+            } else if tag.starts_with("line ") {
+                let middle = |ends: [&str; 2]| ends.iter().map(|end| number(&key(end))).sum::<f64>() / 2.0;
+                picture.strokes.push((key("stroke"), (middle(["x1", "x2"]), middle(["y1", "y2"]))));
             } else if tag.starts_with("text") {
                 let words = tag.split_once('>').expect("an end").1.trim().to_owned();
                 picture.words.push((words, [number(&key("x")), number(&key("y"))], key("text-anchor")));
@@ -46,18 +51,25 @@ impl Picture {
         self.words.iter().map(|(w, ..)| w.as_str()).collect()
     }
 
-    /// Lines of a colour in the units of the axes. Samples in the legend have two points and are left out; so are the two of a cross.
+    /// Lines of a colour in the units of the axes. Samples in the legend have two points and are left out.
     pub fn curves(&self, color: &str) -> Vec<Vec<(f64, f64)>> {
         let (x, y) = (self.axis("middle", 0), self.axis("end", 1));
         let of_color = self.lines.iter().filter(|(c, points)| c == color && points.len() > 2);
         of_color.map(|(_, points)| points.iter().map(|p| (x.value(p.0), y.value(p.1))).collect()).collect()
     }
 
+    /// Middles of the crosses of a colour in the units of the axes, each once a stroke.
+    pub fn crosses(&self, color: &str) -> Vec<(f64, f64)> {
+        let (x, y) = (self.axis("middle", 0), self.axis("end", 1));
+        let of_color = self.strokes.iter().filter(|(c, _)| c == color);
+        of_color.map(|(_, at)| (x.value(at.0), y.value(at.1))).collect()
+    }
+
     /// An axis from the numbers written along it that lie farthest apart.
     fn axis(&self, anchor: &str, direction: usize) -> Axis {
         let numbers = self.words.iter().filter(|(_, _, a)| a == anchor);
         let numbers: Vec<(f64, f64)> =
-            numbers.filter_map(|(words, at, _)| Some((words.parse().ok()?, at[direction]))).collect();
+            numbers.filter_map(|(words, at, _)| Some((written(words)?, at[direction]))).collect();
         let (first, last) = (numbers.first().expect("numbers"), numbers.last().expect("numbers"));
         let unit = (last.0 - first.0) / (last.1 - first.1);
         Axis { origin: first.0 - unit * first.1, unit }
@@ -68,6 +80,19 @@ impl Axis {
     fn value(self, at: f64) -> f64 {
         self.origin + self.unit * at
     }
+}
+
+/// A number at an axis; "5·10⁶" is one too.
+fn written(words: &str) -> Option<f64> {
+    let Some((mantissa, power)) = words.split_once("·10") else { return words.parse().ok() };
+    let digit = |c: char| {
+        if c == '⁻' {
+            Some('-')
+        } else {
+            "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..).find(|(s, _)| *s == c).map(|d| d.1)
+        }
+    };
+    format!("{mantissa}e{}", power.chars().map(digit).collect::<Option<String>>()?).parse().ok()
 }
 
 fn number(text: &str) -> f64 {
