@@ -53,8 +53,13 @@ pub(super) fn geometry(
         return Some(known);
     }
     let before = faults.count();
+    let listed = at.key("explicit").key("nodes");
+    // Without the nodes nothing can be said of springs and triangles that name them.
+    if matches!(source, MeshSource::Explicit(_)) && !faults.readable(&listed) {
+        return None;
+    }
     source.check(&mut |below, value, allowed, hint| faults.add_value(&at.below(below), value, allowed, Some(hint)));
-    if faults.count() > before {
+    if faults.count() > before || !faults.readable(at) {
         return None;
     }
     match source.build(base).and_then(|mesh| Geometry::new(source, mesh)) {

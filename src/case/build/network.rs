@@ -22,7 +22,8 @@ pub(super) fn network(
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
     let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
-    let masses_known = faults.count() == before;
+    let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
+    let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
     let air = air::air(&at.key("aero"), network.aero.as_ref(), geometry, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
@@ -41,8 +42,12 @@ pub(super) fn network(
             Some(hint),
         );
     }
-    let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
-    let start = initial(&at.key("initial"), network.initial.as_ref(), &against, faults);
+    let start = if readable(&["supports", "springs"], faults) {
+        let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
+        initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
+    } else {
+        initial::Start::default()
+    };
     Some(NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
