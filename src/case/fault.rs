@@ -130,6 +130,11 @@ impl<'a> Faults<'a> {
         self.add_value(at, self.shown(at), allowed, Some(hint.into()));
     }
 
+    /// The same where the key at the end of `at` is wrong.
+    pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+        self.put(at, Part::Key, self.shown(at), allowed.into(), Some(hint.into()));
+    }
+
     /// The same where the wrong value is not the one written at `at`, but follows from it.
     pub fn add_value(
         &mut self,
@@ -138,17 +143,21 @@ impl<'a> Faults<'a> {
         allowed: impl Into<String>,
         hint: Option<String>,
     ) {
+        self.put(at, Part::Value, value.into(), allowed.into(), hint);
+    }
+
+    fn put(&mut self, at: &Pointer, part: Part, value: String, allowed: String, hint: Option<String>) {
         if !self.readable(at) {
             self.kept_back = self.kept_back.saturating_add(1);
             return;
         }
-        self.found.note(|| Fault {
-            pointer: at.as_str().to_owned(),
-            value: value.into(),
-            allowed: allowed.into(),
-            hint: hint.filter(|text| !text.is_empty()),
-            ..Fault::default()
-        });
+        let hint = hint.filter(|text| !text.is_empty());
+        self.found.note(|| Fault { pointer: at.as_str().to_owned(), part, value, allowed, hint, place: None });
+    }
+
+    /// Whether the case has something at `at`.
+    pub fn is_there(&self, at: &Pointer) -> bool {
+        self.json.pointer(at.as_str()).is_some()
     }
 
     /// Notes something doubtful that does not stop a run.

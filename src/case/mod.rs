@@ -37,11 +37,11 @@ pub use error::CaseError;
 pub use fault::{Fault, Part};
 pub use place::Place;
 pub use schema::json_schema;
+pub use source::Source;
 pub use spec::Problem;
 
 use build::geometry::Geometry;
 use schema::CaseFile;
-use source::Source;
 
 /// A case that was read and found good.
 #[derive(Clone, Debug)]
@@ -101,6 +101,11 @@ impl Case {
     /// What a run needs, without a copy.
     pub fn into_problem(self) -> Problem {
         self.problem
+    }
+
+    /// What a run needs, and where it comes from, to name the place of a later fault.
+    pub fn split(self) -> (Problem, Source) {
+        (self.problem, self.source)
     }
 
     /// The case as written, `--set` included, before defaults are filled in.

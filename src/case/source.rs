@@ -11,6 +11,7 @@ use super::comments::blank;
 use super::fault::{Fault, Faults, Part};
 use super::findings::Findings;
 use super::place::{Place, Written};
+use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::text::{NoJson, parse};
 use super::tolerant::Tree;
@@ -20,20 +21,29 @@ use super::{Case, CaseError, overrides};
 
 /// Where a case comes from.
 #[derive(Clone, Debug)]
-pub(crate) struct Source {
+pub struct Source {
     /// name of the file, for messages
-    pub path: String,
+    pub(crate) path: String,
     /// folder that paths count from
-    pub base: PathBuf,
+    pub(crate) base: PathBuf,
     /// the file
-    pub text: String,
+    pub(crate) text: String,
     /// assignments of the command line, in the order they apply
-    pub overrides: Vec<(String, String)>,
+    pub(crate) overrides: Vec<(String, String)>,
 }
 
 impl Source {
+    /// The error for a fault that shows only when the case is made ready: the value at a JSON pointer of `case_json` does not
+    /// go with the rest.
+    pub fn refuse(self, case_json: &Value, pointer: &str, allowed: &str, hint: String) -> CaseError {
+        let mut faults = Faults::new(case_json, Findings::default());
+        faults.add_hint(&Pointer::root().below(pointer), allowed, hint);
+        let faults = faults.finish().err().unwrap_or_default();
+        self.refused(faults)
+    }
+
     /// Reads the text.
-    pub fn read(self) -> Result<Case, CaseError> {
+    pub(crate) fn read(self) -> Result<Case, CaseError> {
         match parse(&self.text) {
             Ok(json) => {
                 let json = self.overridden(json)?;
@@ -45,7 +55,7 @@ impl Source {
     }
 
     /// Checks and builds a case; `known` is a geometry that may be the same.
-    pub fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
+    pub(crate) fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
         let first = match typed(&json) {
             Ok(file) => {
                 return match self.build(&json, &file, Findings::default(), known) {
@@ -116,7 +126,7 @@ impl Source {
         match typed(json) {
             Ok(file) => self.build(json, &file, found, known).err().unwrap_or_default(),
             Err(fault) => {
-                if found.readable(&super::pointer::Pointer::root().below(&fault.pointer)) {
+                if found.readable(&Pointer::root().below(&fault.pointer)) {
                     found.note(|| fault);
                 }
                 found.into_faults()
@@ -149,7 +159,7 @@ impl Source {
     }
 
     /// The error that shows these faults at their places.
-    pub fn refused(self, mut faults: Vec<Fault>) -> CaseError {
+    fn refused(self, mut faults: Vec<Fault>) -> CaseError {
         let clean = blank(&self.text).unwrap_or_default();
         let tree = Tree::parse(&clean).ok();
         Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);

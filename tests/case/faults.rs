@@ -216,7 +216,7 @@ fn a_message_shows_all_faults_at_their_places() {
     assert_eq!(shown, expected);
 }
 
-/// A missing key points to the brace of its parent; a value of the command line to its assignment, and no later than a study.
+/// A missing key points to the brace of its parent; a value of the command line to its assignment, a study's too.
 #[test]
 fn places_of_what_is_not_in_the_text() {
     let text = BASE.replace("\"end\": 1.0, ", "");
@@ -226,9 +226,11 @@ fn places_of_what_is_not_in_the_text() {
     let set = faults(base_with(&[("time.end", "null")]));
     assert_eq!((set[0].pointer.as_str(), place(&set).as_deref()), ("/time/end", Some("--set time.end=null")));
     let case = base_with(&[("time.step", "0.02")]).expect("good");
-    let later =
-        faults(case.with(&[("time.end", "1e-20").into()].map(|(k, v): (&str, &str)| (k.to_owned(), v.to_owned()))));
-    let _ = later;
+    let sets = |list: &[(&str, &str)]| list.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect::<Vec<_>>();
+    let case = case.with(&sets(&[("time.end", "3")])).expect("good");
+    let later = faults(case.with(&sets(&[("study.repeat", "0"), ("time.step", "-1")])));
+    let places: Vec<String> = later.iter().filter_map(|f| Some(f.place.as_ref()?.to_string())).collect();
+    assert_eq!(places, ["--set time.step=-1", "--set study.repeat=0"]);
 }
 
 /// Syntax that can be read over hides nothing behind it; syntax that cannot is told with the first slip before it.

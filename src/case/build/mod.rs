@@ -10,6 +10,7 @@ mod network;
 mod numbers;
 mod output;
 mod pendulum;
+mod plausible;
 mod select;
 mod series;
 mod springs;

@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::{first_few, not_negative};
-use super::{air, loads, mass, select, springs};
+use super::{air, loads, mass, plausible, select, springs};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
@@ -48,7 +48,7 @@ pub(super) fn network(
     } else {
         initial::Start::default()
     };
-    Some(NetworkSpec {
+    let spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
@@ -60,7 +60,9 @@ pub(super) fn network(
         rayleigh,
         displacement: start.displacement,
         velocity: start.velocity,
-    })
+    };
+    plausible::network(at, &spec, geometry, faults);
+    Some(spec)
 }
 
 /// Which of x, y, z is held, one a node. Supports add up.

@@ -75,13 +75,18 @@ pub(super) fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> 
         MethodError::Unknown { name, .. } => {
             let names: Vec<&str> = methods().iter().map(|m| m.name).collect();
             let hint = did_you_mean(&name, names.iter().copied()).unwrap_or_default();
-            faults.add_hint(at, one_of("known names here", &names), hint);
+            let key = at.key(&name);
+            if faults.is_there(&key) {
+                faults.add_key(&key, one_of("known names here", &names), hint);
+            } else {
+                faults.add_hint(at, one_of("known names here", &names), hint);
+            }
         }
         MethodError::UnknownParameter { method, name, known } => {
             let of_method = methods().iter().filter(|m| m.name == method);
             let names = of_method.flat_map(|m| m.parameters.iter().map(|p| p.name));
             let hint = did_you_mean(&name, names).unwrap_or_default();
-            faults.add_hint(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
+            faults.add_key(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
         }
         MethodError::OutOfRange { method, name, range, .. } => {
             faults.add(&at.key(method).key(name), format!("a number in {range}"));
