@@ -51,14 +51,16 @@ pub enum CaseError {
         reason: String,
     },
     /// The text is not JSON, or not a case that can be run.
-    #[error("{path}: {} in the case\n\n{}", count(faults.len()), render(path, text, faults))]
+    #[error("{path}: {} in the case\n\n{}{}", count(faults.len() + more), render(path, text, faults), rest(*more))]
     Faults {
         /// the case file
         path: String,
         /// the text as read, for the pictures
         text: String,
-        /// everything that is wrong, in the order of the text
+        /// what is wrong, in the order of the text; at most 50
         faults: Vec<Fault>,
+        /// number of faults beyond those
+        more: usize,
     },
 }
 
@@ -70,6 +72,10 @@ impl CaseError {
             _ => &[],
         }
     }
+}
+
+fn rest(more: usize) -> String {
+    if more == 0 { String::new() } else { format!("\n\nand {more} more; mend these and check again") }
 }
 
 fn count(n: usize) -> String {

@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde_json::Value;
 
-use super::findings::Findings;
+use super::findings::{Findings, Told};
 use super::place::Place;
 use super::pointer::Pointer;
 
@@ -182,8 +182,8 @@ impl<'a> Faults<'a> {
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(self) -> Result<Vec<String>, Vec<Fault>> {
-        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.into_faults()) }
+    pub fn finish(self) -> Result<Vec<String>, Told> {
+        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
     }
 
     fn shown(&self, at: &Pointer) -> String {

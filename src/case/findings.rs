@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::fault::{Fault, Part};
+use super::fault::Fault;
 use super::pointer::Pointer;
 
 /// More than this many faults help nobody; the rest is counted.
@@ -17,6 +17,15 @@ pub(crate) struct Findings {
     unread: BTreeSet<String>,
     /// places of misspelt keys: read as the known key, written otherwise
     renamed: BTreeMap<String, String>,
+}
+
+/// What is told of the faults of a case.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Told {
+    /// the faults that are shown
+    pub faults: Vec<Fault>,
+    /// number of those that are not
+    pub more: usize,
 }
 
 impl Findings {
@@ -68,28 +77,19 @@ impl Findings {
         self.list.len().saturating_add(self.dropped)
     }
 
-    /// The faults, with pointers as the file spells them; the last one counts what is not shown.
-    pub fn into_faults(mut self) -> Vec<Fault> {
-        let mut list = std::mem::take(&mut self.list);
-        for fault in &mut list {
+    /// Ends the search: the faults with pointers as the file spells them.
+    pub fn told(mut self) -> Told {
+        let mut faults = std::mem::take(&mut self.list);
+        for fault in &mut faults {
             fault.pointer = self.written(&fault.pointer);
         }
-        if self.dropped > 0 {
-            list.push(Fault {
-                part: Part::Text,
-                value: format!("{} more faults", self.dropped),
-                allowed: "none".to_owned(),
-                hint: Some("mend the ones above and check again".to_owned()),
-                ..Fault::default()
-            });
-        }
-        list
+        Told { faults, more: self.dropped }
     }
 
     /// A pointer with the keys that are in the file.
     fn written(&self, pointer: &str) -> String {
         let ends = pointer.match_indices('/').map(|(i, _)| i).chain([pointer.len()]);
-        let found = ends.filter_map(|end| Some((self.renamed.get(pointer.get(..end)?)?, end))).last();
+        let found = ends.filter_map(|end| Some((self.renamed.get(pointer.get(..end)?)?, end))).next_back();
         match found {
             // A misspelt key may stand below another one.
             Some((spelt, end)) => {
@@ -117,9 +117,8 @@ mod tests {
             found.note(Fault::default);
         }
         assert_eq!(found.count(), 1000);
-        let list = found.into_faults();
-        assert_eq!(list.len(), SHOWN + 1);
-        assert_eq!(list[SHOWN].value, "950 more faults");
+        let told = found.told();
+        assert_eq!((told.faults.len(), told.more), (SHOWN, 950));
     }
 
     /// A place is doubtful with what is above and below it; its neighbours, also those of a similar name, are not.

@@ -9,7 +9,7 @@ use super::build::geometry::Geometry;
 use super::build::{Built, build};
 use super::comments::blank;
 use super::fault::{Fault, Faults, Part};
-use super::findings::Findings;
+use super::findings::{Findings, Told};
 use super::place::{Place, Written};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
@@ -71,7 +71,7 @@ impl Source {
         let mut found = Findings::default();
         walk(&mut json, &mut found);
         if found.count() == 0 {
-            found.note(|| first);
+            found.note(|| *first);
         }
         let faults = self.rest(&json, found, known);
         Err(self.refused(faults))
@@ -98,7 +98,7 @@ impl Source {
                 if lines.contains('\n') {
                     faults.push(at(later, "not JSON either, and nothing can be read from here on".to_owned(), "JSON"));
                 }
-                return self.refused(faults);
+                return self.refused(Told { faults, more: 0 });
             }
         };
         // What the tolerant reader allows and JSON does not, it notes; depth is the rest.
@@ -122,14 +122,14 @@ impl Source {
     }
 
     /// The faults of a case in which faults were found, with those of its ranges and meaning.
-    fn rest(&self, json: &Value, mut found: Findings, known: Option<Arc<Geometry>>) -> Vec<Fault> {
+    fn rest(&self, json: &Value, mut found: Findings, known: Option<Arc<Geometry>>) -> Told {
         match typed(json) {
             Ok(file) => self.build(json, &file, found, known).err().unwrap_or_default(),
             Err(fault) => {
                 if found.readable(&Pointer::root().below(&fault.pointer)) {
-                    found.note(|| fault);
+                    found.note(|| *fault);
                 }
-                found.into_faults()
+                found.told()
             }
         }
     }
@@ -140,7 +140,7 @@ impl Source {
         file: &CaseFile,
         found: Findings,
         known: Option<Arc<Geometry>>,
-    ) -> Result<Built, Vec<Fault>> {
+    ) -> Result<Built, Told> {
         let mut faults = Faults::new(json, found);
         let built = build(file, &self.base, known, &mut faults);
         let warnings = faults.finish()?;
@@ -149,20 +149,24 @@ impl Source {
                 problem.warnings = warnings;
                 Ok((problem, geometry))
             }
-            None => Err(vec![Fault {
-                value: "a case without faults that cannot be built".to_owned(),
-                allowed: "a case that can be built".to_owned(),
-                hint: Some("this is a defect of the program: please report it with the case".to_owned()),
-                ..Fault::default()
-            }]),
+            None => {
+                let fault = Fault {
+                    value: "a case without faults that cannot be built".to_owned(),
+                    allowed: "a case that can be built".to_owned(),
+                    hint: Some("this is a defect of the program: please report it with the case".to_owned()),
+                    ..Fault::default()
+                };
+                Err(Told { faults: vec![fault], more: 0 })
+            }
         }
     }
 
     /// The error that shows these faults at their places.
-    fn refused(self, mut faults: Vec<Fault>) -> CaseError {
+    fn refused(self, told: Told) -> CaseError {
+        let Told { mut faults, more } = told;
         let clean = blank(&self.text).unwrap_or_default();
         let tree = Tree::parse(&clean).ok();
         Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);
-        CaseError::Faults { path: self.path, text: self.text, faults }
+        CaseError::Faults { path: self.path, text: self.text, faults, more }
     }
 }

@@ -205,7 +205,7 @@ mod tests {
         let tree = Tree::parse(text).expect("readable");
         let value = tree.value(&mut findings);
         assert_eq!(value, json!({"a": [1, 2], "b": "x", "c": 1, "d": 1, "e": "1\t2", "f": [1, 2]}));
-        let faults = findings.into_faults();
+        let faults = findings.told().faults;
         let found: Vec<(&str, &str)> = faults.iter().map(|f| (f.pointer.as_str(), f.value.as_str())).collect();
         let expected = [
             ("", "a missing comma"),

@@ -12,11 +12,12 @@ use super::schema::CaseFile;
 ///
 /// # Errors
 /// The first wrong type, unknown or missing key, as serde says it.
-pub(crate) fn typed(json: &Value) -> Result<CaseFile, Fault> {
+pub(crate) fn typed(json: &Value) -> Result<CaseFile, Box<Fault>> {
     serde_path_to_error::deserialize(json).map_err(|error| {
         let at = pointer(json, error.path());
         let value = json.pointer(at.as_str()).map_or_else(|| "(missing)".to_owned(), excerpt);
-        Fault { pointer: at.as_str().to_owned(), value, allowed: error.inner().to_string(), ..Fault::default() }
+        let pointer = at.as_str().to_owned();
+        Box::new(Fault { pointer, value, allowed: error.inner().to_string(), ..Fault::default() })
     })
 }
 

@@ -256,6 +256,18 @@ fn slips_hide_nothing() {
     assert_eq!((list.len(), lines), (2, vec![11, 13]), "{list:#?}");
 }
 
+/// A list of which every entry is wrong makes a message of bounded length with the true number of faults.
+#[test]
+fn many_faults_are_counted() {
+    let bad = ["\"x\""; 1000].join(",");
+    let text = BASE.replace("\"nodal\": 0.5", &format!("\"nodal\": [{bad}]"));
+    let error = text_with(&text, &[]).expect_err("refused");
+    assert_eq!(error.faults().len(), 50);
+    let shown = error.to_string();
+    assert!(shown.starts_with("base.json: 1000 faults") && shown.ends_with("and 950 more; mend these and check again"));
+    assert!(shown.len() < 30_000, "{} bytes", shown.len());
+}
+
 /// What follows from a part that cannot be read is not told; what does not is.
 #[test]
 fn nothing_follows_from_a_stand_in() {
