@@ -1,6 +1,6 @@
 //! A fault of a case: where it is, what stands there, what may stand there.
 //!
-//! The checks know pointers only, nothing of text; [`super::place`] finds the place in the file, [`super::picture`] draws it.
+//! The checks know pointers only, nothing of text; [`super::place`] finds the place in the file, `picture` draws it.
 
 use std::fmt;
 

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one reads
-//! the text again ([`tolerant`]), compares it with the schema ([`walk`]), replaces what is wrong by stand-ins and checks
+//! the text again (`tolerant`), compares it with the schema (`walk`), replaces what is wrong by stand-ins and checks
 //! ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
 //! [`place`] where it was written.
 
