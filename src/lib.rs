@@ -8,6 +8,7 @@ pub mod assembly;
 pub mod case;
 pub mod cli;
 pub mod drive;
+pub mod figures;
 pub mod force;
 pub mod integrate;
 pub mod mesh;

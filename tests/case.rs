@@ -7,6 +7,8 @@
 mod built;
 #[path = "case/common.rs"]
 mod common;
+#[path = "case/faults.rs"]
+mod faults;
 #[path = "case/reading.rs"]
 mod reading;
 #[path = "case/refused.rs"]

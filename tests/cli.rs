@@ -2,6 +2,8 @@
 
 #[path = "cli/bench.rs"]
 mod bench;
+#[path = "cli/doubts.rs"]
+mod doubts;
 #[path = "cli/failures.rs"]
 mod failures;
 #[path = "cli/matrices.rs"]

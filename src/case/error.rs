@@ -1,6 +1,7 @@
 //! Why a case cannot be used. Every variant ends a program with status 2, but [`CaseError::Read`], which is 1.
 
-use super::fault::{Fault, render};
+use super::fault::Fault;
+use super::picture::render;
 
 /// Why a case cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -39,20 +40,6 @@ pub enum CaseError {
         /// the case file
         path: String,
     },
-    /// The text is not JSON.
-    #[error("{path}:{line}:{column}: {reason}{}", hint.as_ref().map(|h| format!("\n  hint: {h}")).unwrap_or_default())]
-    Syntax {
-        /// the case file
-        path: String,
-        /// line, from 1
-        line: usize,
-        /// column in bytes, from 1
-        column: usize,
-        /// what is wrong
-        reason: String,
-        /// what to do
-        hint: Option<String>,
-    },
     /// A `--set` assignment cannot be applied.
     #[error("--set {key}={value}: {reason}")]
     Override {
@@ -63,15 +50,17 @@ pub enum CaseError {
         /// why that cannot be done
         reason: String,
     },
-    /// The case is JSON, but not a case that can be run.
-    #[error("{path}: {} in the case\n\n{}", count(faults.len()), render(faults))]
+    /// The text is not JSON, or not a case that can be run.
+    #[error("{path}: {} in the case\n\n{}{}", count(faults.len() + more), render(path, text, faults), rest(*more))]
     Faults {
         /// the case file
         path: String,
-        /// the text as read, for a later pass that shows lines and carets
+        /// the text as read, for the pictures
         text: String,
-        /// everything that is wrong
+        /// what is wrong, in the order of the text; at most 50
         faults: Vec<Fault>,
+        /// number of faults beyond those
+        more: usize,
     },
 }
 
@@ -83,6 +72,10 @@ impl CaseError {
             _ => &[],
         }
     }
+}
+
+fn rest(more: usize) -> String {
+    if more == 0 { String::new() } else { format!("\n\nand {more} more; mend these and check again") }
 }
 
 fn count(n: usize) -> String {

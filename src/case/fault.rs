@@ -1,48 +1,68 @@
 //! A fault of a case: where it is, what stands there, what may stand there.
 //!
-//! A fault keeps the pointer only. Line, column and a picture of the source are made from the pointer and the
-//! source text that [`crate::case::CaseError::Faults`] keeps, so that the checks know nothing of text.
+//! The checks know pointers only, nothing of text; [`super::place`] finds the place in the file, `picture` draws it.
 
 use std::fmt;
 
 use serde_json::Value;
 
+use super::findings::{Findings, Told};
+use super::place::Place;
 use super::pointer::Pointer;
-
-/// More than this many faults help nobody; the rest is counted.
-const SHOWN: usize = 50;
 
 /// Longest excerpt of a value in a message, in characters.
 const EXCERPT: usize = 80;
 
+/// What of a place is wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// the value that the pointer leads to
+    #[default]
+    Value,
+    /// the key that the pointer ends with
+    Key,
+    /// the text itself, which is not JSON
+    Text,
+}
+
 /// One thing that is wrong with a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fault {
-    /// JSON pointer of the value, e.g. `/time/step`
+    /// JSON pointer, e.g. `/time/step`; empty for the whole case, and where the text is not JSON
     pub pointer: String,
+    /// what of it is wrong
+    pub part: Part,
     /// what stands there, shortened
     pub value: String,
     /// what may stand there, as a sentence part: "a number above 0"
     pub allowed: String,
     /// what to do about it, if there is more to say
     pub hint: Option<String>,
+    /// where it was written, if that can be told
+    pub place: Option<Place>,
+}
+
+impl Fault {
+    /// The first line of a message: where, and what stands there.
+    pub fn heading(&self) -> String {
+        match (self.part, self.pointer.as_str()) {
+            (Part::Text, _) => self.value.clone(),
+            (_, "") => format!("/: {}", self.value),
+            (_, pointer) => format!("{pointer}: {}", self.value),
+        }
+    }
+
+    /// The last lines of a message: what is allowed, and what to do.
+    pub fn advice(&self) -> String {
+        let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        format!("  allowed: {}{hint}", self.allowed)
+    }
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let pointer = if self.pointer.is_empty() { "/" } else { &self.pointer };
-        writeln!(f, "{pointer}: {}", self.value)?;
-        write!(f, "  allowed: {}", self.allowed)?;
-        match &self.hint {
-            Some(hint) => write!(f, "\n  hint: {hint}"),
-            None => Ok(()),
-        }
+        write!(f, "{}\n{}", self.heading(), self.advice())
     }
-}
-
-/// Renders faults for a terminal: one paragraph each, in the order they were found.
-pub fn render(faults: &[Fault]) -> String {
-    faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n\n")
 }
 
 /// A value as a message shows it: compact JSON, cut after 80 characters.
@@ -55,7 +75,8 @@ pub fn excerpt(value: &Value) -> String {
     }
 }
 
-fn shorten(text: &str) -> String {
+/// A text as a message shows it: cut after 80 characters.
+pub fn shorten(text: &str) -> String {
     if text.chars().count() <= EXCERPT {
         return text.to_owned();
     }
@@ -63,19 +84,40 @@ fn shorten(text: &str) -> String {
     format!("{head}…")
 }
 
+/// "known keys here: a, b".
+pub(crate) fn one_of<T: AsRef<str>>(what: &str, names: &[T]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    if names.is_empty() { "no key at all".to_owned() } else { format!("{what}: {}", names.join(", ")) }
+}
+
+/// The known name that looks most like `name`, if one does.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // 0.6 finds slips and swaps of letters, and lets words of another meaning go.
+    const ALIKE: f64 = 0.6;
+    let likeness = |k: &str| strsim::normalized_damerau_levenshtein(name, k);
+    let best = known.into_iter().map(|k| (likeness(k), k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= ALIKE).then_some(best.1)
+}
+
+/// "did you mean" the known name that looks most like `name`, if one does.
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(name, known).map(|k| format!("did you mean \"{k}\"?"))
+}
+
 /// Collects the faults and warnings of one pass over a case.
 #[derive(Debug)]
 pub(crate) struct Faults<'a> {
     json: &'a Value,
-    list: Vec<Fault>,
-    dropped: usize,
+    found: Findings,
+    /// faults kept back as consequences of others
+    kept_back: usize,
     warnings: Vec<String>,
 }
 
 impl<'a> Faults<'a> {
-    /// Starts an empty collection for the case whose values messages quote.
-    pub fn new(json: &'a Value) -> Self {
-        Self { json, list: Vec::new(), dropped: 0, warnings: Vec::new() }
+    /// Starts a collection for the case whose values messages quote, with what an earlier pass has found.
+    pub fn new(json: &'a Value, found: Findings) -> Self {
+        Self { json, found, kept_back: 0, warnings: Vec::new() }
     }
 
     /// Notes that the value at `at` is not what is allowed there.
@@ -88,6 +130,11 @@ impl<'a> Faults<'a> {
         self.add_value(at, self.shown(at), allowed, Some(hint.into()));
     }
 
+    /// The same where the key at the end of `at` is wrong.
+    pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+        self.put(at, Part::Key, self.shown(at), allowed.into(), Some(hint.into()));
+    }
+
     /// The same where the wrong value is not the one written at `at`, but follows from it.
     pub fn add_value(
         &mut self,
@@ -96,12 +143,21 @@ impl<'a> Faults<'a> {
         allowed: impl Into<String>,
         hint: Option<String>,
     ) {
-        if self.list.len() >= SHOWN {
-            self.dropped = self.dropped.saturating_add(1);
+        self.put(at, Part::Value, value.into(), allowed.into(), hint);
+    }
+
+    fn put(&mut self, at: &Pointer, part: Part, value: String, allowed: String, hint: Option<String>) {
+        if !self.readable(at) {
+            self.kept_back = self.kept_back.saturating_add(1);
             return;
         }
         let hint = hint.filter(|text| !text.is_empty());
-        self.list.push(Fault { pointer: at.as_str().to_owned(), value: value.into(), allowed: allowed.into(), hint });
+        self.found.note(|| Fault { pointer: at.as_str().to_owned(), part, value, allowed, hint, place: None });
+    }
+
+    /// Whether the case has something at `at`.
+    pub fn is_there(&self, at: &Pointer) -> bool {
+        self.json.pointer(at.as_str()).is_some()
     }
 
     /// Notes something doubtful that does not stop a run.
@@ -109,61 +165,28 @@ impl<'a> Faults<'a> {
         self.warnings.push(text.into());
     }
 
-    /// Number of faults so far, the ones not shown included.
+    /// Whether what stands at `at`, above it and below it is what the file says. Where an earlier pass found a fault a
+    /// stand-in is, and what follows from a stand-in is no fault of the user's.
+    pub fn readable(&self, at: &Pointer) -> bool {
+        self.found.readable(at)
+    }
+
+    /// Whether a stand-in is at `at` itself or above it.
+    pub fn unread(&self, at: &Pointer) -> bool {
+        self.found.unread(at)
+    }
+
+    /// Number of faults so far, with those not shown and those kept back.
     pub fn count(&self) -> usize {
-        self.list.len().saturating_add(self.dropped)
+        self.found.count().saturating_add(self.kept_back)
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(mut self) -> Result<Vec<String>, Vec<Fault>> {
-        if self.list.is_empty() {
-            return Ok(self.warnings);
-        }
-        if self.dropped > 0 {
-            self.list.push(Fault {
-                pointer: String::new(),
-                value: format!("{} more faults", self.dropped),
-                allowed: "none".to_owned(),
-                hint: Some("mend the ones above and check again".to_owned()),
-            });
-        }
-        Err(self.list)
+    pub fn finish(self) -> Result<Vec<String>, Told> {
+        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
     }
 
     fn shown(&self, at: &Pointer) -> String {
         self.json.pointer(at.as_str()).map_or_else(|| "(missing)".to_owned(), excerpt)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A fault a paragraph, with the hint only where there is one.
-    #[test]
-    fn renders_one_paragraph_a_fault() {
-        let json = serde_json::json!({"time": {"step": -1}});
-        let mut faults = Faults::new(&json);
-        faults.add(&Pointer::root().key("time").key("step"), "a number above 0");
-        faults.add_hint(&Pointer::root().key("name"), "a text", "give it a name");
-        let list = faults.finish().expect_err("two faults");
-        assert_eq!(
-            render(&list),
-            "/time/step: -1\n  allowed: a number above 0\n\n/name: (missing)\n  allowed: a text\n  hint: give it a name"
-        );
-    }
-
-    /// A case with a fault in every entry of a long list gives a message of bounded length that says what it left out.
-    #[test]
-    fn bounds_the_number_of_faults() {
-        let json = serde_json::json!({});
-        let mut faults = Faults::new(&json);
-        for i in 0..1000 {
-            faults.add(&Pointer::root().index(i), "x");
-        }
-        assert_eq!(faults.count(), 1000);
-        let list = faults.finish().expect_err("faults");
-        assert_eq!(list.len(), SHOWN + 1);
-        assert_eq!(list[SHOWN].value, "950 more faults");
     }
 }

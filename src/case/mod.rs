@@ -4,43 +4,49 @@
 //! file --text--> text --comments, strict JSON--> value --set--> value --typed--> CaseFile --build--> Problem
 //! ```
 //!
-//! Errors come in passes: text that is no JSON, then the first wrong type or key, then every range and meaning at
-//! once. [`fault`] holds what a fault looks like; a fault carries a JSON pointer, and [`CaseError::Faults`] the source
-//! text that pictures of the place can be made from.
+//! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one reads
+//! the text again (`tolerant`), compares it with the schema (`walk`), replaces what is wrong by stand-ins and checks
+//! ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
+//! [`place`] where it was written.
 
 mod build;
+mod choice;
 mod comments;
 mod ergun;
 mod error;
 pub mod fault;
+mod findings;
 mod overrides;
+mod picture;
+pub mod place;
 pub mod pointer;
 pub mod schema;
+mod shape;
+mod source;
 pub mod spec;
 mod strict;
 mod text;
+mod tolerant;
 mod typed;
+mod walk;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde_json::Value;
-
 pub use error::CaseError;
-pub use fault::Fault;
+pub use fault::{Fault, Part};
+pub use place::Place;
 pub use schema::json_schema;
+pub use source::Source;
 pub use spec::Problem;
 
 use build::geometry::Geometry;
-use fault::Faults;
 use schema::CaseFile;
 
 /// A case that was read and found good.
 #[derive(Clone, Debug)]
 pub struct Case {
-    path: String,
-    base: PathBuf,
-    text: String,
+    source: Source,
     file: CaseFile,
     problem: Problem,
     geometry: Option<Arc<Geometry>>,
@@ -69,11 +75,8 @@ impl Case {
         base: PathBuf,
         overrides: &[(String, String)],
     ) -> Result<Self, CaseError> {
-        let mut json = text::parse(&text, name)?;
-        for (key, value) in overrides {
-            overrides::apply(&mut json, key, value)?;
-        }
-        Source { path: name.to_owned(), base, text }.resolve(json, None)
+        let overrides = overrides.to_vec();
+        Source { path: name.to_owned(), base, text, overrides }.read()
     }
 
     /// The same case with some values replaced, as a study needs it; the mesh is not made again unless its section changes.
@@ -81,11 +84,12 @@ impl Case {
     /// # Errors
     /// An assignment without a place, or the faults of the changed case.
     pub fn with(&self, overrides: &[(String, String)]) -> Result<Self, CaseError> {
+        let mut source = self.source.clone();
+        source.overrides.extend_from_slice(overrides);
         let mut json = self.problem.case_json.clone();
         for (key, value) in overrides {
             overrides::apply(&mut json, key, value)?;
         }
-        let source = Source { path: self.path.clone(), base: self.base.clone(), text: self.text.clone() };
         source.resolve(json, self.geometry.clone())
     }
 
@@ -99,6 +103,11 @@ impl Case {
         self.problem
     }
 
+    /// What a run needs, and where it comes from, to name the place of a later fault.
+    pub fn split(self) -> (Problem, Source) {
+        (self.problem, self.source)
+    }
+
     /// The case as written, `--set` included, before defaults are filled in.
     pub fn file(&self) -> &CaseFile {
         &self.file
@@ -107,46 +116,5 @@ impl Case {
     /// What is doubtful but runs.
     pub fn warnings(&self) -> &[String] {
         &self.problem.warnings
-    }
-}
-
-/// Where a case comes from.
-struct Source {
-    path: String,
-    base: PathBuf,
-    text: String,
-}
-
-impl Source {
-    fn resolve(self, json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
-        match resolve(&json, &self.base, known) {
-            Ok((file, mut problem, geometry)) => {
-                problem.case_json = json;
-                Ok(Case { path: self.path, base: self.base, text: self.text, file, problem, geometry })
-            }
-            Err(faults) => Err(CaseError::Faults { path: self.path, text: self.text, faults }),
-        }
-    }
-}
-
-type Resolved = (CaseFile, Problem, Option<Arc<Geometry>>);
-
-fn resolve(json: &Value, base: &Path, known: Option<Arc<Geometry>>) -> Result<Resolved, Vec<Fault>> {
-    let file = typed::typed(json).map_err(|fault| vec![fault])?;
-    let mut faults = Faults::new(json);
-    let built = build::build(&file, base, known, &mut faults);
-    let before = faults.count();
-    let warnings = faults.finish()?;
-    match built {
-        Some((mut problem, geometry)) => {
-            problem.warnings = warnings;
-            Ok((file, problem, geometry))
-        }
-        None => Err(vec![Fault {
-            pointer: String::new(),
-            value: format!("{before} faults"),
-            allowed: "a case that can be built".to_owned(),
-            hint: Some("this is a defect of the program: please report it with the case".to_owned()),
-        }]),
     }
 }

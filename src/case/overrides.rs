@@ -9,6 +9,14 @@ use super::error::CaseError;
 /// takes the key away.
 pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError::Override { key: key.to_owned(), value: value.to_owned(), reason };
+    if key.contains(['/', '[', ']']) {
+        let dotted = key.replace(['/', '[', ']'], ".");
+        let steps: Vec<&str> = dotted.split('.').filter(|step| !step.is_empty()).collect();
+        return Err(fail(format!(
+            "the path must be keys and numbers of list entries joined by dots: did you mean {}?",
+            steps.join(".")
+        )));
+    }
     let steps: Vec<&str> = key.split('.').collect();
     if steps.iter().any(|step| step.is_empty()) {
         return Err(fail("the path must be keys joined by dots, such as time.step".to_owned()));
@@ -19,7 +27,7 @@ pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), Case
         place = descend(place, step, &steps[..depth]).map_err(fail)?;
     }
     // As strict as the file: duplicate keys inside the value are refused too.
-    let new = super::text::parse(value, "--set").unwrap_or_else(|_| Value::String(value.to_owned()));
+    let new = super::text::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
     put(place, last, new, parents).map_err(fail)
 }
 
@@ -102,6 +110,8 @@ mod tests {
             ("list.x.k", "list is a list"),
             ("time..step", "keys joined by dots"),
             ("", "keys joined by dots"),
+            ("/time/step", "did you mean time.step?"),
+            ("list[1].k", "did you mean list.1.k?"),
         ] {
             let message = set(key, "1").expect_err("refused");
             assert!(message.contains(words), "{key}: {message}");

@@ -41,44 +41,57 @@ pub(crate) fn decode(mut bytes: Vec<u8>, path: &str) -> Result<String, CaseError
     })
 }
 
+/// Why a text is not a JSON value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum NoJson {
+    /// There is nothing but white space and comments.
+    Empty,
+    /// A place where JSON ends.
+    Broken {
+        /// [byte] where
+        offset: usize,
+        /// what is wrong
+        reason: String,
+        /// what is allowed there
+        allowed: &'static str,
+    },
+}
+
 /// Text to JSON: comments blanked, duplicate keys refused.
-pub(crate) fn parse(text: &str, path: &str) -> Result<Value, CaseError> {
-    let clean = blank(text).map_err(|open| {
-        let (line, column) = position(text, open.offset);
-        let reason = "this block comment is never closed".to_owned();
-        CaseError::Syntax { path: path.to_owned(), line, column, reason, hint: Some("end it with */".to_owned()) }
+///
+/// # Errors
+/// The first thing that is not JSON.
+pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
+    let clean = blank(text).map_err(|open| NoJson::Broken {
+        offset: open.offset,
+        reason: "this block comment is never closed".to_owned(),
+        allowed: "a comment that ends with */",
     })?;
     if clean.trim().is_empty() {
-        return Err(CaseError::Empty { path: path.to_owned() });
+        return Err(NoJson::Empty);
     }
-    serde_json::from_str::<Strict>(&clean).map(|Strict(value)| value).map_err(|error| syntax(&error, path))
+    serde_json::from_str::<Strict>(&clean).map(|Strict(value)| value).map_err(|error| broken(text, &error))
 }
 
-fn syntax(error: &serde_json::Error, path: &str) -> CaseError {
-    let text = error.to_string();
+fn broken(text: &str, error: &serde_json::Error) -> NoJson {
+    let message = error.to_string();
     // serde_json ends its messages with " at line L column C", which the error's own fields carry.
-    let reason = text.split(" at line ").next().unwrap_or(&text).to_owned();
-    let hint = HINTS.iter().find(|(part, _)| reason.contains(part)).map(|(_, hint)| (*hint).to_owned());
-    CaseError::Syntax { path: path.to_owned(), line: error.line(), column: error.column(), reason, hint }
+    let reason = message.split(" at line ").next().unwrap_or(&message).to_owned();
+    let allowed = HINTS.iter().find(|(part, _)| reason.contains(part)).map_or("JSON", |(_, hint)| hint);
+    let line = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
+    NoJson::Broken { offset: line + error.column().saturating_sub(1), reason, allowed }
 }
 
-/// Parts of `serde_json`'s messages and what to do about them.
+/// Parts of `serde_json`'s messages and what is allowed instead.
 const HINTS: &[(&str, &str)] = &[
-    ("given twice", "keep one of the two; the later one does not win"),
-    ("EOF while", "the file ends too early: a bracket, brace or quote is open, or the file was cut off"),
-    ("number out of range", "a number must fit a double: its size is at most 1.797e308"),
-    ("recursion limit", "a case never nests as deeply as 128 levels"),
-    ("trailing comma", "JSON allows no comma before a closing bracket or brace"),
-    ("trailing characters", "a case is one JSON object; nothing may follow it"),
-    ("expected value", "here a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
-    ("key must be a string", "keys are in double quotes, and none may be missing after a comma"),
-    ("expected `,` or", "a comma between two entries is missing"),
-    ("control character", "write a line break inside a text as \\n"),
+    ("given twice", "one of the two; the later one does not win"),
+    ("EOF while", "the rest: the file ends too early, a bracket, brace or quote is open, or the file was cut off"),
+    ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
+    ("recursion limit", "less depth: a case never nests as deeply as 128 levels"),
+    ("trailing comma", "no comma before a closing bracket or brace"),
+    ("trailing characters", "one JSON object; nothing may follow it"),
+    ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
+    ("key must be a string", "keys in double quotes, and none missing after a comma"),
+    ("expected `,` or", "a comma between two entries"),
+    ("control character", "a text without control characters; write a line break as \\n"),
 ];
-
-/// Line and column, both from 1, of a byte offset.
-fn position(text: &str, offset: usize) -> (usize, usize) {
-    let head = &text.as_bytes()[..offset.min(text.len())];
-    let line_start = head.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-    (1 + head.iter().filter(|b| **b == b'\n').count(), 1 + head.len() - line_start)
-}

@@ -1,30 +1,39 @@
 //! `canopy-fem check`: all faults, what is modelled, and every method's critical step, without solving anything.
 
+use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
 use super::{CaseArgs, CliError};
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::{Rates, rates};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
+use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::spec::NetworkSpec;
+use crate::output::names::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 use crate::solve::solver_for;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::PathBuf;
 
 pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
-    let mut problem = Case::from_file(&args.case, &args.overrides())?.into_problem();
+    let (mut problem, source) = Case::from_file(&args.case, &args.overrides())?.split();
     let system = problem.take_system();
     let mut text = format!("{}: no faults\n", problem.name);
     describe_system(&mut text, &system);
     let scene = build_scene(system, 1)?;
     let scene = &*scene;
+    check_solver(&problem, scene, source)?;
     describe_terms(&mut text, scene);
     describe_cost(&mut text, &problem, scene);
     let state = scene.initial_state();
-    describe_limits(&mut text, &problem, scene, rates(scene, state.as_ref()));
-    for warning in &problem.warnings {
+    let rates = rates(scene, state.as_ref());
+    describe_limits(&mut text, &problem, scene, rates);
+    let limit = Limit { step: critical_step(&problem.method, rates), rates };
+    let out = PathBuf::from("out").join(file_stem(&problem.name));
+    let doubts = [step_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
+    for warning in problem.warnings.iter().chain(doubts.iter().flatten()) {
         let _ = writeln!(text, "warning: {warning}");
     }
     Ok(text)
@@ -33,7 +42,13 @@ pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
 fn describe_system(text: &mut String, system: &SystemSpec) {
     match system {
         SystemSpec::Pendulum(p) => {
-            let _ = writeln!(text, "  pendulum        L = {} m, m = {} kg, c = {} N m s", p.length, p.mass, p.damping);
+            let _ = writeln!(
+                text,
+                "  pendulum        L = {} m, m = {} kg, c = {} N m s",
+                figures(p.length, 12),
+                figures(p.mass, 12),
+                figures(p.damping, 12)
+            );
         }
         SystemSpec::Network(spec) => {
             let NetworkSpec { mesh, mass, fixed, springs, .. } = &**spec;
@@ -46,7 +61,7 @@ fn describe_system(text: &mut String, system: &SystemSpec) {
                 mesh.nodes.len(),
                 mesh.triangles.len()
             );
-            let _ = writeln!(text, "  mass            {:.6} kg", mass.iter().sum::<f64>());
+            let _ = writeln!(text, "  mass            {} kg", figures(mass.iter().sum::<f64>(), 7));
             let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
         }
     }
@@ -64,7 +79,13 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
     // Two states with their forces, split by role where the scene has the role, and the scheme's own vectors.
     let vectors = if info.family == Family::Implicit { 16 } else { 14 };
     let mut bytes = 8 * vectors * n;
-    let _ = writeln!(text, "  method          {}, order {}, step {} s", info.name, info.order, problem.time.step);
+    let _ = writeln!(
+        text,
+        "  method          {}, order {}, step {} s",
+        info.name,
+        info.order,
+        figures(problem.time.step, 12)
+    );
     if info.family == Family::Implicit {
         let kind = if scene.symmetric() { "symmetric" } else { "not symmetric" };
         let analysed = scene.assembler().map_err(|e| e.to_string()).and_then(|a| {

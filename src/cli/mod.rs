@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod doubts;
 mod error;
 pub mod init;
 pub mod mesh;
@@ -14,6 +15,8 @@ mod solve;
 pub use args::{Args, CaseArgs, Command, SolveArgs};
 pub use error::CliError;
 
+use crate::case::spec::Field;
+use crate::output::frame::Fields;
 use clap::Parser;
 use std::io::Write;
 use std::path::Path;
@@ -45,6 +48,17 @@ pub fn main() -> ExitCode {
 /// A line on standard error, if anybody listens: `eprintln!` would panic on a closed one.
 fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
+}
+
+/// The fields of a case as output knows them.
+fn fields(asked: &[Field]) -> Fields {
+    let has = |field| asked.contains(&field);
+    Fields {
+        force: has(Field::Force),
+        reaction: has(Field::Reaction),
+        tension: has(Field::Tension),
+        strain: has(Field::Strain),
+    }
 }
 
 /// What a command leaves: text for standard output, and its exit status.

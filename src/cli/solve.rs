@@ -1,18 +1,16 @@
 //! `canopy-fem solve`: the main job.
 
+use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
 use super::progress::{Display, Progress};
-use super::{CliError, Finished, SolveArgs, complain};
-use crate::analysis::limit::critical_step;
-use crate::analysis::rates::rates;
+use super::{CliError, Finished, SolveArgs, complain, fields};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
-use crate::case::spec::{Field, Problem};
+use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{Failure, Outcome, RunSpec, Status};
-use crate::integrate::registry::Family;
+use crate::figures::figures;
 use crate::output::encode::VtuFormat;
 use crate::output::folder::{ResultFolder, SUMMARY};
-use crate::output::frame::Fields;
 use crate::output::names::file_stem;
 use crate::output::probes::Probe;
 use crate::output::process::cpu_seconds;
@@ -30,17 +28,22 @@ use std::time::{Duration, Instant};
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
-    let case = Case::from_file(&args.case.case, &args.case.overrides())?;
-    let mut problem = case.into_problem();
+    let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
     if !args.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
+    check_solver(&problem, &*scene, source)?;
     let mut stepper = bind(&problem, &*scene)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
+    let limit = Limit::of(&problem, &*scene);
+    if !args.quiet {
+        let doubts = [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)];
+        doubts.iter().flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
+    }
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
@@ -54,12 +57,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         keep_going: args.keep_going,
         method: problem.method.info,
     };
-    let limit = limit_of(&problem, &*scene);
     let (started, cpu) = (Instant::now(), cpu_seconds());
     let outcome =
         crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut recorder, &mut progress, &mut farthest], &stop)?;
     let cost = Cost { cpu: cpu.and_then(|before| Some(cpu_seconds()? - before)), wall: started.elapsed() };
-    let summary = Summary::new(&problem, &*scene, &outcome, limit, cost);
+    let summary = Summary::new(&problem, &*scene, &outcome, limit.step, cost);
     summary.write(&folder.file(SUMMARY))?;
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
@@ -74,14 +76,6 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Status::Interrupted => 130,
     };
     Ok(Finished { text, code })
-}
-
-/// [s] the method's critical step at the start; costs a few hundred tangents, so only methods that have one pay for it.
-fn limit_of(problem: &Problem, scene: &dyn Scene) -> f64 {
-    if problem.method.info.family != Family::Explicit {
-        return f64::INFINITY;
-    }
-    critical_step(&problem.method, rates(scene, scene.initial_state().as_ref()))
 }
 
 /// Energy made by the scheme, as a share of the energy exchanged, that makes a finished run doubtful.
@@ -112,16 +106,6 @@ fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
         probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
         history_every: output.history_every,
         format: VtuFormat::default(),
-    }
-}
-
-fn fields(asked: &[Field]) -> Fields {
-    let has = |field| asked.contains(&field);
-    Fields {
-        force: has(Field::Force),
-        reaction: has(Field::Reaction),
-        tension: has(Field::Tension),
-        strain: has(Field::Strain),
     }
 }
 
@@ -163,7 +147,7 @@ fn report(
         text,
         "{}: {status} at t = {} s after {} steps of {}",
         problem.name,
-        seconds(outcome.t_end),
+        figures(outcome.t_end, 12),
         outcome.steps,
         problem.method.info.name
     );
@@ -185,13 +169,6 @@ fn report(
     let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
     text
-}
-
-/// Digits for everyday times, powers of ten for the rest.
-fn seconds(t: f64) -> String {
-    // Twelve digits: sums of steps carry rounding that nobody wants to read.
-    let t = format!("{t:.11e}").parse().unwrap_or(t);
-    if t == 0.0 || (1e-3..1e6).contains(&t) { format!("{t}") } else { format!("{t:e}") }
 }
 
 fn describe(failure: &Failure, status: Status) -> String {

@@ -3,6 +3,7 @@
 use super::annulus::{AnnulusParameters, DiscParameters};
 use super::chain::ChainParameters;
 use super::explicit::ExplicitMesh;
+use super::read::Imported;
 use super::rectangle::RectangleParameters;
 use super::{Mesh, MeshError, read};
 use schemars::JsonSchema;
@@ -57,6 +58,14 @@ impl MeshSource {
     /// # Errors
     /// The first parameter out of range, a mesh that cannot be made as asked, or an unreadable file.
     pub fn build(&self, base: &Path) -> Result<Mesh, MeshError> {
+        Ok(self.build_with_notes(base)?.mesh)
+    }
+
+    /// The same with what a file's reader changed or left out, a sentence each.
+    ///
+    /// # Errors
+    /// As [`MeshSource::build`].
+    pub fn build_with_notes(&self, base: &Path) -> Result<Imported, MeshError> {
         let mut first = None;
         self.check(&mut |pointer, value, allowed, hint| {
             first.get_or_insert_with(|| MeshError::Parameter { pointer: pointer.to_owned(), value, allowed, hint });
@@ -70,10 +79,11 @@ impl MeshSource {
             Self::Rectangle(p) => p.build()?,
             Self::Chain(p) => p.build(),
             Self::Explicit(p) => p.build()?,
-            Self::File(name) => read::read_mesh(&base.join(name))?.mesh,
+            // Its reader has checked it.
+            Self::File(name) => return read::read_mesh(&base.join(name)),
         };
         mesh.check()?;
-        Ok(mesh)
+        Ok(Imported { mesh, notes: Vec::new() })
     }
 }
 

@@ -19,6 +19,7 @@ pub mod process;
 pub mod pvd;
 pub mod recorder;
 pub mod schedule;
+pub mod space;
 pub mod summary;
 pub mod vtu;
 pub mod writer;

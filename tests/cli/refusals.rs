@@ -63,6 +63,17 @@ fn all_faults_at_once() {
     }
 }
 
+/// A path that is spelt as elsewhere is answered with the spelling that is meant.
+#[test]
+fn set_names_the_dotted_path() {
+    let bench = Bench::new();
+    for set in ["/system/network/springs/0/stiffness=1", "system.network.springs[0].stiffness=1"] {
+        let ended = bench.solve(&["--set", set]);
+        assert_eq!(ended.code, Some(2));
+        assert!(ended.stderr.contains("did you mean system.network.springs.0.stiffness?"), "{}", ended.stderr);
+    }
+}
+
 /// A method that needs a network refuses a pendulum.
 #[test]
 fn kang_refuses_a_pendulum() {

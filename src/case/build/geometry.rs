@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
+use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;
 use crate::mesh::{Mesh, MeshError, Topology};
 
@@ -15,6 +16,8 @@ use crate::mesh::{Mesh, MeshError, Topology};
 pub(crate) struct Geometry {
     /// where it came from, to know it again
     source: MeshSource,
+    /// what the reader of a mesh file changed
+    notes: Vec<String>,
     /// the mesh as given
     pub mesh: Mesh,
     /// boundary loops and the triangles at every edge
@@ -26,13 +29,14 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    fn new(source: &MeshSource, mesh: Mesh) -> Result<Self, MeshError> {
+    fn new(source: &MeshSource, imported: Imported) -> Result<Self, MeshError> {
+        let Imported { mesh, notes } = imported;
         let topology = Topology::new(&mesh)?;
         let at = |node: u32| mesh.nodes.get(node as usize).map_or(DVec3::NAN, |p| DVec3::from_array(*p));
         let length = mesh.edges.iter().map(|&[a, b]| at(a).distance(at(b))).collect();
         let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length());
         let area = area.collect();
-        Ok(Self { source: source.clone(), mesh, topology, length, area })
+        Ok(Self { source: source.clone(), notes, mesh, topology, length, area })
     }
 
     /// Number of nodes.
@@ -50,19 +54,34 @@ pub(super) fn geometry(
     faults: &mut Faults<'_>,
 ) -> Option<Arc<Geometry>> {
     if let Some(known) = known.filter(|known| known.source == *source) {
+        tell_notes(at, &known, faults);
         return Some(known);
     }
     let before = faults.count();
-    source.check(&mut |below, value, allowed, hint| faults.add_value(&at.below(below), value, allowed, Some(hint)));
-    if faults.count() > before {
+    let listed = at.key("explicit").key("nodes");
+    // Without the nodes nothing can be said of springs and triangles that name them.
+    if matches!(source, MeshSource::Explicit(_)) && !faults.readable(&listed) {
         return None;
     }
-    match source.build(base).and_then(|mesh| Geometry::new(source, mesh)) {
-        Ok(geometry) => Some(Arc::new(geometry)),
+    source.check(&mut |below, value, allowed, hint| faults.add_value(&at.below(below), value, allowed, Some(hint)));
+    if faults.count() > before || !faults.readable(at) {
+        return None;
+    }
+    match source.build_with_notes(base).and_then(|imported| Geometry::new(source, imported)) {
+        Ok(geometry) => {
+            tell_notes(at, &geometry, faults);
+            Some(Arc::new(geometry))
+        }
         Err(error) => {
             refuse(at, source, error, faults);
             None
         }
+    }
+}
+
+fn tell_notes(at: &Pointer, geometry: &Geometry, faults: &mut Faults<'_>) {
+    for note in &geometry.notes {
+        faults.warn(format!("{}: {note}", at.key("file")));
     }
 }
 

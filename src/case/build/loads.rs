@@ -57,7 +57,7 @@ fn pressure(
     faults: &mut Faults<'_>,
 ) -> Option<PressureLoad> {
     let Given { load, value, factor } = given;
-    let kind = pressure_kind(at, load, faults);
+    let kind = pressure_kind(at, load, faults).filter(|_| faults.readable(&at.key("kind")));
     let geometry = geometry?;
     let needs = if let Some(PressureKind::Dead(Some(_))) = kind { Needs::Areas } else { Needs::Normals };
     if !triangles(at, "a pressure", geometry, needs, faults) {
@@ -80,6 +80,7 @@ fn pressure_kind(at: &Pointer, load: &Load, faults: &mut Faults<'_>) -> Option<P
             }
             unit.map(|unit| PressureKind::Dead(Some(unit.to_array())))
         }
+        (PressureKindKey::Follower, Some(_)) if !faults.readable(&at.key("kind")) => None,
         (PressureKindKey::Follower, Some(_)) => {
             let hint =
                 "a follower pressure acts along the current normal; for a fixed direction say \"kind\": \"dead\"";

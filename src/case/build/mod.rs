@@ -10,6 +10,7 @@ mod network;
 mod numbers;
 mod output;
 mod pendulum;
+mod plausible;
 mod select;
 mod series;
 mod springs;
@@ -43,6 +44,8 @@ pub(crate) fn build(
     study::check(file.study.as_ref(), faults);
     let at = root.key("system");
     let (system, geometry) = match &file.system {
+        // A stand-in: which system was meant is not known.
+        _ if faults.unread(&at) => (None, None),
         System::Pendulum(pendulum) => {
             (Some(SystemSpec::Pendulum(pendulum::pendulum(&at.key("pendulum"), pendulum, faults))), None)
         }
@@ -54,7 +57,10 @@ pub(crate) fn build(
             (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
         }
     };
-    let nodes = select::NodeSet::of(&file.system, geometry.as_deref());
+    let nodes = match &system {
+        Some(SystemSpec::Pendulum(_)) => select::NodeSet::Bob,
+        _ => geometry.as_deref().map_or(select::NodeSet::Unknown, select::NodeSet::Mesh),
+    };
     let output = output::output(file.output.as_ref(), nodes, timing.as_ref().map(|t| t.spec), faults);
     let timing = timing?;
     let problem = Problem {

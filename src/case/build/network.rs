@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::{first_few, not_negative};
-use super::{air, loads, mass, select, springs};
+use super::{air, loads, mass, plausible, select, springs};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
@@ -22,7 +22,8 @@ pub(super) fn network(
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
     let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
-    let masses_known = faults.count() == before;
+    let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
+    let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
     let air = air::air(&at.key("aero"), network.aero.as_ref(), geometry, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
@@ -41,9 +42,13 @@ pub(super) fn network(
             Some(hint),
         );
     }
-    let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
-    let start = initial(&at.key("initial"), network.initial.as_ref(), &against, faults);
-    Some(NetworkSpec {
+    let start = if readable(&["supports", "springs"], faults) {
+        let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
+        initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
+    } else {
+        initial::Start::default()
+    };
+    let spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
@@ -55,7 +60,9 @@ pub(super) fn network(
         rayleigh,
         displacement: start.displacement,
         velocity: start.velocity,
-    })
+    };
+    plausible::network(at, &spec, geometry, faults);
+    Some(spec)
 }
 
 /// Which of x, y, z is held, one a node. Supports add up.

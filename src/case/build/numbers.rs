@@ -3,13 +3,13 @@
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 
-/// Notes a fault unless `x` is above 0 and finite; says whether it is good.
+/// Notes a fault unless `x` is above 0 and finite; says whether it is good, which a stand-in is not.
 pub(super) fn positive(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     let good = x > 0.0 && x.is_finite();
     if !good {
         faults.add(at, "a number above 0");
     }
-    good
+    good && faults.readable(at)
 }
 
 /// Notes a fault unless `x` is 0 or more and finite.
@@ -18,7 +18,7 @@ pub(super) fn not_negative(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> boo
     if !good {
         faults.add(at, "a number of 0 or more");
     }
-    good
+    good && faults.readable(at)
 }
 
 /// Notes a fault unless 0 < x < 1.
@@ -27,7 +27,7 @@ pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     if !good {
         faults.add(at, "a number above 0 and below 1");
     }
-    good
+    good && faults.readable(at)
 }
 
 /// Some items for a message: the first few and how many there are.

@@ -72,7 +72,7 @@ fn probes(at: &Pointer, list: &[Probe], nodes: NodeSet<'_>, faults: &mut Faults<
     for (i, probe) in list.iter().enumerate() {
         let at = at.index(i);
         super::name(&at.key("name"), &probe.name, faults);
-        if !names.insert(probe.name.as_str()) {
+        if faults.readable(&at.key("name")) && !names.insert(probe.name.as_str()) {
             faults.add(&at.key("name"), "a name that no other probe has");
         }
         if let Some(nodes) = nodes.select(&at.key("on"), &probe.on, faults) {

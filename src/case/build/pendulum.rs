@@ -21,5 +21,7 @@ pub(super) fn pendulum(at: &Pointer, pendulum: &Pendulum, faults: &mut Faults<'_
             None,
         );
     }
-    PendulumSpec { length, mass, damping, gravity, angle, rate }
+    let spec = PendulumSpec { length, mass, damping, gravity, angle, rate };
+    super::plausible::pendulum(at, &spec, faults);
+    spec
 }

@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::numbers::positive;
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{EdgeSelection, NodeSelection, System};
+use crate::case::schema::{EdgeSelection, NodeSelection};
 use crate::mesh::EdgeKind;
 
 /// The nodes that a probe may name.
@@ -20,16 +20,7 @@ pub(super) enum NodeSet<'a> {
     Unknown,
 }
 
-impl<'a> NodeSet<'a> {
-    /// The nodes of a system.
-    pub fn of(system: &System, geometry: Option<&'a Geometry>) -> Self {
-        match (system, geometry) {
-            (System::Pendulum(_), _) => Self::Bob,
-            (System::Network(_), Some(geometry)) => Self::Mesh(geometry),
-            (System::Network(_), None) => Self::Unknown,
-        }
-    }
-
+impl NodeSet<'_> {
     /// The selected nodes, ascending; `None` with a fault if there are none, without one if the mesh is unknown.
     pub fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
         match self {

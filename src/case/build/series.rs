@@ -15,6 +15,10 @@ pub(super) fn series<T>(
         faults.add(at, "at least one row");
         return None;
     }
+    // A time that could not be read has no order.
+    if !faults.readable(at) {
+        return None;
+    }
     let before = faults.count();
     for (i, pair) in t.windows(2).enumerate() {
         if pair[1] <= pair[0] {

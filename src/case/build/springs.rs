@@ -21,9 +21,12 @@ pub(super) fn springs(
 ) -> Vec<SpringGroup> {
     let mut taken = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
     let mut groups = Vec::new();
+    let mut geometry = geometry;
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let values = values(&at, rule, faults);
+        // Which edges an unreadable rule takes is not known, and so neither what it leaves to the next.
+        geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
         let Some(edges) = claim(&at, rule, geometry, &mut taken, faults) else { continue };
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
@@ -38,7 +41,9 @@ pub(super) fn springs(
             groups.push(group);
         }
     }
-    warn_bare(&taken, faults);
+    if geometry.is_some() {
+        warn_bare(&taken, faults);
+    }
     groups
 }
 

@@ -1,11 +1,10 @@
 //! The time and solver sections.
 
 use super::numbers::{fraction, positive};
-use crate::case::fault::Faults;
+use crate::case::fault::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{self, Linear, Method, Solver, System, Time};
 use crate::case::spec::TimeSpec;
-use crate::case::typed::nearest;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
 use crate::solve::LinearChoice;
@@ -37,7 +36,8 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
     let step = step(&at, time, faults)?;
     let end = end?;
     if end / step > MOST_STEPS {
-        faults.add(&at.key("step"), format!("at least {MOST_STEPS:e} part of the end: {:e}", end / MOST_STEPS));
+        let least = format!("at least {:e}, which makes {MOST_STEPS:e} steps until the end", end / MOST_STEPS);
+        faults.add(&at.key("step"), least);
         return None;
     }
     if step > end {
@@ -72,19 +72,21 @@ pub(super) fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> 
         Err(error) => error,
     };
     match error {
-        MethodError::Unknown { name, known } => {
+        MethodError::Unknown { name, .. } => {
             let names: Vec<&str> = methods().iter().map(|m| m.name).collect();
-            let hint = nearest(&name, &names).unwrap_or_default();
-            faults.add_hint(at, format!("one of the methods {known}"), hint);
+            let hint = did_you_mean(&name, names.iter().copied()).unwrap_or_default();
+            let key = at.key(&name);
+            if faults.is_there(&key) {
+                faults.add_key(&key, one_of("known names here", &names), hint);
+            } else {
+                faults.add_hint(at, one_of("known names here", &names), hint);
+            }
         }
         MethodError::UnknownParameter { method, name, known } => {
-            let names: Vec<&str> = methods()
-                .iter()
-                .filter(|m| m.name == method)
-                .flat_map(|m| m.parameters.iter().map(|p| p.name))
-                .collect();
-            let hint = nearest(&name, &names).unwrap_or_default();
-            faults.add_hint(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
+            let of_method = methods().iter().filter(|m| m.name == method);
+            let names = of_method.flat_map(|m| m.parameters.iter().map(|p| p.name));
+            let hint = did_you_mean(&name, names).unwrap_or_default();
+            faults.add_key(&at.key(method).key(&name), format!("parameters of {method}: {known}"), hint);
         }
         MethodError::OutOfRange { method, name, range, .. } => {
             faults.add(&at.key(method).key(name), format!("a number in {range}"));

@@ -1,0 +1,103 @@
+//! Doubtful input: what runs, but is seldom meant. Every warning is a sentence with its numbers.
+
+use glam::DVec3;
+
+use super::geometry::Geometry;
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::figures::figures;
+use crate::model::spec::{NetworkSpec, PendulumSpec};
+
+/// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here know nothing of compression.
+const SOUND: f64 = 340.0;
+
+/// [-] Strain, in size, beyond which mesh and rest lengths are likely to be of different units.
+const STRAIN: f64 = 0.5;
+
+/// [kg/m^2] Areal densities from the lightest canopy cloth (PIA-C-44378: 0.038) to heavy canvas, with some room.
+const CLOTH: [f64; 2] = [0.03, 0.6];
+
+/// Warns about a network that runs but is seldom meant.
+pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+    if let Some(air) = &spec.air {
+        let fastest = air.wind.value.iter().map(|v| DVec3::from_array(*v).length()).fold(0.0, f64::max);
+        speed(&at.key("aero").key("wind"), "the wind", fastest, faults);
+    }
+    let speeds = spec.velocity.iter().map(|v| DVec3::from_array(*v).length());
+    if let Some((node, fastest)) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) {
+        speed(&at.key("initial").key("velocity"), &format!("node {node}"), fastest, faults);
+    }
+    strain(at, spec, geometry, faults);
+    areal_density(at, spec, geometry, faults);
+}
+
+/// Warns about a pendulum that starts too fast.
+pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_>) {
+    speed(&at.key("rate"), "the bob", (spec.rate * spec.length).abs(), faults);
+}
+
+fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
+    if speed > SOUND {
+        faults.warn(format!(
+            "{at}: {what} has {} m/s, {} times the speed of sound ({SOUND} m/s); no force here knows compressible flow",
+            figures(speed, 4),
+            figures(speed / SOUND, 3)
+        ));
+    }
+}
+
+fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+    let place = |node: u32| {
+        let x = spec.mesh.nodes.get(node as usize).copied().unwrap_or_default();
+        let u = spec.displacement.get(node as usize).copied().unwrap_or_default();
+        DVec3::from_array(x) + DVec3::from_array(u)
+    };
+    let length = |edge: u32| {
+        if spec.displacement.is_empty() {
+            return geometry.length.get(edge as usize).copied();
+        }
+        spec.mesh.edges.get(edge as usize).map(|&[a, b]| place(a).distance(place(b)))
+    };
+    let springs = spec.springs.iter().flat_map(|group| group.edges.iter().zip(&group.rest_length));
+    let strained = springs.filter_map(|(&edge, &rest)| {
+        let l = length(edge)?;
+        let strain = (l - rest) / rest;
+        (strain.abs() > STRAIN).then_some((strain, edge, l, rest))
+    });
+    let mut count = 0_usize;
+    let worst = strained.inspect(|_| count += 1).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    if let Some((strain, edge, length, rest)) = worst {
+        let others = if count > 1 { format!(", as do {count} springs in all") } else { String::new() };
+        faults.warn(format!(
+            "{}: the spring on edge {edge} starts with a strain of {} (length {} m, rest length {} m), beyond {STRAIN} in \
+             size{others}; are all lengths in metres?",
+            at.key("springs"),
+            figures(strain, 3),
+            figures(length, 4),
+            figures(rest, 4)
+        ));
+    }
+}
+
+/// The mass of the triangles' nodes over the triangles' area: a payload on lines does not count.
+fn areal_density(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+    let mut cloth = vec![false; spec.mass.len()];
+    for &node in spec.mesh.triangles.as_flattened() {
+        if let Some(flag) = cloth.get_mut(node as usize) {
+            *flag = true;
+        }
+    }
+    let mass: f64 = spec.mass.iter().zip(&cloth).filter(|(_, cloth)| **cloth).map(|(mass, _)| mass).sum();
+    let area: f64 = geometry.area.iter().sum();
+    let density = mass / area;
+    let [light, heavy] = CLOTH;
+    if density.is_finite() && !(light..=heavy).contains(&density) {
+        faults.warn(format!(
+            "{}: {} kg on {} m^2 of triangles are {} kg/m^2; cloth has {light} to {heavy}",
+            at.key("mass"),
+            figures(mass, 4),
+            figures(area, 4),
+            figures(density, 3)
+        ));
+    }
+}

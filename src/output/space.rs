@@ -1,0 +1,57 @@
+//! How much room frames need, and how much there is.
+
+use std::path::Path;
+
+use super::frame::Fields;
+use crate::model::picture::Picture;
+
+/// [byte] The XML around the arrays of a frame, about.
+const HEAD: u64 = 2000;
+
+/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML.
+pub fn frame_bytes(picture: &dyn Picture, fields: Fields) -> u64 {
+    let count = |n: usize| n as u64;
+    let (points, triangles, edges) =
+        (count(picture.reference().len()), count(picture.triangles().len()), count(picture.edges().len()));
+    // Vertex cells stand in for a picture without triangles and edges.
+    let vertices = if triangles + edges == 0 { points } else { 0 };
+    let cells = triangles + edges + vertices;
+    let corners = 3 * triangles + 2 * edges + vertices;
+    // Positions, displacements and velocities are always there.
+    let vectors = 3 + u64::from(fields.force) + u64::from(fields.reaction);
+    let scalars = u64::from(fields.tension) + u64::from(fields.strain);
+    // Int64 corners and offsets, UInt8 types.
+    HEAD + 24 * vectors * points + (8 * scalars + 8 + 1) * cells + 8 * corners
+}
+
+/// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not tell.
+pub fn free_bytes(path: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let there = path.ancestors().find(|p| p.as_os_str().is_empty() || p.exists())?;
+        let there = if there.as_os_str().is_empty() { Path::new(".") } else { there };
+        let system = rustix::fs::statvfs(there).ok()?;
+        system.f_bavail.checked_mul(system.f_frsize)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        None
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// A folder that is not there yet has the room of the one above it, whether its path is relative or not.
+    #[test]
+    fn room_of_a_folder_to_be() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let there = free_bytes(folder.path()).expect("Unix tells");
+        let to_be = free_bytes(&folder.path().join("a/b")).expect("Unix tells");
+        // Others write meanwhile.
+        assert!(there > 0 && to_be.abs_diff(there) < there / 2, "{there} and {to_be}");
+        assert!(free_bytes(Path::new("no/such/folder")).is_some_and(|bytes| bytes > 0));
+    }
+}

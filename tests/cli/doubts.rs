@@ -1,0 +1,188 @@
+//! What runs, but is seldom meant: `check` and `solve` say so in the same words, with numbers.
+
+use std::path::PathBuf;
+
+use canopy_fem::case::Case;
+use canopy_fem::output::frame::Fields;
+use canopy_fem::output::space::frame_bytes;
+use canopy_fem::simulation::build_scene;
+
+use crate::bench::{Bench, Ended, SAIL};
+
+const N: &str = "system.network.";
+
+/// The sail with the mass of a cloth, about which there is nothing to say.
+const LIGHT: [&str; 2] = ["--set", "system.network.mass.nodal=0.1"];
+
+fn warnings(text: &str) -> Vec<String> {
+    text.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect()
+}
+
+/// The warnings of `check` and of `solve` for the same arguments.
+fn both(bench: &Bench, arguments: &[&str]) -> [Vec<String>; 2] {
+    let checked = bench.run(&[&["check", "sail.json"], arguments].concat());
+    assert_eq!(checked.code, Some(0), "{arguments:?}: {}", checked.stderr);
+    let solved = bench.solve(&[&["--force"], arguments].concat());
+    assert!(matches!(solved.code, Some(0 | 3)), "{arguments:?}: {}", solved.stderr);
+    let mut solved = warnings(&solved.stderr);
+    // Known after the run only.
+    solved.retain(|w| !w.contains("the scheme itself has made energy"));
+    [warnings(&checked.stdout), solved]
+}
+
+/// Every doubt alone, with its numbers.
+#[test]
+fn check_and_solve_warn_with_numbers() {
+    let bench = Bench::new();
+    assert_eq!(both(&bench, &LIGHT), [const { Vec::<String>::new() }; 2]);
+    for (set, words) in [
+        (
+            "N.aero.wind=[0,0,1000]",
+            "/system/network/aero/wind: the wind has 1000 m/s, 2.94 times the speed of sound (340 m/s)",
+        ),
+        ("N.aero.wind.table=[[0,0,0,8],[0.5,0,0,-341]]", "the wind has 341 m/s, 1 times"),
+        ("N.initial.velocity=[0,0,-350]", "m/s, 1.03 times the speed of sound"),
+        ("N.springs.0.rest_scale=0.5", "starts with a strain of 1 (length"),
+        ("N.springs.0.dashpot={\"relative\":\"step\"}", "a \"step\" dashpot has c = k h"),
+        ("N.mass.nodal=0.009", "0.054 kg on 2 m^2 of triangles are 0.027 kg/m^2; cloth has 0.03 to 0.6"),
+    ] {
+        let set = set.replace("N.", N);
+        let arguments = [&LIGHT[..], &["--method", "newmark", "--set", &set]].concat();
+        let [checked, solved] = both(&bench, &arguments);
+        assert_eq!(checked.len(), 1, "{set}: {checked:?}");
+        assert!(checked[0].contains(words), "{set}: {checked:?}");
+        assert_eq!(checked, solved, "{set}");
+    }
+}
+
+/// A step above the critical one is announced before the run, with both numbers; a method without limit has nothing to announce.
+#[test]
+fn a_step_above_the_critical_one_is_announced() {
+    let bench = Bench::new();
+    let step = ["--step", "0.3", "--end", "3"];
+    for (method, warned) in [
+        ("velocity-verlet", true),
+        ("rk4", true),
+        ("newmark", false),
+        ("{\"newmark\":{\"beta\":0.1666,\"gamma\":0.5}}", true),
+        ("kang", false),
+    ] {
+        let arguments = [&LIGHT[..], &step, &["--method", method]].concat();
+        let [checked, solved] = both(&bench, &arguments);
+        assert_eq!(checked, solved, "{method}");
+        assert_eq!(checked.len(), usize::from(warned), "{method}: {checked:?}");
+        if let Some(warning) = checked.first() {
+            let number = |after: &str| -> f64 {
+                let rest = warning.split_once(after).expect("the words").1;
+                rest.split_whitespace().next().expect("a number").parse().expect("a number")
+            };
+            let (times, critical) = (number("of 0.3 s is "), number("about "));
+            assert!(times > 1.0 && (times * critical / 0.3 - 1.0).abs() < 0.02, "{warning}");
+            let advised = number("--step ");
+            let advised = advised.to_string();
+            let good = [&LIGHT[..], &["--method", method, "--step", &advised]].concat();
+            assert!(both(&bench, &good)[0].is_empty(), "{method} at {advised}");
+        }
+    }
+    let undamped: Vec<&str> = ["aero=null", "loads=null", "damping=null", "springs.0.dashpot=null"].to_vec();
+    let sets: Vec<String> = undamped.iter().flat_map(|s| ["--set".to_owned(), format!("{N}{s}")]).collect();
+    let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+    let [checked, solved] = both(&bench, &[&LIGHT[..], &["--method", "explicit-euler"], &sets].concat());
+    assert!(checked.len() == 1 && checked[0].contains("has no stable step"), "{checked:?}");
+    assert_eq!(checked, solved);
+}
+
+/// The size of a frame is known before it is written.
+#[test]
+fn frames_have_the_size_that_was_foretold() {
+    for fields in ["[]", "[\"force\",\"strain\"]", "[\"force\",\"reaction\",\"tension\",\"strain\"]"] {
+        let bench = Bench::new();
+        let sets =
+            [("output.fields".to_owned(), fields.to_owned()), ("system.network.mesh".to_owned(), MESH.to_owned())];
+        let sets = [&sets[..], &REST.map(|(k, v)| (k.to_owned(), v.to_owned()))].concat();
+        let arguments: Vec<String> = sets.iter().flat_map(|(k, v)| ["--set".to_owned(), format!("{k}={v}")]).collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let ended = bench.solve(&[&["--end", "0.01"], arguments.as_slice()].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let case = Case::from_text(SAIL.to_owned(), "sail.json", PathBuf::new(), &sets).expect("good");
+        let scene = build_scene(case.into_problem().take_system(), 1).expect("good");
+        let has = |field| fields.contains(field);
+        let fields =
+            Fields { force: has("force"), reaction: has("reaction"), tension: has("tension"), strain: has("strain") };
+        let foretold = frame_bytes(&*scene, fields) as f64;
+        let size = std::fs::metadata(bench.path("out/frames/sail_000000.vtu")).expect("a frame").len() as f64;
+        assert!((foretold / size - 1.0).abs() < 0.02, "{foretold} bytes foretold, {size} written");
+    }
+}
+
+const MESH: &str = r#"{"rectangle":{"width":1,"height":1,"columns":20,"rows":20}}"#;
+const REST: [(&str, &str); 4] = [
+    ("system.network.mass", r#"{"areal_density":0.1}"#),
+    ("system.network.supports", r#"[{"on":"outer","fix":"xyz"}]"#),
+    ("output.probes", "null"),
+    ("time.step", "1e-4"),
+];
+
+/// Frames beyond the free room of the disk are announced: 17 MB a million times. The run itself ends at once, as it must.
+#[test]
+fn frames_beyond_the_disk_are_announced() {
+    let bench = Bench::new();
+    let mesh = MESH.replace("20", "200");
+    let sets = [("system.network.mesh", mesh.as_str()), ("output.frames.every", "1.1e-6"), ("time.step", "0.9")];
+    let sets: Vec<String> =
+        sets.iter().chain(&REST[..3]).flat_map(|(k, v)| ["--set".to_owned(), format!("{k}={v}")]).collect();
+    let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+    let said = |ended: &Ended| format!("{}{}", ended.stdout, ended.stderr);
+    let checked = bench.run(&[&["check", "sail.json"], sets.as_slice()].concat());
+    let solved = bench.solve(&[&["--set", "system.network.aero.wind=[0,0,1e200]"], sets.as_slice()].concat());
+    assert_eq!((checked.code, solved.code), (Some(0), Some(3)), "{}", solved.stderr);
+    for ended in [checked, solved] {
+        let warning = warnings(&said(&ended)).into_iter().find(|w| w.contains("output.frames.every"));
+        let warning = warning.unwrap_or_else(|| panic!("no warning in\n{}", said(&ended)));
+        assert!(warning.contains("the frames need about") && warning.contains("TB (909092 of"), "{warning}");
+    }
+}
+
+/// What a mesh file's reader left out is a warning of both commands.
+#[test]
+fn notes_of_a_mesh_file_are_told() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("square.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 9 9 9\nf 1 2 3\n").expect("written");
+    let case = r#"{"name": "sail", "system": {"network": {"mesh": {"file": "square.obj"}, "mass": {"areal_density": 0.1}}},
+                   "time": {"end": 1, "step": 0.1, "method": "rk4"}}"#;
+    std::fs::write(bench.path("sail.json"), case).expect("written");
+    for told in both(&bench, &[]) {
+        assert!(told.iter().any(|w| w.contains("/mesh/file: 1 ")), "{told:?}");
+    }
+}
+
+/// A solver that does not fit the scene is refused by both commands, with its place, and nothing is written.
+#[test]
+fn cholesky_is_refused_for_a_tangent_that_is_not_symmetric() {
+    let bench = Bench::new();
+    let text = SAIL.replace("\"output\"", "\"solver\": {\"linear\": \"cholesky\"},\n  \"output\"");
+    std::fs::write(bench.path("sail.json"), text).expect("a case");
+    for command in ["check", "solve"] {
+        let ended = bench.run(&[command, "sail.json", "--method", "newmark"]);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{command}");
+        for words in ["/solver/linear: \"cholesky\"\n  --> sail.json:19:24", "^^^^^^^^^^", "not symmetric (air,"] {
+            assert!(ended.stderr.contains(words), "{command}: no \"{words}\" in\n{}", ended.stderr);
+        }
+        assert_eq!(
+            bench.run(&[command, "sail.json", "--method", "rk4"]).code,
+            Some(0),
+            "an explicit method has no tangent"
+        );
+        assert!(!bench.path("out").exists() || std::fs::remove_dir_all(bench.path("out")).is_ok());
+    }
+}
+
+/// Small steps and masses are told in powers of ten.
+#[test]
+fn check_shows_small_numbers() {
+    let bench = Bench::new();
+    let ended = bench.run(&["check", "sail.json", "--step", "1e-12", "--set", "system.network.mass.nodal=1e-9"]);
+    assert!(ended.stdout.contains("step 1e-12 s") && ended.stdout.contains("  6e-9 kg"), "{}", ended.stdout);
+    let ended = bench.run(&["check", "sail.json", "--step", "1e-17"]);
+    assert!(ended.stderr.contains("at least 1e-15, which makes 1e15 steps until the end"), "{}", ended.stderr);
+}
