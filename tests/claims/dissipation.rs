@@ -62,14 +62,14 @@ pub fn claims() -> Vec<Claim> {
     let first = 0.5 * STIFFNESS * START * START;
     let mut claims = Vec::new();
     for (name, key, rule) in &dampers {
-        // rk4 integrates the power with the motion, 1e-13 off by w t (w h)^4/120 times a few; Newmark's account is the trapezoid's
-        // and its phase is w t (w h)^2/12 = 2e-5 late, at which the loss changes by a fifth of that.
-        for (method, tolerance) in [("rk4", 5e-12), ("newmark", 1e-5)] {
+        // rk4 integrates the power with the motion, to w t (w h)^4/120 = 5e-11. Newmark's phase is w t (w h)^2/12 = 2e-5 late, and
+        // the loss of the end changes by a quarter of that; its own account closes to the rounding of 2000 steps.
+        for (method, tolerance, remainder) in [("rk4", 5e-11, 5e-11), ("newmark", 5e-6, 1e-12)] {
             let (t, ledger) = last_row(method, (key, rule));
             let what = |column| format!("{name}, {method}: {column} over the first energy");
             claims.push(Claim::absolute(what("dissipated"), ledger.dissipated / first, lost(t), tolerance));
             claims.push(Claim::absolute(what("external work"), ledger.external_work / first, 0.0, 0.0));
-            claims.push(Claim::below(what("numerical"), ledger.numerical / first, tolerance));
+            claims.push(Claim::below(what("numerical"), ledger.numerical / first, remainder));
         }
     }
     claims

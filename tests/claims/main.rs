@@ -17,6 +17,7 @@ mod common;
 mod dissipation;
 mod elastic_pendulum;
 mod energy_ledger;
+mod energy_numerical;
 mod energy_oscillator;
 mod forces;
 mod free_fall;
@@ -56,6 +57,7 @@ const GROUPS: &[Group] = &[
     ("recurrence", recurrence::claims),
     ("spectra", spectra::claims),
     ("energy of an oscillator", energy_oscillator::claims),
+    ("energy lost by a scheme", energy_numerical::claims),
     ("energy ledger", energy_ledger::claims),
     ("dissipation of an oscillator", dissipation::claims),
     ("newton", newton_rate::claims),
