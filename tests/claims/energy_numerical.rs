@@ -81,7 +81,7 @@ fn orders(claims: &mut Vec<Claim>) {
         let of = |steps: usize| numerical(&method, TAU / steps as f64, periods * steps);
         let slope = (of(steps) / of(2 * steps)).abs().log2();
         let what = format!(
-            "{}: numerical after {periods} periods of {steps} and twice as many steps, order in h",
+            "{}: numerical at t = {periods} T, {steps} and twice as many steps a period, order in h",
             method_name(&method)
         );
         claims.push(Claim::absolute(what, slope, order, 0.02));
