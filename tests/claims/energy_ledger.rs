@@ -1,13 +1,14 @@
 //! The columns of the account on a damped, forced, nonlinear net, for every scheme, against an account of our own.
 //!
 //! The reference is a Runge-Kutta trajectory of the test's own, 4 to 32 times finer than the runs. On it kinetic, elastic and gravity
-//! energy are computed from the numbers of the case, and external work and dissipation are the integrals of f . v by Simpson's
-//! rule; only the forces by role come from the program. Every column of a scheme must tend to it with the scheme's order, and
-//! `numerical`, which is nothing but error, to 0.
+//! energy are computed from the numbers of the case, and external work and dissipation are the integrals by Simpson's rule of
+//! powers that [`crate::rich_power`] computes from them too; only the total force that moves the net comes from the program.
+//! Every column of a scheme must tend to it with the scheme's order, and `numerical`, which is nothing but error, to 0.
 
 use crate::claim::Claim;
 use crate::common::run::{case_of, changed, follow};
 use crate::rich_net::{GRAVITY, MASS, NODES, SPRINGS, net, rule};
+use crate::rich_power::{Moving, dissipated, external};
 use canopy_fem::drive::Status;
 use canopy_fem::drive::observer::LedgerRow;
 use canopy_fem::integrate::registry::{MethodInfo, methods};
@@ -15,6 +16,7 @@ use canopy_fem::model::forces::Forces;
 use canopy_fem::model::state::State;
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::build_scene;
+use glam::DVec3;
 
 /// [1/s] accounts are compared 16 times, at the same times whatever the step is
 const ROWS: f64 = 16.0;
@@ -106,24 +108,26 @@ fn reference(refinement: i32) -> Vec<Account> {
     let mut at = scene.initial_state();
     let mut forces = scene.new_forces();
     let start = positions(&*scene, &at).0;
-    let mut powers = vec![power(&*scene, &at, &mut forces)];
+    let mut powers = vec![power(&*scene, &at)];
     let mut rows = Vec::new();
     for k in 1..=steps {
         at = rk4(&*scene, &at, h, &mut forces);
-        powers.push(power(&*scene, &at, &mut forces));
+        powers.push(power(&*scene, &at));
         if k % every == 0 {
-            let [external, dissipative] = [0, 1].map(|i| simpson(&powers, h, i));
+            let [external, dissipated] = [0, 1].map(|i| simpson(&powers, h, i));
             let [kinetic, elastic, gravity] = energies(&*scene, &at, &start);
-            rows.push([kinetic, elastic, gravity, external, -dissipative, 0.0]);
+            rows.push([kinetic, elastic, gravity, external, dissipated, 0.0]);
         }
     }
     rows
 }
 
-/// [W] of the external and of the dissipative forces.
-fn power(scene: &dyn Scene, at: &State, forces: &mut Forces) -> [f64; 2] {
-    scene.evaluate(at.as_ref(), forces);
-    [&forces.external, &forces.dissipative].map(|f| f.iter().zip(&at.v).map(|(f, v)| f * v).sum())
+/// [W] of the external forces and into dashpots and Rayleigh damping.
+fn power(scene: &dyn Scene, at: &State) -> [f64; 2] {
+    let (x, v) = positions(scene, at);
+    let vectors = |list: Vec<[f64; 3]>| list.into_iter().map(DVec3::from_array).collect();
+    let moving = Moving { t: at.t, x: vectors(x), v: vectors(v) };
+    [external(&moving), dissipated(&moving)]
 }
 
 /// Composite rule over an even number of intervals, no kink of a table inside a pair.

@@ -85,9 +85,9 @@ impl Disc {
         }
     }
 
-    fn unstructured(nodes: u32, pressure: f64) -> Self {
+    fn unstructured(nodes: u32, seed: u64, pressure: f64) -> Self {
         Disc {
-            mesh: json!({"disc": {"radius": 1.0, "nodes": nodes, "grading": 1.0}}),
+            mesh: json!({"disc": {"radius": 1.0, "nodes": nodes, "grading": 1.0, "seed": seed}}),
             springs: json!([{"on": "all", "membrane": {"modulus": 1e4 * SHEET, "thickness": 1e-4}}]),
             mass: json!({"areal_density": 1.0}),
             pinned: json!("outer"),
@@ -185,26 +185,46 @@ fn lattices(claims: &mut Vec<Claim>, series: &Series) {
     ));
 }
 
-/// Nets without order are not a sheet of Poisson ratio 1/3 at any fineness: between 150 and 4800 nodes the mean deflection is off
-/// by up to 1.8e-3 in both directions, without a trend; only the scatter of single nodes evens out.
+/// Nets without order are no sheet of Poisson ratio 1/3 at any fineness: their mean deflection does not tend to the series'. Four
+/// seeds each gave -1.0e-3 .. -0.7e-3 at 600 nodes, 0.6e-3 .. 2.5e-3 at 1200, 1.3e-3 .. 1.6e-3 at 2400, -0.8e-3 .. -0.4e-3 at
+/// 4800: to either side and without a trend. Only single nodes get better, and slowly.
 fn unstructured(claims: &mut Vec<Claim>, series: &Series) {
-    for nodes in [300, 1200] {
-        let run = Disc::unstructured(nodes, LOAD * SHEET).at_rest(LOAD);
-        let exact: f64 = run.reference.iter().map(|p| series.deflection(p[0].hypot(p[1]))).sum();
-        let mean = run.positions.iter().map(|p| p[2]).sum::<f64>() / LOAD.cbrt() / exact - 1.0;
+    let mut worst_of = [600, 1200, 2400, 4800].map(|nodes| (nodes, 0.0_f64, 0.0_f64));
+    for (nodes, mean, worst) in &mut worst_of {
+        for seed in [1, 2] {
+            let run = Disc::unstructured(*nodes, seed, LOAD * SHEET).at_rest(LOAD);
+            let exact: f64 = run.reference.iter().map(|p| series.deflection(p[0].hypot(p[1]))).sum();
+            let off = run.positions.iter().map(|p| p[2]).sum::<f64>() / LOAD.cbrt() / exact - 1.0;
+            *mean = mean.max(off.abs());
+            *worst = worst.max(errors(&run, series).worst);
+        }
         claims.push(Claim::between(
-            format!("the program's disc of {nodes} nodes: error of the mean deflection, a plateau"),
-            mean,
-            -2e-3,
+            format!("the program's discs of {nodes} nodes, 2 seeds: error of the mean deflection, the larger"),
+            *mean,
+            3e-4,
             2e-3,
         ));
-        claims.push(Claim::between(
-            format!("the program's disc of {nodes} nodes: error of the worst node over the centre's deflection"),
-            errors(&run, series).worst,
-            1e-3,
-            1.2e-2,
-        ));
     }
+    let [coarse, middle, fine, finest] = worst_of;
+    // A method of order 1 in the edge would leave 1/2 of it, one of order 2 a quarter: this one does not converge.
+    claims.push(Claim::between(
+        "the program's discs: largest error of the mean of 2400 and 4800 nodes over that of 600 and 1200, not falling",
+        fine.1.max(finest.1) / coarse.1.max(middle.1),
+        0.75,
+        3.0,
+    ));
+    // Order 1 would leave 0.35, order 2 an eighth.
+    claims.push(Claim::between(
+        "the program's discs: error of the worst node of 4800 over that of 600, falling slowly",
+        finest.2 / coarse.2,
+        0.2,
+        0.8,
+    ));
+    claims.push(Claim::below(
+        "the program's discs of 4800 nodes: error of the worst node over the centre's deflection",
+        finest.2,
+        8e-3,
+    ));
 }
 
 fn follower(claims: &mut Vec<Claim>) {

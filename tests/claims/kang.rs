@@ -178,7 +178,7 @@ fn gravity(claims: &mut Vec<Claim>) {
             let filtered = net.eq55(h, true)[0][2] / (-G * h);
             let formula = (1.0 + 2.0 * valence * kappa) / (1.0 + valence * kappa).powi(2);
             claims.push(Claim::relative(
-                format!("Eq. 55 as printed (not the program) filters gravity: {name}, kappa {kappa}, share of g"),
+                format!("for information, Eq. 55 as printed: it filters gravity, {name}, kappa {kappa}, share of g"),
                 filtered,
                 formula,
                 2e-15,

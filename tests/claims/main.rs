@@ -14,9 +14,12 @@ mod chain;
 mod claim;
 #[path = "../common/mod.rs"]
 mod common;
+mod dissipation;
 mod elastic_pendulum;
 mod energy_ledger;
+mod energy_numerical;
 mod energy_oscillator;
+mod forces;
 mod free_fall;
 mod hanging_chain;
 mod hencky;
@@ -34,6 +37,7 @@ mod oscillator;
 mod pendulum;
 mod recurrence;
 mod rich_net;
+mod rich_power;
 mod signal;
 mod spectra;
 mod spring_pendulum;
@@ -53,7 +57,9 @@ const GROUPS: &[Group] = &[
     ("recurrence", recurrence::claims),
     ("spectra", spectra::claims),
     ("energy of an oscillator", energy_oscillator::claims),
+    ("energy lost by a scheme", energy_numerical::claims),
     ("energy ledger", energy_ledger::claims),
+    ("dissipation of an oscillator", dissipation::claims),
     ("newton", newton_rate::claims),
     ("oscillator", oscillator::claims),
     ("pendulum", pendulum::claims),
@@ -67,6 +73,7 @@ const GROUPS: &[Group] = &[
     ("prestressed membrane", membrane::claims),
     ("hencky membrane", hencky::claims),
     ("elastic pendulum", elastic_pendulum::claims),
+    ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),

@@ -26,6 +26,27 @@ pub struct Rule {
 pub const AXIAL: Rule = Rule { stiffness: 20.0, rest_scale: 0.9 };
 pub const RELATIVE: Rule = Rule { stiffness: 15.0, rest_scale: 0.95 };
 
+/// [N s/m] of the springs of rule [`AXIAL`]
+pub const AXIAL_DASHPOT: f64 = 0.6;
+/// [s] k times this is the coefficient of the springs of rule [`RELATIVE`]
+pub const RELATIVE_TIME: f64 = 0.02;
+/// [1/s] and [s] Rayleigh's alpha and beta
+pub const ALPHA: f64 = 0.3;
+pub const BETA: f64 = 0.005;
+pub const TRIANGLES: [[usize; 3]; 4] = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+/// [Pa s/m^2], [Pa s^2/m^3] and [m] of the cloth
+pub const CLOTH: [f64; 3] = [400.0, 100.0, 1e-3];
+/// [s] and [m/s]
+pub const WIND: [[f64; 4]; 4] =
+    [[0.0, 0.5, 0.0, 12.0], [0.25, 1.0, 1.0, 16.0], [0.75, 0.0, -1.0, 13.0], [1.0, 0.0, 0.0, 15.0]];
+/// [N] on node [`PULLED`], times [`PULL_TABLE`]
+pub const PULL: [f64; 3] = [2.0, 1.0, 0.5];
+pub const PULLED: usize = 5;
+pub const PULL_TABLE: [[f64; 2]; 3] = [[0.0, 0.0], [0.5, 1.5], [1.0, 0.2]];
+/// [Pa] follower pressure, times [`PRESSURE_TABLE`]
+pub const PRESSURE: f64 = 1.5;
+pub const PRESSURE_TABLE: [[f64; 2]; 2] = [[0.0, 1.0], [0.75, 2.0]];
+
 pub fn rule(spring: usize) -> Rule {
     if spring.is_multiple_of(2) { AXIAL } else { RELATIVE }
 }
@@ -36,26 +57,26 @@ pub fn net() -> Value {
         "name": "rich",
         "system": {"network": {
             "mesh": {"explicit": {
-                "nodes": NODES, "springs": SPRINGS, "triangles": [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]]
+                "nodes": NODES, "springs": SPRINGS, "triangles": TRIANGLES
             }},
             "mass": {"nodal": MASS},
             "springs": [
                 {"on": {"ids": [0, 2, 4, 6]}, "stiffness": AXIAL.stiffness, "rest_scale": AXIAL.rest_scale,
-                 "dashpot": {"axial": {"coefficient": 0.6}}},
+                 "dashpot": {"axial": {"coefficient": AXIAL_DASHPOT}}},
                 {"on": "all", "stiffness": RELATIVE.stiffness, "rest_scale": RELATIVE.rest_scale,
-                 "dashpot": {"relative": {"time": 0.02}}}
+                 "dashpot": {"relative": {"time": RELATIVE_TIME}}}
             ],
             "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [3]}, "fix": "xz"}],
             "gravity": [0, 0, -GRAVITY],
             "aero": {
-                "wind": {"table": [[0, 0.5, 0, 12], [0.25, 1, 1, 16], [0.75, 0, -1, 13], [1, 0, 0, 15]]},
-                "law": {"permeable": {"a": 400.0, "b": 100.0, "thickness": 1e-3}}
+                "wind": {"table": WIND},
+                "law": {"permeable": {"a": CLOTH[0], "b": CLOTH[1], "thickness": CLOTH[2]}}
             },
             "loads": [
-                {"on": {"ids": [5]}, "force": [2, 1, 0.5], "table": [[0, 0], [0.5, 1.5], [1, 0.2]]},
-                {"on": "all", "pressure": 1.5, "kind": "follower", "table": [[0, 1], [0.75, 2]]}
+                {"on": {"ids": [PULLED]}, "force": PULL, "table": PULL_TABLE},
+                {"on": "all", "pressure": PRESSURE, "kind": "follower", "table": PRESSURE_TABLE}
             ],
-            "damping": {"rayleigh": {"mass": 0.3, "stiffness": 0.005}},
+            "damping": {"rayleigh": {"mass": ALPHA, "stiffness": BETA}},
             "initial": {"displacement": [0.05, -0.03, 0.1], "velocity": [0.3, 0.2, -0.5]}
         }},
         "time": {"end": 1.0, "method": "rk4", "step": 0.015625},

@@ -147,7 +147,7 @@ fn over_the_range(named: &Named, formula: Option<Formula>, claims: &mut Vec<Clai
     };
     claim("A1, A2, A3 of the step", coefficients, ROUNDING);
     claim("spectral radius", radius, EIGENVALUE);
-    claim("period error, of 1 + w h", period, ANGLE);
+    claim("period error over 1 + w h", period, ANGLE);
     claim("numerical damping ratio", damping, EIGENVALUE);
 }
 

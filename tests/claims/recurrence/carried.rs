@@ -37,7 +37,7 @@ pub fn claims() -> Vec<Claim> {
     };
     vec![
         none("steps with other bits after a restart from what is saved", restarted),
-        none("foreign saved states that were taken", foreign),
+        none("saved vectors too many or too short for the scene, accepted instead of refused", foreign),
         none("steps with other bits after attempts that were dropped", dropped),
     ]
 }
@@ -58,7 +58,7 @@ fn restarted(case: &Case, scene: &Network) -> usize {
     (0..10).filter(|_| step()).count()
 }
 
-/// Vectors of another scene or scheme are refused, not taken over.
+/// Vectors that another scene or scheme has saved are refused, not taken over.
 fn foreign(case: &Case, scene: &Network) -> usize {
     let mut walk = Walk::start(case, scene);
     let mut too_many = walk.stepper.save();
