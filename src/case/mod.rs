@@ -13,6 +13,7 @@ mod comments;
 mod ergun;
 mod error;
 pub mod fault;
+pub mod fingerprint;
 mod overrides;
 pub mod pointer;
 pub mod schema;

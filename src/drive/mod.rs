@@ -8,6 +8,8 @@ pub mod failure;
 pub mod ledger;
 pub mod observer;
 mod run;
+pub mod snapshot;
 
 pub use failure::Failure;
-pub use run::{Outcome, RunError, RunSpec, Status, run};
+pub use run::{Outcome, RunError, RunSpec, Status, resume, run};
+pub use snapshot::Snapshot;
