@@ -7,6 +7,7 @@ pub mod init;
 pub mod mesh;
 mod methods;
 pub mod progress;
+mod resume;
 pub mod schema;
 mod solve;
 

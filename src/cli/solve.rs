@@ -1,27 +1,30 @@
 //! `canopy-fem solve`: the main job.
 
 use super::progress::{Display, Progress};
+use super::resume::{self, Earlier};
 use super::{CliError, Finished, SolveArgs, complain};
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::rates;
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::{Field, Problem};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
-use crate::drive::{Failure, Outcome, RunSpec, Status};
+use crate::drive::{self, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::Family;
+use crate::output::checkpoint::Checkpoint;
 use crate::output::encode::VtuFormat;
-use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::frame::Fields;
 use crate::output::names::file_stem;
 use crate::output::probes::Probe;
-use crate::output::process::cpu_seconds;
-use crate::output::recorder::{Recorder, RecorderSpec};
-use crate::output::summary::{Cost, Summary};
+use crate::output::process::Stopwatch;
+use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
+use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -35,32 +38,60 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     if !args.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
+    let fingerprint = Fingerprint::of(&problem)?;
+    let earlier = match args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()? {
+        Some(Earlier::Done(summary)) => {
+            let text = if args.quiet { String::new() } else { already_done(&summary, &problem, &out) };
+            return Ok(Finished { text, code: 0 });
+        }
+        Some(Earlier::Checkpoint(folder, checkpoint)) => Some((folder, *checkpoint)),
+        None => None,
+    };
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
     let mut stepper = bind(&problem, &*scene)?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
-    // Before any file is made, so that no interrupt leaves results without a summary.
-    let stop = stop_on_interrupt();
-    let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
-    if let Some(dir) = &args.dump_matrices {
-        let state = scene.initial_state();
-        write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
-    }
-    let mut recorder = Recorder::new(&*scene, &recorder_spec(&problem, &folder))?;
-    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Quiet } else { Display::Terminal });
-    let mut farthest = Farthest::new(&*scene);
     let spec = RunSpec {
         end: problem.time.end,
         step: problem.time.step,
         keep_going: args.keep_going,
         method: problem.method.info,
     };
+    // Before any file is made, so that no interrupt leaves results without a summary.
+    let stop = stop_on_interrupt();
+    let (folder, earlier) = match earlier {
+        Some((folder, checkpoint)) => {
+            spec.passes(&*scene, &checkpoint.snapshot)?;
+            (folder, Some(checkpoint))
+        }
+        None => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
+    };
+    if let Some(dir) = &args.dump_matrices {
+        let state = scene.initial_state();
+        write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
+    }
     let limit = limit_of(&problem, &*scene);
-    let (started, cpu) = (Instant::now(), cpu_seconds());
-    let outcome =
-        crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut recorder, &mut progress, &mut farthest], &stop)?;
-    let cost = Cost { cpu: cpu.and_then(|before| Some(cpu_seconds()? - before)), wall: started.elapsed() };
-    let summary = Summary::new(&problem, &*scene, &outcome, limit, cost);
+    let recorded = recorder_spec(&problem, &folder);
+    let recorder = match &earlier {
+        Some(checkpoint) => Recorder::resume(&*scene, &recorded, checkpoint)?,
+        None => Recorder::new(&*scene, &recorded)?,
+    };
+    let stopwatch = Stopwatch::start(earlier.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
+    let every = problem.output.checkpoint_every;
+    let mut recorder = recorder.with_checkpoints(CheckpointSpec { case: fingerprint, every, stopwatch });
+    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Quiet } else { Display::Terminal });
+    let mut farthest = Farthest::new(&*scene);
+    let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut progress, &mut farthest];
+    let resumed_from = earlier.as_ref().map(|checkpoint| checkpoint.snapshot.t);
+    let outcome = match earlier {
+        Some(Checkpoint { snapshot, .. }) => drive::resume(&*scene, &mut stepper, spec, snapshot, observers, &stop)?,
+        None => drive::run(&*scene, &mut stepper, spec, observers, &stop)?,
+    };
+    let cost = stopwatch.read();
+    let summary = Summary { resumed_from, ..Summary::new(&problem, &*scene, &outcome, limit, cost) };
     summary.write(&folder.file(SUMMARY))?;
+    if outcome.status == Status::Completed && every.is_none() {
+        folder.remove_checkpoint()?;
+    }
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
     }
@@ -167,6 +198,9 @@ fn report(
         outcome.steps,
         problem.method.info.name
     );
+    if let Some(t) = summary.resumed_from {
+        let _ = writeln!(text, "  resumed         from t = {} s", seconds(t));
+    }
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
     let _ = writeln!(
@@ -184,7 +218,17 @@ fn report(
     }
     let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
+    if outcome.status == Status::Interrupted {
+        let path = folder.file(CHECKPOINT);
+        let _ =
+            writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
+    }
     text
+}
+
+fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
+    let t = seconds(summary.t_end);
+    format!("{}: has completed at t = {t} s already, in {}; nothing is left to resume\n", problem.name, out.display())
 }
 
 /// Digits for everyday times, powers of ten for the rest.

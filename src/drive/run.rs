@@ -1,6 +1,7 @@
 //! The loop.
 
 use super::clock::{FixedSteps, Tick};
+use super::error::RunError;
 use super::failure::{Failure, Scenery};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, ObserveError, Observer, Occasion, Resumable, StepView};
@@ -66,39 +67,6 @@ pub struct Outcome {
     pub linear: Option<LinearStats>,
 }
 
-/// Why a run could not start or its results not be kept.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The scheme cannot start.
-    #[error(transparent)]
-    Start(#[from] StepError),
-    /// Results cannot be written.
-    #[error(transparent)]
-    Observe(#[from] ObserveError),
-    /// The snapshot is of another scene.
-    #[error("the saved state has {found} degrees of freedom, the scene {needed}")]
-    OtherScene {
-        /// degrees of freedom of the snapshot
-        found: usize,
-        /// degrees of freedom of the scene
-        needed: usize,
-    },
-    /// The run does not come past the snapshot.
-    #[error(
-        "the saved state is at t = {t} s after {step} steps, where a run of {steps} steps until t = {end} s does not come past"
-    )]
-    NotOnTheWay {
-        /// [s] time of the snapshot
-        t: f64,
-        /// its steps
-        step: u64,
-        /// steps of the run
-        steps: u64,
-        /// [s] end of the run
-        end: f64,
-    },
-}
-
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
 /// # Errors
@@ -127,7 +95,7 @@ pub fn resume(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
     spec: RunSpec,
-    snapshot: &Snapshot,
+    snapshot: Snapshot,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
@@ -219,10 +187,10 @@ impl<'a> Run<'a> {
         scene: &'a dyn Scene,
         stepper: &mut Stepper<'_>,
         spec: RunSpec,
-        snapshot: &Snapshot,
+        snapshot: Snapshot,
     ) -> Result<Self, RunError> {
-        spec.passes(scene, snapshot)?;
-        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure } = snapshot.clone();
+        spec.passes(scene, &snapshot)?;
+        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         scene.evaluate(from.state.as_ref(), &mut from.forces);

@@ -1,10 +1,11 @@
 //! All that a run needs to go on from a step as if it had never stopped.
 
 use super::clock::FixedSteps;
+use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::LedgerRow;
-use super::run::{RunError, RunSpec};
+use super::run::RunSpec;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{Carried, Counters};
 use crate::model::point::Point;
