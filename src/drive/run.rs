@@ -4,7 +4,7 @@ use super::clock::{FixedSteps, Tick};
 use super::error::RunError;
 use super::failure::{Failure, Scenery};
 use super::ledger::Ledger;
-use super::observer::{LedgerRow, ObserveError, Observer, Occasion, Resumable, StepView};
+use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
 use super::snapshot::Snapshot;
 use crate::integrate::registry::MethodInfo;
 use crate::integrate::stepper::{Attempt, Stepper};
