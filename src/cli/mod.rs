@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod error;
+mod farthest;
 pub mod init;
 pub mod mesh;
 mod methods;

@@ -1,5 +1,6 @@
 //! `canopy-fem solve`: the main job.
 
+use super::farthest::Farthest;
 use super::progress::{Display, Progress};
 use super::resume::{self, Earlier};
 use super::{CliError, Finished, SolveArgs, complain};
@@ -9,9 +10,10 @@ use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::{Field, Problem};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::Observer;
 use crate::drive::{self, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::Family;
+use crate::integrate::stepper::Stepper;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::encode::VtuFormat;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
@@ -40,58 +42,25 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     let fingerprint = Fingerprint::of(&problem)?;
-    let earlier = match args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()? {
-        Some(Earlier::Done(summary)) => {
-            let text = if args.quiet { String::new() } else { already_done(&summary, &problem, &out) };
-            return Ok(Finished { text, code: 0 });
-        }
-        Some(Earlier::Checkpoint(folder, checkpoint)) => Some((folder, *checkpoint)),
-        None => None,
-    };
+    let earlier = args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()?;
+    if let Some(Earlier::Done(summary)) = &earlier {
+        let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
+        return Ok(Finished { text, code: 0 });
+    }
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
     let mut stepper = bind(&problem, &*scene)?;
-    let spec = RunSpec {
-        end: problem.time.end,
-        step: problem.time.step,
-        keep_going: args.keep_going,
-        method: problem.method.info,
-    };
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
-    let (folder, earlier) = match earlier {
-        Some((folder, checkpoint)) => {
-            spec.passes(&*scene, &checkpoint.snapshot)?;
-            (folder, Some(checkpoint))
-        }
-        None => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
+    let (folder, checkpoint) = match earlier {
+        Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
+        _ => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
     };
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let limit = limit_of(&problem, &*scene);
-    let recorded = recorder_spec(&problem, &folder);
-    let recorder = match &earlier {
-        Some(checkpoint) => Recorder::resume(&*scene, &recorded, checkpoint)?,
-        None => Recorder::new(&*scene, &recorded)?,
-    };
-    let stopwatch = Stopwatch::start(earlier.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
-    let every = problem.output.checkpoint_every;
-    let mut recorder = recorder.with_checkpoints(CheckpointSpec { case: fingerprint, every, stopwatch });
-    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Quiet } else { Display::Terminal });
-    let mut farthest = Farthest::new(&*scene);
-    let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut progress, &mut farthest];
-    let resumed_from = earlier.as_ref().map(|checkpoint| checkpoint.snapshot.t);
-    let outcome = match earlier {
-        Some(Checkpoint { snapshot, .. }) => drive::resume(&*scene, &mut stepper, spec, snapshot, observers, &stop)?,
-        None => drive::run(&*scene, &mut stepper, spec, observers, &stop)?,
-    };
-    let cost = stopwatch.read();
-    let summary = Summary { resumed_from, ..Summary::new(&problem, &*scene, &outcome, limit, cost) };
-    summary.write(&folder.file(SUMMARY))?;
-    if outcome.status == Status::Completed && every.is_none() {
-        folder.remove_checkpoint()?;
-    }
+    let job = Job { args, problem: &problem, scene: &*scene, folder: &folder };
+    let (outcome, summary, farthest) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
     }
@@ -105,6 +74,57 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Status::Interrupted => 130,
     };
     Ok(Finished { text, code })
+}
+
+/// A run that is ready.
+struct Job<'a> {
+    args: &'a SolveArgs,
+    problem: &'a Problem,
+    scene: &'a dyn Scene,
+    folder: &'a ResultFolder,
+}
+
+impl<'a> Job<'a> {
+    /// Runs from the start or from the checkpoint, and leaves all files.
+    fn integrate(
+        &self,
+        stepper: &mut Stepper<'_>,
+        case: Fingerprint,
+        checkpoint: Option<Checkpoint>,
+        stop: &AtomicBool,
+    ) -> Result<(Outcome, Summary, Farthest<'a>), CliError> {
+        let &Job { args, problem, scene, folder } = self;
+        let method = problem.method.info;
+        let spec = RunSpec { end: problem.time.end, step: problem.time.step, keep_going: args.keep_going, method };
+        let limit = limit_of(problem, scene);
+        let recorded = recorder_spec(problem, folder);
+        let recorder = match &checkpoint {
+            Some(checkpoint) => {
+                spec.passes(scene, &checkpoint.snapshot)?;
+                Recorder::resume(scene, &recorded, checkpoint)?
+            }
+            None => Recorder::new(scene, &recorded)?,
+        };
+        let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
+        let every = problem.output.checkpoint_every;
+        let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
+        let display = if args.quiet { Display::Quiet } else { Display::Terminal };
+        let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
+        let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut progress, &mut farthest];
+        let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
+        let outcome = match checkpoint {
+            Some(Checkpoint { snapshot, .. }) => drive::resume(scene, stepper, spec, snapshot, observers, stop)?,
+            None => drive::run(scene, stepper, spec, observers, stop)?,
+        };
+        let summary = Summary::new(problem, scene, &outcome, limit, stopwatch.read());
+        let summary = Summary { resumed_from, ..summary };
+        summary.write(&folder.file(SUMMARY))?;
+        // That of an interrupt; nobody has asked for one to stay.
+        if outcome.status == Status::Completed && every.is_none() {
+            folder.remove_checkpoint()?;
+        }
+        Ok((outcome, summary, farthest))
+    }
 }
 
 /// [s] the method's critical step at the start; costs a few hundred tangents, so only methods that have one pay for it.
@@ -251,41 +271,4 @@ fn describe(failure: &Failure, status: Status) -> String {
     let _ = writeln!(text, "  cause   {}", failure.cause);
     let _ = writeln!(text, "  advice  {}", failure.advice);
     text
-}
-
-/// The largest displacement at the end, for the report.
-struct Farthest<'a> {
-    scene: &'a dyn Scene,
-    node: usize,
-    /// [m]
-    distance: f64,
-}
-
-impl<'a> Farthest<'a> {
-    fn new(scene: &'a dyn Scene) -> Self {
-        Farthest { scene, node: 0, distance: 0.0 }
-    }
-}
-
-impl Observer for Farthest<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        let reference = self.scene.reference();
-        let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
-        self.scene.trace(last.state.as_ref(), &mut x, &mut v);
-        for (node, (x, o)) in x.iter().zip(reference).enumerate() {
-            let d = (0..3).map(|c| (x[c] - o[c]).powi(2)).sum::<f64>().sqrt();
-            if d > self.distance {
-                (self.node, self.distance) = (node, d);
-            }
-        }
-        Ok(())
-    }
 }

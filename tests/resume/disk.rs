@@ -69,7 +69,7 @@ fn a_full_disk() {
 #[test]
 fn a_vanished_folder() {
     let bench = Bench::new();
-    let long = ["solve", "sail.json", "--out", "out", "--quiet", "--step", "1e-6", "--end", "1000"];
+    let long = ["solve", "sail.json", "--out", "out", "--quiet", "--step", "1e-6", "--end", "100"];
     let sets = ["--set", "output.frames.every=0.001", "--set", "output.history.every=1000"];
     let mut running = Running::start(&bench, &[&long[..], &sets[..]].concat());
     running.until("a frame", |_| bench.path("out/frames/sail_000001.vtu").exists());

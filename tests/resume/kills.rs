@@ -32,6 +32,11 @@ impl Running {
         let start = Instant::now();
         while !done(&mut self.0) {
             assert!(start.elapsed() < Duration::from_secs(60), "{what}: not within a minute");
+            // Once more after its end, because what is waited for may have come just before.
+            if self.0.try_wait().expect("a child").is_some() {
+                assert!(done(&mut self.0), "{what}: the program has ended without it");
+                return;
+            }
             std::thread::sleep(Duration::from_millis(2));
         }
     }
