@@ -19,7 +19,10 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// There are results already.
-    #[error("{folder} already holds results ({found}); give --force to replace them, or another folder with --out")]
+    #[error(
+        "{folder} already holds results ({found}); give --force to replace them, --resume to go on from their checkpoint, or \
+         another folder with --out"
+    )]
     HoldsResults {
         /// the folder
         folder: String,

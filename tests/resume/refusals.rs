@@ -1,5 +1,6 @@
 //! What cannot be resumed is refused with the reason, status 2, and without a change in the folder.
 
+use canopy_fem::drive::{Failure, Snapshot};
 use canopy_fem::output::checkpoint::{Checkpoint, CheckpointFault, FORMAT};
 
 use crate::bench::{Bench, contents};
@@ -137,6 +138,18 @@ fn no_damage_goes_unseen() {
         }
     }
     assert!(refused > 100, "{refused}");
+}
+
+/// The layout of a format never changes: whoever stores something else makes another format, and with it another sum here.
+#[test]
+fn a_format_has_one_layout() {
+    let failure = Failure { time: 1.0, node: Some(3), term: Some("air".to_owned()), ..Failure::default() };
+    let snapshot =
+        Snapshot { step: 7, t: 0.5, x: vec![1.0, 2.0], v: vec![3.0], failure: Some(failure), ..Snapshot::default() };
+    let mut bytes = Vec::new();
+    Checkpoint { snapshot, ..Checkpoint::default() }.encode(&mut bytes).expect("it fits");
+    let content = &bytes[20 + 1 + env!("CARGO_PKG_VERSION").len()..bytes.len() - 4];
+    assert_eq!((FORMAT, content.len(), crc32fast::hash(content)), (1, 203, 589_539_764));
 }
 
 /// Results that are not what they were when they were counted.
