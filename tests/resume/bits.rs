@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
@@ -16,9 +17,9 @@ use canopy_fem::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use canopy_fem::simulation::{bind, build_scene};
 use serde_json::{Value, json};
 
-use crate::bench::SAIL;
+use crate::bench::{SAIL, contents};
 use crate::common::run::{case_of, changed};
-use crate::folders::assert_same;
+use crate::folders::{assert_same, checkpoint};
 
 /// Sets the flag after a step.
 struct StopAfter<'a> {
@@ -50,6 +51,23 @@ impl Observer for StopAfter<'_> {
     }
 }
 
+/// Watches nothing.
+struct Nobody;
+
+impl Observer for Nobody {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
 /// How a part of a run goes.
 #[derive(Clone, Copy)]
 struct Part {
@@ -65,6 +83,11 @@ const WHOLE: Part = Part { resume: false, until: u64::MAX, threads: 1, keep_goin
 
 /// What `solve` does, with an interrupt at a chosen step.
 fn solve(case: &Case, dir: &Path, part: Part) -> Outcome {
+    solve_watched(case, dir, part, &mut Nobody)
+}
+
+/// The same with an observer that sees each step before the recorder does.
+fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) -> Outcome {
     let problem = case.problem();
     let fingerprint = Fingerprint::of(problem).expect("numbers");
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
@@ -97,11 +120,11 @@ fn solve(case: &Case, dir: &Path, part: Part) -> Outcome {
         let checkpoint = Checkpoint::read(&dir.join("checkpoint.bin"), &fingerprint).expect("a checkpoint");
         let mut recorder =
             Recorder::resume(&*scene, &recorded, &checkpoint).expect("the files are there").with_checkpoints(kept);
-        let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut stopper];
+        let observers: &mut [&mut dyn Observer] = &mut [watch, &mut recorder, &mut stopper];
         drive::resume(&*scene, &mut stepper, spec, checkpoint.snapshot, observers, &stop).expect("it goes on")
     } else {
         let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder").with_checkpoints(kept);
-        let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut stopper];
+        let observers: &mut [&mut dyn Observer] = &mut [watch, &mut recorder, &mut stopper];
         drive::run(&*scene, &mut stepper, spec, observers, &stop).expect("it starts")
     }
 }
@@ -185,14 +208,58 @@ fn every_method_resumes_the_pendulum_with_the_same_bits() {
 #[test]
 fn other_outputs_resume_too() {
     for (sets, what) in [
-        // Beyond a thousand frames the collection is not rewritten for each of them.
-        (&[("output.probes", "null"), ("output.frames.every", "0.0002")][..], "fifty frames a step, no probes"),
+        (&[("output.probes", "null"), ("output.frames.every", "0.001")][..], "ten frames a step, no probes"),
         (&[("output.frames", "null"), ("output.history.every", "100")], "only the ends"),
         (&[("output.frames.every", "0.02"), ("output.history.every", "1")], "frames at steps"),
         (&[("time.method", r#"{"hht": {"alpha": -0.3}}"#), ("output.checkpoint.every", "0.03")], "checkpoints"),
     ] {
         assert_resumes(&case_of(&sail(), sets), [30, 31], what);
     }
+}
+
+/// Copies a folder as it is right after a checkpoint was written, before the run goes on.
+struct Copier<'a> {
+    /// the checkpoint's step
+    step: u64,
+    from: &'a Path,
+    to: &'a Path,
+}
+
+impl Observer for Copier<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        if step.step == self.step + 1 {
+            while checkpoint(self.from).is_none_or(|found| found.snapshot.step < self.step) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::fs::create_dir(self.to.join("frames")).expect("a folder");
+            for (path, bytes) in contents(self.from) {
+                std::fs::write(self.to.join(path.strip_prefix(self.from).expect("below")), bytes).expect("a file");
+            }
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+/// What is on the disk when a checkpoint is, is all that is needed, though nothing else was told to write: rows and frames that
+/// wait for more are written first. Beyond a thousand frames the collection waits too.
+#[test]
+fn a_checkpoint_has_its_results_beside_it() {
+    let sets = [("output.frames.every", "0.0002"), ("output.checkpoint.every", "0.3")];
+    let case = case_of(&sail(), &sets);
+    let (whole, copy) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let mut copier = Copier { step: 30, from: whole.path(), to: copy.path() };
+    solve_watched(&case, whole.path(), WHOLE, &mut copier);
+    assert_eq!(checkpoint(copy.path()).expect("copied").snapshot.step, 30);
+    solve(&case, copy.path(), Part { resume: true, ..WHOLE });
+    assert_same(copy.path(), whole.path(), "resumed from a copy");
 }
 
 /// A run that was let go on past its blow-up still knows, after it was resumed, what happened first.
@@ -218,11 +285,11 @@ fn checkpoints_are_kept_when_asked_for() {
     let case = case_of(&sail(), &[("output.checkpoint.every", "0.2")]);
     for (until, at) in [(1, 1), (u64::MAX, 49)] {
         let outcome = solve(&case, dir.path(), Part { until, ..WHOLE });
-        let found = crate::folders::checkpoint(dir.path()).expect("asked for");
+        let found = checkpoint(dir.path()).expect("asked for");
         assert_eq!(found.snapshot.step, at, "{:?}", outcome.status);
         assert!(found.spent.wall.as_nanos() > 0);
     }
     let plain = tempfile::tempdir().expect("a folder");
     solve(&case_of(&sail(), &[]), plain.path(), WHOLE);
-    assert!(crate::folders::checkpoint(plain.path()).is_none());
+    assert!(checkpoint(plain.path()).is_none());
 }
