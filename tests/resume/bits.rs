@@ -252,7 +252,7 @@ impl Observer for Copier<'_> {
 /// wait for more are written first. Beyond a thousand frames the collection waits too.
 #[test]
 fn a_checkpoint_has_its_results_beside_it() {
-    let sets = [("output.frames.every", "0.0002"), ("output.checkpoint.every", "0.3")];
+    let sets = [("time.end", "0.32"), ("output.frames.every", "0.0002"), ("output.checkpoint.every", "0.3")];
     let case = case_of(&sail(), &sets);
     let (whole, copy) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     let mut copier = Copier { step: 30, from: whole.path(), to: copy.path() };
