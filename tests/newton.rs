@@ -91,3 +91,25 @@ fn a_scene_without_any_force_at_the_start_is_solved() {
         assert!((x - 1.0 / 6.0).abs() < 6e-3, "{method}: x = {x}");
     }
 }
+
+#[test]
+fn a_stiff_spring_is_followed_through_a_turn() {
+    // The benchmark of Kuhl and Crisfield (1999) at their step: while the mass moves 8 cm across the spring, the norm of the residual
+    // first rises a hundredfold, as it only sees the spring.
+    for method in IMPLICIT {
+        let case = json!({
+            "name": "turn",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [3.0443, 0, 0]], "springs": [[0, 1]]}},
+                "mass": {"nodal": [0.0, 10.0]},
+                "springs": [{"on": "all", "axial_rigidity": 1e10}],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+                "initial": {"velocity": [[0, 0, 0], [0, 7.72, 0]]}
+            }},
+            "time": {"end": 0.5, "method": method, "step": 0.01}
+        });
+        let done = run(&case_of(&case, &[]));
+        assert_eq!(done.outcome.status, Status::Completed, "{method}");
+        assert!(done.most_iterations <= 14, "{method}: {} iterations", done.most_iterations);
+    }
+}

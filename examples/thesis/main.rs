@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release --example thesis              # into out/thesis
 //! cargo run --release --example thesis -- DIR       # elsewhere
-//! cargo run --release --example thesis -- --full    # Newmark and HHT on the cloths at the thesis' own steps: some ten minutes
+//! cargo run --release --example thesis -- --full    # Newmark and HHT on the cloths at the thesis' own steps: ten minutes
 //! ```
 
 mod cloth;

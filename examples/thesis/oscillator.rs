@@ -78,9 +78,8 @@ const DAMPED: [Shown; 4] = [
         methods: &["explicit-euler", "euler-cromer", "improved-euler", "velocity-verlet", "rk4"],
         damped: true,
         step: "0.2",
-        notes: &[
-            "At 0.2 s explicit Euler makes as much energy as the dashpot takes (limit w h = 2 zeta = 0.204, here 0.245).",
-        ],
+        notes: &["At 0.2 s explicit Euler makes more energy than the dashpot takes and grows (limit w h = 2 zeta = \
+            0.204, here 0.245)."],
     },
     Shown {
         figures: &["39"],
@@ -101,14 +100,19 @@ const DAMPED: [Shown; 4] = [
 pub fn section(out: &Path) -> Result<Section, Failed> {
     let mut s = Section::new("Oscillator");
     s.text(
-        "k = 3 N/m, m = 2 kg, x0 = 2 m. Eq. 74, 75 and 80 are misprinted: A = sqrt(x0^2 + (v0/w0)^2), phi = atan2(x0 w0, v0), damped phi = atan2(x0, B). The thesis' captions call \
-         all fifteen figures undamped and its text names neither schemes, steps nor c; here Figures 26 to 35 are undamped at 0.05 s and 36 to 40 have c = 0.5 N s/m.",
+        "k = 3 N/m, m = 2 kg, x0 = 2 m. Eq. 74, 75 and 80 are misprinted: A = sqrt(x0^2 + (v0/w0)^2), phi = \
+            atan2(x0 w0, v0), damped phi = atan2(x0, B). The thesis' captions call all fifteen figures \
+            undamped and its text names neither schemes, steps nor c; here Figures 26 to 35 are undamped at \
+            0.05 s and 36 to 40 have c = 0.5 N s/m.",
     );
     for shown in UNDAMPED.iter().chain(&DAMPED) {
         figure(out, &mut s, shown)?;
     }
     Ok(s)
 }
+
+/// What of a trace is drawn.
+type Curve = fn(&Trace) -> Vec<(f64, f64)>;
 
 /// x(t) and v(t) of the closed form, from rest at 2 m; c = 0 or 0.5 N s/m.
 fn closed_form(t: f64, c: f64) -> (f64, f64) {
@@ -134,7 +138,7 @@ fn figure(out: &Path, s: &mut Section, shown: &Shown) -> Result<(), Failed> {
         traces.push((*method, traced(&base, method)?));
     }
     let what = if shown.damped { "damped" } else { "undamped" };
-    let kinds: [(&str, Axis, Axis, fn(&Trace) -> Vec<(f64, f64)>); 2] = [
+    let kinds: [(&str, Axis, Axis, Curve); 2] = [
         ("displacement", Axis::linear("time t [s]"), Axis::linear("displacement x [m]"), Trace::over_time),
         ("phase", Axis::linear("displacement x [m]"), Axis::linear("velocity v [m/s]"), Trace::phase),
     ];

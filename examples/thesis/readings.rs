@@ -41,7 +41,7 @@ pub fn blow_up(case: &Case, reading: Reading, h: f64) -> Result<Option<f64>, Fai
     for k in 1..=steps {
         walk.step(reading, h);
         let extent = scene.extent(walk.now.as_ref());
-        if !(extent < 1e4 * scene.size()) {
+        if extent.is_nan() || extent > 1e4 * scene.size() {
             return Ok(Some(k as f64 * h));
         }
     }

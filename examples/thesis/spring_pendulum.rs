@@ -35,8 +35,9 @@ fn base() -> Result<Case, Failed> {
 pub fn section(out: &Path) -> Result<Section, Failed> {
     let mut s = Section::new("Spring pendulum");
     s.text(
-        "One mass between two springs, Eq. 63-64 (the last term of Eq. 62 has the wrong sign). The thesis gives no values; with M = 1 kg, a = 1 m, \
-         l = 0.5 m and K = 1000 N/m both of its observations hold: at 1e-4 s explicit Euler spirals outwards, at 0.1 s only the implicit schemes stay.",
+        "One mass between two springs, Eq. 63-64 (the last term of Eq. 62 has the wrong sign). The thesis \
+            gives no values; with M = 1 kg, a = 1 m, l = 0.5 m and K = 1000 N/m both of its observations hold: \
+            at 1e-4 s explicit Euler spirals outwards, at 0.1 s only the implicit schemes stay.",
     );
     let base = base()?;
     pair(
@@ -47,8 +48,10 @@ pub fn section(out: &Path) -> Result<Section, Failed> {
             stems: ["figure-08", "figure-09"],
             captions: ["Figure 8: displacement x at a step of 1e-4 s", "Figure 9: phase diagram of the same runs"],
             notes: [
-                "As in the thesis only explicit Euler leaves the others: its amplitude grows by sqrt(1 + (w h)^2) a step, whatever the step.",
-                "Explicit Euler spirals outwards; the closed curves are not ellipses to the last digit, because two frequencies mix in x at this amplitude.",
+                "As in the thesis only explicit Euler leaves the others: its amplitude grows by sqrt(1 + (w h)^2) a \
+            step, whatever the step.",
+                "Explicit Euler spirals outwards; the closed curves are not ellipses to the last digit, because two \
+            frequencies mix in x at this amplitude.",
             ],
             methods: &["explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "rk4"],
             step: "1e-4",
@@ -64,7 +67,10 @@ pub fn section(out: &Path) -> Result<Section, Failed> {
                 "Figure 10: displacement x at a step of 1e-4 s, the other schemes",
                 "Figure 11: phase diagram of the same runs",
             ],
-            notes: ["No difference: all three lie on each other.", "No difference: closed curves."],
+            notes: [
+                "The coherent solution of the text: all three lie on each other.",
+                "Closed curves, as the text says.",
+            ],
             methods: &["velocity-verlet", "newmark", "hht"],
             step: "1e-4",
         },
@@ -77,7 +83,8 @@ pub fn section(out: &Path) -> Result<Section, Failed> {
             stems: ["figure-12", "figure-13"],
             captions: ["Figure 12: displacement x at a step of 0.1 s", "Figure 13: phase diagram of the same runs"],
             notes: [
-                "Stable, as in the thesis, but no solution any more: at w h = 3 to 4.5 the step is most of a period, so the period shown is the scheme's own (next table).",
+                "Stable, as in the thesis, but no solution any more: at w h = 3 to 4.5 a step is half a period or \
+            more, so the period shown is the scheme's own (table below).",
                 "A phase diagram cannot show that the period is wrong; the table does.",
             ],
             methods: &["newmark", "hht"],
@@ -142,9 +149,14 @@ fn coarse(s: &mut Section, base: &Case) -> Result<(), Failed> {
         rows.push(vec![name.to_owned(), if stays { "stays" } else { "diverges" }.to_owned(), period]);
     }
     let heads = ["scheme", "at a step of 0.1 s", "period of small swings across [s]"];
-    s.table("A step 1000 times larger (text on Figure 13)", &heads, rows,
-        "As in the thesis every explicit scheme diverges at 0.1 s and Newmark and HHT do not; what they give then is bounded, and its period is that of \
-         the step as much as of the springs: Newmark's is pi h/atan(w h/2) = 0.3121 s for the exact 0.1987 s, and tends to two steps as springs stiffen.");
+    s.table(
+        "A step 1000 times larger (text on Figure 13)",
+        &heads,
+        rows,
+        "As in the thesis every explicit scheme diverges at 0.1 s and Newmark and HHT do not; what they \
+            give then is bounded, and its period is that of the step as much as of the springs: Newmark's is \
+            pi h/atan(w h/2) = 0.3121 s for the exact 0.1987 s, and tends to two steps as springs stiffen.",
+    );
     Ok(())
 }
 
@@ -179,10 +191,16 @@ fn table_2(s: &mut Section, base: &Case) -> Result<(), Failed> {
         [vec![(*name).to_owned()], thesis_cells.to_vec(), ours.to_vec()].concat()
     });
     let heads = ["scheme", "thesis CPU [s]", "to Euler", "our CPU [s]", "to Euler", "force passes a step"];
-    s.table("Table 2: mean of 10 runs, step 1e-4 s, 2 s", &heads, rows.collect(),
-        "Improved Euler is as cheap as explicit Euler in the thesis' Table 2 and twice as dear in its Table 1: two different schemes under one name. Here it \
-         took one force pass a step: the reading \"never corrected\" of its text (predict, evaluate, correct, and keep the derivative of the predicted \
-         state), on linear problems Adams-Bashforth 2; there it took two, Heun. Our seconds of the one-pass scheme hold a second pass, at the corrected state, for the energy \
-         account. Velocity Verlet needs one pass without damping; the thesis' took 1.6.");
+    s.table(
+        "Table 2: mean of 10 runs, step 1e-4 s, 2 s",
+        &heads,
+        rows.collect(),
+        "Improved Euler is as cheap as explicit Euler in the thesis' Table 2 and twice as dear in its Table \
+            1: two different schemes under one name. Here it took one force pass a step: the reading \"never \
+            corrected\" of its text (predict, evaluate, correct, and keep the derivative of the predicted \
+            state), on linear problems Adams-Bashforth 2; there it took two, Heun. Our seconds of the one-pass \
+            scheme hold a second pass, at the corrected state, for the energy account. Velocity Verlet needs \
+            one pass without damping; the thesis' took 1.6.",
+    );
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
+use super::plot::PlotArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -21,6 +22,11 @@ pub enum Command {
     Solve(SolveArgs),
     /// Solve nothing: show all faults, what is modelled, and the critical step of every method
     Check(CaseArgs),
+    /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
+    ///
+    /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from
+    /// where a node lies before any initial displacement; a pendulum shows its angle.
+    Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
     /// List the methods with order and stability

@@ -10,6 +10,7 @@ use crate::drive::observer::ObserveError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
+use crate::plot::PlotError;
 use crate::simulation::SetupError;
 use std::io::ErrorKind;
 
@@ -46,6 +47,9 @@ pub enum CliError {
     /// A mesh cannot be made, read or written.
     #[error(transparent)]
     Mesh(#[from] MeshCliError),
+    /// Results cannot be read or drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// An example case cannot be written.
     #[error(transparent)]
     Init(#[from] InitError),
@@ -62,6 +66,7 @@ impl CliError {
             CliError::Folder(FolderError::System { .. }) => 1,
             CliError::Folder(_) => 2,
             CliError::Mesh(e) => e.exit_status(),
+            CliError::Plot(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,

@@ -7,6 +7,7 @@ mod farthest;
 pub mod init;
 pub mod mesh;
 mod methods;
+pub mod plot;
 pub mod progress;
 mod resume;
 pub mod schema;
@@ -60,6 +61,7 @@ fn dispatch(command: &Command) -> Result<Finished, CliError> {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
+        Command::Plot(args) => plot::run(args).map(done),
         Command::Methods => Ok(done(methods::run())),
         Command::Schema => Ok(done(schema::run() + "\n")),
         Command::Init(args) => {

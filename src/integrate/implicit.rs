@@ -47,6 +47,8 @@ struct Solver {
     weighted: Vec<f64>,
     /// [N/m] by degree of freedom
     stiffness: Vec<f64>,
+    /// half way to a first guess
+    halfway: Point,
 }
 
 /// F(z) = 0 of one step.
@@ -73,6 +75,7 @@ struct Stage<'a> {
     /// [N] size of the forces at the step's start
     force_scale: f64,
     guess: Guess,
+    halfway: &'a mut Point,
 }
 
 /// First guesses for the step's displacement, from the best to the most cautious.
@@ -90,6 +93,10 @@ enum Guess {
 /// anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
 const FORCE_CHANGE: f64 = 0.5;
 
+/// [-] (w h)^2, with the stiffness and mass of a single unknown, above which a step is long for a spring: a guess may then
+/// lie near the mirror image of its end, where the forces look right again. Half way there they do not.
+const LONG_STEP: f64 = 4.0;
+
 impl Stage<'_> {
     fn fill(&self, z: &mut [f64]) {
         let (h, v) = (self.h, &self.from.state.v);
@@ -101,6 +108,27 @@ impl Stage<'_> {
                 Guess::Rest => 0.0,
             };
         }
+    }
+
+    /// Whether forces differ from those at the step's start by more than a share of their size.
+    fn is_far(&self, forces: &[f64]) -> bool {
+        let change: f64 = forces.iter().zip(&self.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
+        change.is_nan() || change.sqrt() > FORCE_CHANGE * self.force_scale
+    }
+
+    fn is_long(&self) -> bool {
+        let rates = self.stiffness.iter().zip(self.system.inverse_mass()).map(|(k, m)| k * m);
+        self.h * self.h * rates.fold(0.0, f64::max) > LONG_STEP
+    }
+
+    fn evaluate_halfway(&mut self) {
+        let (n, to, half) = (&self.from.state, &self.to.state, &mut self.halfway.state);
+        half.t = to.t;
+        for (half, (a, b)) in half.x.iter_mut().zip(n.x.iter().zip(&to.x)) {
+            *half = 0.5 * (a + b);
+        }
+        half.v.copy_from_slice(&to.v);
+        self.counters.evaluate(self.system, self.halfway.state.as_ref(), &mut self.halfway.forces);
     }
 }
 
@@ -139,8 +167,14 @@ impl NonlinearProblem for Stage<'_> {
     }
 
     fn retreat(&mut self, z: &mut [f64]) -> bool {
-        let change: f64 = self.to.forces.total.iter().zip(&self.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
-        let too_far = change.is_nan() || change.sqrt() > FORCE_CHANGE * self.force_scale;
+        if self.guess == Guess::Rest {
+            return false;
+        }
+        let mut too_far = self.is_far(&self.to.forces.total);
+        if !too_far && self.is_long() {
+            self.evaluate_halfway();
+            too_far = self.is_far(&self.halfway.forces.total);
+        }
         self.guess = match self.guess {
             Guess::ConstantAcceleration if too_far => Guess::ConstantVelocity,
             Guess::ConstantVelocity if too_far => Guess::Rest,
@@ -184,6 +218,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             inertia: zero(),
             weighted: zero(),
             stiffness: system.nodal_stiffness(),
+            halfway: at.clone(),
         });
         Ok(())
     }
@@ -219,6 +254,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             largest,
             force_scale: scales.residual,
             guess: Guess::ConstantAcceleration,
+            halfway: &mut s.halfway,
         };
         stage.fill(&mut s.z);
         let report = s.newton.solve(&mut stage, &mut s.z, scales)?;

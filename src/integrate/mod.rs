@@ -9,7 +9,7 @@
 //!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source. The case format, the JSON
 //!    Schema, `canopy-fem methods` and every test that loops over methods read that entry.
-//! 3. `tests/recurrence.rs` wants its amplification recurrence on an oscillator, `tests/order.rs` measures its order.
+//! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/order.rs` measures its order.
 //!
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 

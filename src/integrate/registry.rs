@@ -174,7 +174,7 @@ static METHODS: &[MethodInfo] = &[
         family: Family::Explicit,
         evaluations: [1, 1],
         parameters: &[],
-        stability: "unstable on undamped oscillations for every step; w h < 2 zeta with damping ratio zeta",
+        stability: "unstable on undamped oscillations for every step; w h < 2 zeta up to damping ratio zeta = 1",
         source: "Euler 1768; thesis Eq. 11-12",
         build: |_, _| Scheme::Explicit(Box::new(ExplicitEuler)),
     },

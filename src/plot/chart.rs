@@ -16,7 +16,7 @@
 use super::PlotError;
 
 /// A chart: two axes and lines on them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     /// above the picture; empty = none
     pub title: String,
@@ -108,19 +108,6 @@ pub enum Marker {
 impl Default for Size {
     fn default() -> Self {
         Size { width: 900, height: 540 }
-    }
-}
-
-impl Default for Chart {
-    fn default() -> Self {
-        Chart {
-            title: String::new(),
-            x: Axis::default(),
-            y: Axis::default(),
-            lines: Vec::new(),
-            equal_units: false,
-            size: Size::default(),
-        }
     }
 }
 

@@ -11,7 +11,7 @@ use super::trim::{Place, cut, inside, thin};
 const MOST_POINTS: usize = 2000;
 const MOST_POINTS_OF_ALL: usize = 40_000;
 /// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide with them.
-const WIDTHS: [f64; 2] = [3.2, 1.4];
+const WIDTHS: [f64; 2] = [2.8, 1.4];
 /// Largest picture [px]; plotters counts drawing units in 32 bits.
 const LARGEST: u32 = 20_000;
 
@@ -108,7 +108,7 @@ fn rulers(chart: &Chart, field: Field) -> Result<Rulers, PlotError> {
 fn draw_axes(pen: &Pen<'_>, chart: &Chart, rulers: Rulers, field: Field) -> Result<(), PlotError> {
     let Field { from, to } = field;
     let (across, down) = (to.x - from.x, to.y - from.y);
-    let ticks_x = rulers.x.ticks((across / 85.0) as usize);
+    let ticks_x = rulers.x.ticks((across / 70.0) as usize);
     let ticks_y = rulers.y.ticks((down / 55.0) as usize);
     let ink = |label: &str| if label.is_empty() { FINE_GRID } else { GRID };
     for tick in &ticks_x {

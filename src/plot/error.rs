@@ -1,5 +1,7 @@
 //! Why a picture cannot be made.
 
+use std::path::PathBuf;
+
 /// Any failure of this folder.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
@@ -24,4 +26,52 @@ pub enum PlotError {
     /// The drawing library refused.
     #[error("drawing failed: {0}")]
     Drawing(String),
+    /// A folder is not there.
+    #[error("{0} is no folder; give a folder with results, as canopy-fem solve writes it")]
+    NoFolder(PathBuf),
+    /// A file of the results is not there.
+    #[error("{folder} holds no results that can be plotted: {file} is not there{why}")]
+    NoFile {
+        /// the folder
+        folder: PathBuf,
+        /// path of the file from there
+        file: String,
+        /// what it is needed for, or nothing
+        why: &'static str,
+    },
+    /// A file of the results is not what it should be.
+    #[error("{path}{}: {what}", at_line(*.line))]
+    BadFile {
+        /// the file
+        path: PathBuf,
+        /// the line, counted from 1, in files that have lines
+        line: Option<usize>,
+        /// the fault
+        what: String,
+    },
+    /// What was asked for is not in the results.
+    #[error("{0}")]
+    NotThere(String),
+    /// The system's answer.
+    #[error("{path}: {source}")]
+    System {
+        /// the file
+        path: PathBuf,
+        /// the answer
+        source: std::io::Error,
+    },
+}
+
+fn at_line(line: Option<usize>) -> String {
+    line.map(|n| format!(", line {n}")).unwrap_or_default()
+}
+
+impl PlotError {
+    /// Exit status: 1 for the system and the drawing library, 2 for what a person can set right.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            PlotError::System { .. } | PlotError::Drawing(_) => 1,
+            _ => 2,
+        }
+    }
 }

@@ -9,7 +9,7 @@ const ROW: f64 = 22.0;
 /// [px] of the sample line
 const SAMPLE: f64 = 26.0;
 /// Widest legend as a share of the picture.
-const WIDEST: f64 = 0.4;
+const WIDEST: f64 = 0.45;
 
 /// A line's name and look.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@
 use super::PlotError;
 use super::chart::{Marker, Size, Stroke};
 use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, DashedPathElement, PathElement, Rectangle};
+use plotters::element::{Circle, Cross, DashedPathElement, PathElement};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoTextStyle, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
@@ -102,9 +102,11 @@ impl<'a> Pen<'a> {
         self.area.draw(&PathElement::new(vec![fine(from), fine(to)], ink.stroke_width(10))).map_err(refused)
     }
 
-    /// A rectangle without filling.
+    /// A rectangle without filling; as a line, because plotters' own SVG rectangles have no width of line.
     pub(super) fn frame(&self, from: Spot, to: Spot) -> Result<(), PlotError> {
-        self.area.draw(&Rectangle::new([fine(from), fine(to)], INK.stroke_width(10))).map_err(refused)
+        let corners = [(from.x, from.y), (to.x, from.y), (to.x, to.y), (from.x, to.y), (from.x, from.y)];
+        let corners: Vec<_> = corners.map(|(x, y)| fine(Spot { x, y })).into();
+        self.area.draw(&PathElement::new(corners, INK.stroke_width(10))).map_err(refused)
     }
 
     /// A piece of a line.
@@ -112,7 +114,8 @@ impl<'a> Pen<'a> {
         let (width, alpha) = match look.stroke {
             Stroke::None => return Ok(()),
             Stroke::Thin => (7, 0.6),
-            Stroke::Normal | Stroke::Dashed => ((look.width * FINE).round() as u32, 1.0),
+            Stroke::Dashed => (16, 1.0),
+            Stroke::Normal => ((look.width * FINE).round() as u32, 1.0),
         };
         let style: ShapeStyle = look.ink().mix(alpha).stroke_width(width);
         let points = points.iter().map(|p| fine(*p));
@@ -155,7 +158,7 @@ impl<'a> Pen<'a> {
 
 /// [px] about how wide words are; SVG letters are the reader's, so nobody knows.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    0.58 * size * text.chars().count() as f64
+    0.54 * size * text.chars().count() as f64
 }
 
 fn fine(spot: Spot) -> (i32, i32) {

@@ -68,17 +68,14 @@ pub(super) fn thin(points: &[Place], most: usize) -> Vec<Place> {
     for part in points.chunks(stretch) {
         let mut extremes = [0; 4];
         for (i, p) in part.iter().enumerate() {
-            let beats = |best: usize, wins: fn(&Place, &Place) -> bool| part.get(best).is_none_or(|b| wins(p, b));
-            let wins: [fn(&Place, &Place) -> bool; 4] =
-                [|p, b| p.0 < b.0, |p, b| p.0 > b.0, |p, b| p.1 < b.1, |p, b| p.1 > b.1];
-            for (best, wins) in extremes.iter_mut().zip(wins) {
-                if beats(*best, wins) {
-                    *best = i;
-                }
+            let [left, right, lowest, highest] = extremes.map(|best: usize| part[best]);
+            let wins = [p.0 < left.0, p.0 > right.0, p.1 < lowest.1, p.1 > highest.1];
+            for (best, _) in extremes.iter_mut().zip(wins).filter(|(_, wins)| *wins) {
+                *best = i;
             }
         }
         extremes.sort_unstable();
-        kept.extend(extremes.iter().filter_map(|i| part.get(*i)));
+        kept.extend(extremes.map(|i| part[i]));
     }
     kept.extend(points.last());
     kept.dedup();

@@ -149,6 +149,8 @@ impl NewtonFailure {
 const MAX_HALVINGS: u32 = 12;
 /// Share of the decrease promised by the tangent that a step must deliver (Armijo 1966).
 const ARMIJO: f64 = 1e-4;
+/// Share of Newton's step by which the correction at the end of it must be smaller.
+const NATURAL: f64 = 0.25;
 
 /// The iteration and its buffers.
 #[derive(Clone, Debug)]
@@ -159,6 +161,7 @@ pub struct Newton {
     floor: Vec<f64>,
     dz: Vec<f64>,
     trial: Vec<f64>,
+    correction: Vec<f64>,
 }
 
 pub(crate) fn norm(v: &[f64]) -> f64 {
@@ -186,7 +189,7 @@ impl Newton {
     /// Buffers for `n` unknowns.
     pub fn new(spec: NewtonSpec, n: usize) -> Self {
         let zero = || vec![0.0; n];
-        Newton { spec, r: zero(), r_trial: zero(), floor: zero(), dz: zero(), trial: zero() }
+        Newton { spec, r: zero(), r_trial: zero(), floor: zero(), dz: zero(), trial: zero(), correction: zero() }
     }
 
     /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual is
@@ -258,7 +261,7 @@ impl Newton {
             };
             // A step that lands within the tolerance needs no decrease: rounding may not allow any.
             let landed = merit.is_finite() && excess(&self.r_trial, &self.floor) <= tolerance;
-            if merit <= (1.0 - ARMIJO * lambda) * *residual || landed {
+            if merit <= (1.0 - ARMIJO * lambda) * *residual || landed || self.nears(problem, lambda, merit) {
                 z.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.r, &mut self.r_trial);
                 *residual = merit;
@@ -267,6 +270,20 @@ impl Newton {
             lambda *= 0.5;
         }
         None
+    }
+
+    /// Whether the trial is nearer to the solution although its residual (norm `merit`) is larger: the same tangent asks of it a
+    /// correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004, section 3.3, algorithm NLEQ-ERR). Where a stiff spring
+    /// turns or a flat sheet begins to bulge, the residual must rise first: its norm only sees the stiff direction.
+    fn nears(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, merit: f64) -> bool {
+        if !merit.is_finite() {
+            return false;
+        }
+        for (correction, r) in self.correction.iter_mut().zip(&self.r_trial) {
+            *correction = -r;
+        }
+        let solved = problem.solve(&mut self.correction).is_ok();
+        solved && norm(&self.correction) <= (1.0 - NATURAL * lambda) * norm(&self.dz)
     }
 
     /// [N] norm of what the residual has beyond rounding.

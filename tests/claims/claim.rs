@@ -24,6 +24,8 @@ pub enum Expected {
     Below(f64),
     /// anything between two bounds
     Between(f64, f64),
+    /// a statement that is so (1) or not (0)
+    So,
 }
 
 impl Claim {
@@ -47,12 +49,25 @@ impl Claim {
         Claim { what: what.into(), measured, expected: Expected::Between(low, high) }
     }
 
+    /// A statement without a number.
+    pub fn is(what: impl Into<String>, so: bool) -> Self {
+        Claim { what: what.into(), measured: f64::from(u8::from(so)), expected: Expected::So }
+    }
+
     /// How far from the expected value, in the tolerance's measure; nothing for a bound.
     pub fn off(&self) -> Option<f64> {
         match self.expected {
             Expected::Relative { value, .. } => Some((self.measured - value).abs() / value.abs()),
             Expected::Absolute { value, .. } => Some((self.measured - value).abs()),
-            Expected::Below(_) | Expected::Between(..) => None,
+            Expected::Below(_) | Expected::Between(..) | Expected::So => None,
+        }
+    }
+
+    /// The measured value as the table shows it.
+    fn shown(&self) -> String {
+        match self.expected {
+            Expected::So => if self.measured == 1.0 { "yes" } else { "no" }.to_owned(),
+            _ => short(self.measured),
         }
     }
 
@@ -61,6 +76,7 @@ impl Claim {
         let off = self.off().unwrap_or(0.0);
         match self.expected {
             Expected::Relative { tolerance, .. } | Expected::Absolute { tolerance, .. } => off <= tolerance,
+            Expected::So => self.measured == 1.0,
             Expected::Below(bound) => self.measured.abs() <= bound,
             Expected::Between(low, high) => (low..=high).contains(&self.measured),
         }
@@ -70,9 +86,10 @@ impl Claim {
 impl fmt::Display for Expected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Expected::Relative { value, tolerance } => write!(f, "{} to {tolerance:.0e} of it", short(value)),
+            Expected::Relative { value, tolerance } => write!(f, "{} to {tolerance:.1e} of it", short(value)),
             Expected::Absolute { value, tolerance } => write!(f, "{} +- {tolerance:.1e}", short(value)),
             Expected::Below(bound) => write!(f, "below {bound:.1e}"),
+            Expected::So => f.write_str("yes"),
             Expected::Between(low, high) => write!(f, "{} .. {}", short(low), short(high)),
         }
     }
@@ -90,7 +107,7 @@ pub fn table(group: &str, claims: &[Claim]) -> String {
     for c in claims {
         let verdict = if c.holds() { "  ok " } else { "MISS " };
         let off = c.off().map_or_else(String::new, |off| format!("off by {off:.1e}"));
-        text += &format!("{verdict} {:<92} {:>14}   {:<28} {off}\n", c.what, short(c.measured), c.expected.to_string());
+        text += &format!("{verdict} {:<92} {:>14}   {:<28} {off}\n", c.what, c.shown(), c.expected.to_string());
     }
     text
 }

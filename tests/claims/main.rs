@@ -15,18 +15,29 @@ mod claim;
 #[path = "../common/mod.rs"]
 mod common;
 mod elastic_pendulum;
+mod energy_ledger;
+mod energy_oscillator;
 mod free_fall;
 mod hanging_chain;
 mod hencky;
 mod kang;
 mod lattice;
+mod linear_theory;
 mod linearised;
 mod membrane;
 mod net;
+mod newton_cases;
+mod newton_rate;
+mod one_mass;
+mod order;
 mod oscillator;
 mod pendulum;
+mod recurrence;
+mod rich_net;
 mod signal;
+mod spectra;
 mod spring_pendulum;
+mod thesis;
 mod waves;
 
 use claim::{Claim, table};
@@ -38,7 +49,12 @@ type Group = (&'static str, fn() -> Vec<Claim>);
 
 /// All groups in the order they are printed.
 const GROUPS: &[Group] = &[
-    ("free fall through air", free_fall::claims),
+    ("order", order::claims),
+    ("recurrence", recurrence::claims),
+    ("spectra", spectra::claims),
+    ("energy of an oscillator", energy_oscillator::claims),
+    ("energy ledger", energy_ledger::claims),
+    ("newton", newton_rate::claims),
     ("oscillator", oscillator::claims),
     ("pendulum", pendulum::claims),
     ("spring pendulum", spring_pendulum::claims),
@@ -48,10 +64,13 @@ const GROUPS: &[Group] = &[
     ("dispersion of a chain", waves::dispersion),
     ("wave speed of a chain", waves::speed),
     ("dispersion of a triangular net", net::claims),
-    ("kang", kang::claims),
-    ("hencky membrane", hencky::claims),
     ("prestressed membrane", membrane::claims),
+    ("hencky membrane", hencky::claims),
     ("elastic pendulum", elastic_pendulum::claims),
+    ("free fall through air", free_fall::claims),
+    ("kang", kang::claims),
+    ("table 4 of the thesis", thesis::table_4),
+    ("remarks of the thesis", thesis::remarks),
 ];
 
 fn main() -> ExitCode {

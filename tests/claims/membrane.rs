@@ -119,7 +119,7 @@ fn disc(claims: &mut Vec<Claim>) {
             claims.push(Claim::below(
                 format!("disc, edge R/{n}: the two modes of {name} differ by the share"),
                 split,
-                1e-12,
+                1e-13,
             ));
         }
     }

@@ -102,6 +102,10 @@ fn the_ledger_closes_row_by_row() {
         }
         let error = bench.results().summary()["energy_error"].as_f64().expect("a number");
         assert!(error < share, "{method}: {error:e}");
+        // Largest |numerical| over the largest change of the others, from the rows as a person reads them.
+        let change = |(c, _): &(Vec<f64>, f64)| c.iter().fold(0.0, |m: f64, e| m.max((e - c[0]).abs()));
+        let expected = change(&columns[5]) / columns[..5].iter().map(change).fold(0.0, f64::max);
+        assert!((error - expected).abs() <= 1e-12 * error, "{method}: {error:e} for {expected:e}");
     }
 }
 

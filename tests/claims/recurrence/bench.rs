@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use canopy_fem::force::batch::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
-use canopy_fem::integrate::registry::{MethodChoice, methods};
+use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
@@ -121,7 +121,12 @@ impl Case {
     }
 
     pub fn name(&self) -> String {
-        format!("{} {:?}", self.method, self.parameters)
+        let parameters = self.parameters.iter().map(|(name, value)| format!(" {name} {value:.4}"));
+        std::iter::once(self.method.to_owned()).chain(parameters).collect()
+    }
+
+    pub fn is_implicit(&self) -> bool {
+        self.choice().info.family == Family::Implicit
     }
 }
 

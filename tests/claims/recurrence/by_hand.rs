@@ -1,7 +1,7 @@
 //! The recurrences, written down by hand from the literature and not from the program: as matrix polynomials, two-step
 //! formulas or one equation for the new acceleration.
 
-use crate::bench::{Case, Damper, Oscillator};
+use super::bench::{Case, Damper, Oscillator};
 
 /// x, v, a of the recurrence; `a` is the acceleration that the method itself carries.
 #[derive(Clone, Copy, Debug)]

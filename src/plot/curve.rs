@@ -1,0 +1,116 @@
+//! Curves of runs and the part of them a chart should show.
+
+use super::chart::{Line, Marker, Stroke};
+use super::results::Ending;
+use crate::drive::Status;
+
+/// A curve of a run; every point with its time.
+#[derive(Clone, Debug)]
+pub(super) struct Curve {
+    /// how its run ended
+    pub ending: Ending,
+    /// its points
+    pub points: Vec<Timed>,
+}
+
+/// A point and when it was.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timed {
+    /// [s]
+    pub t: f64,
+    /// across and up
+    pub at: (f64, f64),
+}
+
+/// Lower and upper end of both axes, where they are not left to the chart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// of the horizontal axis
+    pub x: Option<(f64, f64)>,
+    /// of the vertical axis
+    pub y: Option<(f64, f64)>,
+}
+
+impl Curve {
+    fn failed(&self) -> bool {
+        matches!(self.ending.status, Status::Diverged | Status::NotConverged)
+    }
+
+    /// The points before trouble was found: later ones are a wreck's.
+    fn trusted(&self) -> impl Iterator<Item = (f64, f64)> {
+        let end = if self.failed() { self.ending.time } else { f64::INFINITY };
+        self.points.iter().filter(move |p| p.t <= end && p.at.0.is_finite() && p.at.1.is_finite()).map(|p| p.at)
+    }
+
+    /// The curve as a line.
+    pub(super) fn line(&self, label: &str, color: usize, stroke: Stroke) -> Line {
+        let points = self.points.iter().map(|p| p.at).collect();
+        Line { label: label.to_owned(), points, stroke, color: Some(color), ..Line::default() }
+    }
+
+    /// A cross where a run that did not reach its end stopped. Over time it stays at the frame's edge where the line has left the frame:
+    /// `held` is the vertical range it is held in.
+    pub(super) fn end_mark(&self, color: usize, held: Option<(f64, f64)>) -> Option<Line> {
+        let (x, y) = self.trusted().last().filter(|_| self.ending.status != Status::Completed)?;
+        let points = vec![(x, held.map_or(y, |(low, high)| y.max(low).min(high)))];
+        Some(Line { points, stroke: Stroke::None, marker: Marker::Cross, color: Some(color), ..Line::default() })
+    }
+}
+
+/// What a chart should show of one coordinate. Runs that failed may not squeeze the others flat: they count as far as the others'
+/// range, once more to either side. Nothing where no run failed: the chart then fits itself to its points.
+pub(super) fn limits(curves: &[Curve], coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
+    let range = |failed: bool| {
+        let curves = curves.iter().filter(move |c| c.failed() == failed);
+        let values = curves.flat_map(|c| c.trusted().map(coordinate));
+        values.fold(None, |ends: Option<(f64, f64)>, v| Some(ends.map_or((v, v), |(l, h)| (l.min(v), h.max(v)))))
+    };
+    let failed = range(true)?;
+    let (low, high) = match range(false) {
+        Some((low, high)) if high > low => {
+            let span = high - low;
+            (low.min(failed.0.max(low - span)), high.max(failed.1.min(high + span)))
+        }
+        _ => failed,
+    };
+    let margin = 0.04 * (high - low);
+    (margin > 0.0).then_some((low - margin, high + margin))
+}
+
+/// First and last time of all curves, for an axis of time that begins and ends with them.
+pub(super) fn times(curves: &[Curve]) -> Option<(f64, f64)> {
+    let times = curves.iter().flat_map(|c| c.points.iter().map(|p| p.t));
+    let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
+    (first < last).then_some((first, last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(status: Status, values: &[f64]) -> Curve {
+        let points = (0u8..).zip(values).map(|(i, v)| Timed { t: f64::from(i), at: (f64::from(i), *v) }).collect();
+        Curve { ending: Ending { status, time: 3.0 }, points }
+    }
+
+    /// A blow-up leaves room for the others, and what came after it was found does not count.
+    #[test]
+    fn failed_runs_do_not_squeeze_others() {
+        let good = curve(Status::Completed, &[0.0, 1.0, -1.0, 1.0, 0.0, 1.0]);
+        let mild = curve(Status::Diverged, &[0.0, 1.0, -1.5, 2.0, 1e9, f64::NAN]);
+        let wild = curve(Status::Diverged, &[0.0, 1.0, -1e6, 1e7, 1e9, f64::INFINITY]);
+        let y = |at: (f64, f64)| at.1;
+        let near = |found: Option<(f64, f64)>, (low, high): (f64, f64)| {
+            let margin = 0.04 * (high - low);
+            let (l, h) = found.expect("limits");
+            assert!((l - low + margin).abs() < 1e-12 && (h - high - margin).abs() < 1e-12, "{l} {h}");
+        };
+        assert_eq!(limits(std::slice::from_ref(&good), y), None);
+        near(limits(&[good.clone(), mild.clone()], y), (-1.5, 2.0));
+        near(limits(&[good.clone(), wild], y), (-3.0, 3.0));
+        near(limits(std::slice::from_ref(&mild), y), (-1.5, 2.0));
+        let mark = mild.end_mark(1, Some((-1.0, 1.0))).expect("it failed");
+        assert_eq!(mark.points, [(3.0, 1.0)]);
+        assert_eq!(good.end_mark(0, None), None);
+    }
+}

@@ -1,0 +1,89 @@
+//! The energy account over time.
+
+use super::PlotError;
+use super::chart::{Axis, Chart, Line, Size, Stroke};
+use super::curve::{Curve, Limits, Timed, limits, times};
+use super::label::{joined, labels, title};
+use super::results::Run;
+use super::view::View;
+use crate::drive::observer::LedgerRow;
+
+/// An entry smaller than this share of the largest one is rounding and not drawn.
+const ROUNDING: f64 = 1e-12;
+/// A panel where there are several [px].
+const PANEL: Size = Size { width: 640, height: 360 };
+
+/// An entry of the account, or a sum of some.
+#[derive(Clone, Copy)]
+struct Entry {
+    name: &'static str,
+    of: fn(&LedgerRow) -> f64,
+}
+
+/// In the order of the picture.
+const ENTRIES: [Entry; 7] = [
+    Entry { name: "kinetic + elastic + gravity", of: |r| r.kinetic + r.elastic + r.gravity },
+    Entry { name: "kinetic", of: |r| r.kinetic },
+    Entry { name: "elastic", of: |r| r.elastic },
+    Entry { name: "gravity", of: |r| r.gravity },
+    Entry { name: "external work", of: |r| r.external_work },
+    Entry { name: "dissipated", of: |r| r.dissipated },
+    Entry { name: "numerical", of: |r| r.numerical },
+];
+
+/// All entries of a single run in one chart; a chart an entry for several runs. Entries that are zero throughout are left out.
+pub(super) fn charts(runs: &[Run], view: &View) -> Result<Vec<Chart>, PlotError> {
+    let shown = shown(runs, view);
+    if runs.iter().all(|run| run.energies.iter().all(|(t, _)| !view.sees(*t))) {
+        return Err(PlotError::NotThere("no row of history.csv is within --from and --to".to_owned()));
+    }
+    let labels = labels(runs);
+    if let [run] = runs {
+        let ended = labels.first().map_or("", String::as_str);
+        let curves = shown.iter().map(|(_, entry)| curve(run, *entry, view)).collect();
+        let names = shown.iter().map(|(color, entry)| (*color, joined(entry.name, ended))).collect();
+        return Ok(vec![chart(title(runs, "energy"), curves, names)]);
+    }
+    let panel = |(_, entry): &(usize, Entry)| {
+        let curves = runs.iter().map(|run| curve(run, *entry, view)).collect();
+        let names = labels.iter().cloned().enumerate().collect();
+        Chart { size: PANEL, ..chart(title(runs, entry.name), curves, names) }
+    };
+    Ok(shown.iter().map(panel).collect())
+}
+
+fn curve(run: &Run, entry: Entry, view: &View) -> Curve {
+    let rows = run.energies.iter().filter(|(t, _)| view.sees(*t));
+    Curve { ending: run.ending, points: rows.map(|(t, row)| Timed { t: *t, at: (*t, (entry.of)(row)) }).collect() }
+}
+
+fn chart(title: String, curves: Vec<Curve>, names: Vec<(usize, String)>) -> Chart {
+    let limits = Limits { x: times(&curves), y: limits(&curves, |p| p.1) };
+    let lines = curves.iter().zip(&names).map(|(curve, (color, name))| curve.line(name, *color, Stroke::Normal));
+    let marks = curves.iter().zip(&names).filter_map(|(curve, (color, _))| curve.end_mark(*color, limits.y));
+    let lines: Vec<Line> = lines.chain(marks).collect();
+    let x = Axis { range: limits.x, ..Axis::linear("time t [s]") };
+    let y = Axis { range: limits.y, ..Axis::linear("energy [J]") };
+    Chart { title, x, y, lines, ..Chart::default() }
+}
+
+/// The entries that are not zero in some run, with their numbers; the sum only where it sums something.
+fn shown(runs: &[Run], view: &View) -> Vec<(usize, Entry)> {
+    // A run at a time: beside the numbers of a blow-up, all of another run would pass for rounding.
+    let sizes: Vec<[f64; ENTRIES.len()]> = runs.iter().map(|run| sizes(run, view)).collect();
+    let largest = |sizes: &[f64]| sizes.iter().copied().fold(0.0, f64::max);
+    let counts = |i: usize| sizes.iter().any(|of_run| of_run[i] > ROUNDING * largest(of_run));
+    let parts = (1..4).filter(|i| counts(*i)).count();
+    let kept = |i: &usize| if *i == 0 { parts > 1 } else { counts(*i) };
+    // The sum is black, the last colour of the palette; the others keep theirs whatever is left out.
+    let entry = |i: usize| ((i + ENTRIES.len() - 1) % ENTRIES.len(), ENTRIES[i]);
+    let shown: Vec<_> = (0..ENTRIES.len()).filter(kept).map(entry).collect();
+    // A run at rest from end to end has an account of zeros; that is what its picture shows.
+    if shown.is_empty() { vec![entry(0)] } else { shown }
+}
+
+/// [J] the largest absolute value of every entry in a run.
+fn sizes(run: &Run, view: &View) -> [f64; ENTRIES.len()] {
+    let rows = || run.energies.iter().filter(|(t, _)| view.sees(*t)).map(|(_, row)| row);
+    ENTRIES.map(|entry| rows().map(|row| (entry.of)(row).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max))
+}

@@ -1,0 +1,177 @@
+//! A finished run, read back from its folder.
+
+use super::PlotError;
+use super::first_frame::reference_positions;
+use super::table::rows;
+use crate::drive::Status;
+use crate::drive::observer::LedgerRow;
+use crate::output::files::{FRAMES, HISTORY, PROBES};
+use crate::output::folder::SUMMARY;
+use crate::output::names::file_stem;
+use crate::output::{history, probes};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// What pictures need of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// where it was found
+    pub folder: PathBuf,
+    /// name of its case
+    pub name: String,
+    /// name of its method
+    pub method: String,
+    /// [s] its step, if it is fixed
+    pub step: Option<f64>,
+    /// how it ended
+    pub ending: Ending,
+    /// whether it is a simple pendulum, whose bob is node 0 around the origin
+    pub pendulum: bool,
+    /// time [s] and energies [J], a row a step or every n
+    pub energies: Vec<(f64, LedgerRow)>,
+    /// one for every node of every probe, in the order of the file
+    pub tracks: Vec<Track>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ending {
+    /// in a word
+    pub status: Status,
+    /// [s] when trouble was found, or else the time of the last state
+    pub time: f64,
+}
+
+/// The way of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// name of its probe
+    pub probe: String,
+    /// in the user's numbering
+    pub node: u32,
+    /// [m] where it lies before any displacement
+    pub reference: [f64; 3],
+    /// at each frame time
+    pub moments: Vec<Moment>,
+}
+
+/// A node at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// [s]
+    pub t: f64,
+    /// [m] position
+    pub x: [f64; 3],
+    /// [m/s] velocity
+    pub v: [f64; 3],
+}
+
+impl Run {
+    /// Reads the folder of a run that has ended, well or not.
+    ///
+    /// # Errors
+    /// No folder, no results in it, or a file that is not what `canopy-fem solve` writes.
+    pub fn read(folder: &Path) -> Result<Self, PlotError> {
+        if !folder.is_dir() {
+            return Err(PlotError::NoFolder(folder.to_owned()));
+        }
+        let mut run = read_summary(folder)?;
+        let path = folder.join(HISTORY);
+        run.energies = read_history(&path, &text(folder, HISTORY, "")?)?;
+        let path = folder.join(PROBES);
+        // A run without probes has no such file.
+        if path.exists() {
+            run.tracks = read_probes(&path, &text(folder, PROBES, "")?)?;
+        }
+        if !run.tracks.is_empty() {
+            place(&mut run)?;
+        }
+        Ok(run)
+    }
+}
+
+fn bytes(folder: &Path, file: &str, why: &'static str) -> Result<Vec<u8>, PlotError> {
+    let path = folder.join(file);
+    std::fs::read(&path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => PlotError::NoFile { folder: folder.to_owned(), file: file.to_owned(), why },
+        _ => PlotError::System { path, source },
+    })
+}
+
+fn text(folder: &Path, file: &str, why: &'static str) -> Result<String, PlotError> {
+    let what = "is no text (UTF-8)".to_owned();
+    String::from_utf8(bytes(folder, file, why)?).map_err(|_| bad(&folder.join(file), what))
+}
+
+fn bad(path: &Path, what: String) -> PlotError {
+    PlotError::BadFile { path: path.to_owned(), line: None, what }
+}
+
+/// Reads only the keys pictures need, so that results of other versions of the program can be drawn too.
+fn read_summary(folder: &Path) -> Result<Run, PlotError> {
+    let path = folder.join(SUMMARY);
+    let text = text(folder, SUMMARY, "; a run writes it when it ends")?;
+    let json: Value = serde_json::from_str(&text).map_err(|e| PlotError::BadFile {
+        path: path.clone(),
+        line: Some(e.line()),
+        what: e.to_string(),
+    })?;
+    let missing = |key: &str| bad(&path, format!("has no \"{key}\" that can be read"));
+    let word = |key: &str| json.pointer(key).and_then(Value::as_str).map(str::to_owned).ok_or_else(|| missing(key));
+    let number = |key: &str| json.pointer(key).and_then(Value::as_f64);
+    let status = json.get("status").cloned().and_then(|s| serde_json::from_value(s).ok());
+    let ended = number("/failure/time").or_else(|| number("/t_end"));
+    Ok(Run {
+        folder: folder.to_owned(),
+        name: word("/case/name")?,
+        method: word("/method")?,
+        step: number("/case/time/step"),
+        ending: Ending {
+            status: status.ok_or_else(|| missing("/status"))?,
+            time: ended.ok_or_else(|| missing("/t_end"))?,
+        },
+        pendulum: json.pointer("/case/system/pendulum").is_some_and(|p| !p.is_null()),
+        energies: Vec::new(),
+        tracks: Vec::new(),
+    })
+}
+
+fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotError> {
+    let ledger = |row: &super::table::Row<'_>| {
+        let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
+        Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
+    };
+    rows(path, text, history::HEADER)?.iter().map(ledger).collect()
+}
+
+fn read_probes(path: &Path, text: &str) -> Result<Vec<Track>, PlotError> {
+    let mut tracks: Vec<Track> = Vec::new();
+    let mut known: HashMap<(String, u32), usize> = HashMap::new();
+    for row in rows(path, text, probes::HEADER)? {
+        let (probe, node) = (row.text(1).to_owned(), row.number(2)?);
+        let [x, y, z, vx, vy, vz] = row.numbers(3)?;
+        let moment = Moment { t: row.number(0)?, x: [x, y, z], v: [vx, vy, vz] };
+        let at = *known.entry((probe.clone(), node)).or_insert_with(|| {
+            tracks.push(Track { probe, node, reference: [0.0; 3], moments: Vec::new() });
+            tracks.len() - 1
+        });
+        if let Some(track) = tracks.get_mut(at) {
+            track.moments.push(moment);
+        }
+    }
+    Ok(tracks)
+}
+
+/// Gives every track the reference position of its node.
+fn place(run: &mut Run) -> Result<(), PlotError> {
+    let file = format!("{FRAMES}/{}_000000.vtu", file_stem(&run.name));
+    let first = bytes(&run.folder, &file, "; displacements count from the positions in it")?;
+    let path = run.folder.join(&file);
+    let reference = reference_positions(&first).map_err(|what| bad(&path, what))?;
+    for track in &mut run.tracks {
+        let found = reference.get(track.node as usize).copied();
+        track.reference = found.ok_or_else(|| bad(&path, format!("has no node {}, which is probed", track.node)))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! The order of every method, measured two-sided on [`crate::rich_net`] from positions and velocities at the end, and what
+//! parameters do to it. The declared order is the one the registry tells the program's users.
+
+use crate::claim::Claim;
+use crate::common::run::{case_of, changed, run};
+use crate::linear_theory::method_name;
+use crate::rich_net::net;
+use canopy_fem::drive::Status;
+use canopy_fem::integrate::registry::methods;
+use serde_json::{Value, json};
+
+/// [-] At these steps the next term of the error still bends the slopes, by 0.02 as measured; a method that loses an order,
+/// even at one parameter or on one term only, is off by 1.
+const TOLERANCE: f64 = 0.1;
+
+/// [-] Positions and velocities at the end; `-log2` of the step.
+fn end_state(method: &Value, refinement: i32) -> Vec<f64> {
+    let step = format!("{:e}", (-f64::from(refinement)).exp2());
+    let run = run(&changed(&case_of(&net(), &[]), &[("time.method", &method.to_string()), ("time.step", &step)]));
+    assert_eq!(run.outcome.status, Status::Completed, "{method} at {step}: {:?}", run.outcome.failure);
+    run.positions.iter().chain(&run.velocities).flatten().copied().collect()
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+struct Reference {
+    state: Vec<f64>,
+    /// its own error: the distance to half as fine a solution, less the factor 2^4 of a method of order 4
+    error: f64,
+}
+
+fn reference() -> Reference {
+    let (coarse, state) = (end_state(&json!("rk4"), 11), end_state(&json!("rk4"), 12));
+    let error = distance(&coarse, &state) / 15.0;
+    Reference { state, error }
+}
+
+/// Steps 2^-first, 2^-(first+1), 2^-(first+2): the mean of two slopes.
+fn slope(reference: &Reference, method: &Value, first: i32) -> f64 {
+    let errors: Vec<f64> = (first..first + 3).map(|k| distance(&end_state(method, k), &reference.state)).collect();
+    assert!(errors[2] > 100.0 * reference.error, "{method}: {errors:?} against {:e}", reference.error);
+    let slopes = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
+    0.5 * (slopes[0] + slopes[1])
+}
+
+/// Coarsest step of a measurement, as `-log2`: deep enough for the tolerance, coarse enough for the reference.
+fn first_refinement(order: u32) -> i32 {
+    match order {
+        1 => 11,
+        2 => 8,
+        _ => 7,
+    }
+}
+
+pub fn claims() -> Vec<Claim> {
+    let reference = reference();
+    // Rounding of 4096 steps takes over below this; a coarser reference than that would be a defect.
+    let mut claims = vec![Claim::below("the reference's own error [m, m/s]", reference.error, 1e-12)];
+    let registered = methods().iter().map(|m| (m.order, json!(m.name)));
+    for (order, method) in registered.chain(with_parameters()) {
+        let slope = slope(&reference, &method, first_refinement(order));
+        claims.push(Claim::absolute(format!("{}: order", method_name(&method)), slope, f64::from(order), TOLERANCE));
+    }
+    claims
+}
+
+/// Parameters change the order where theory says so, and nowhere else: numerical damping costs Newmark one order and HHT and
+/// generalised alpha none.
+fn with_parameters() -> [(u32, Value); 13] {
+    [
+        (1, json!({"newmark": {"gamma": 0.6, "beta": 0.3025}})),
+        (1, json!({"newmark": {"gamma": 0.6}})),
+        (1, json!({"newmark": {"gamma": 1.0, "beta": 0.5}})),
+        (2, json!({"newmark": {"gamma": 0.5, "beta": 0.3}})),
+        (2, json!({"newmark": {"gamma": 0.5, "beta": 1.0 / 6.0}})),
+        (2, json!({"newmark": {"gamma": 0.5, "beta": 0.5}})),
+        (2, json!({"hht": {"alpha": 0.0}})),
+        (2, json!({"hht": {"alpha": -0.05}})),
+        (2, json!({"hht": {"alpha": -0.3}})),
+        (2, json!({"hht": {"alpha": -0.3333333333333333}})),
+        (2, json!({"generalized-alpha": {"rho_inf": 0.0}})),
+        (2, json!({"generalized-alpha": {"rho_inf": 0.3}})),
+        (2, json!({"generalized-alpha": {"rho_inf": 1.0}})),
+    ]
+}

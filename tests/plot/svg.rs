@@ -1,0 +1,75 @@
+//! An SVG picture read back as a person would: lines by colour, numbers at the axes, words.
+
+/// A chart's picture.
+pub struct Picture {
+    /// colour and points [px, to the right and down] of every polyline
+    pub lines: Vec<(String, Vec<(f64, f64)>)>,
+    /// words, their place [drawing units] and their anchor
+    words: Vec<(String, [f64; 2], String)>,
+}
+
+/// From drawing units to the numbers of an axis.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    origin: f64,
+    unit: f64,
+}
+
+impl Picture {
+    pub fn read(svg: &str) -> Self {
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "a number that is none");
+        let mut picture = Picture { lines: Vec::new(), words: Vec::new() };
+        for tag in svg.split('<') {
+            let key = |name: &str| {
+                let value = tag.split_once(&format!(" {name}=\"")).and_then(|(_, rest)| rest.split_once('"'));
+                value.unwrap_or_else(|| panic!("no {name} in <{tag}")).0.to_owned()
+            };
+            if tag.starts_with("polyline") {
+                let pair = |p: &str| p.split_once(',').map(|(x, y)| (number(x), number(y))).expect("a pair");
+                let points = key("points").split_whitespace().map(pair).collect();
+                picture.lines.push((key("stroke"), points));
+            } else if tag.starts_with("text") {
+                let words = tag.split_once('>').expect("an end").1.trim().to_owned();
+                picture.words.push((words, [number(&key("x")), number(&key("y"))], key("text-anchor")));
+            }
+        }
+        picture
+    }
+
+    pub fn says(&self, words: &str) -> bool {
+        self.words.iter().any(|(w, ..)| w == words)
+    }
+
+    /// All words in order.
+    pub fn words(&self) -> Vec<&str> {
+        self.words.iter().map(|(w, ..)| w.as_str()).collect()
+    }
+
+    /// Lines of a colour in the units of the axes. Samples in the legend have two points and are left out; so are the two of a cross.
+    pub fn curves(&self, color: &str) -> Vec<Vec<(f64, f64)>> {
+        let (x, y) = (self.axis("middle", 0), self.axis("end", 1));
+        let of_color = self.lines.iter().filter(|(c, points)| c == color && points.len() > 2);
+        of_color.map(|(_, points)| points.iter().map(|p| (x.value(p.0), y.value(p.1))).collect()).collect()
+    }
+
+    /// An axis from the numbers written along it that lie farthest apart.
+    fn axis(&self, anchor: &str, direction: usize) -> Axis {
+        let numbers = self.words.iter().filter(|(_, _, a)| a == anchor);
+        let numbers: Vec<(f64, f64)> =
+            numbers.filter_map(|(words, at, _)| Some((words.parse().ok()?, at[direction]))).collect();
+        let (first, last) = (numbers.first().expect("numbers"), numbers.last().expect("numbers"));
+        let unit = (last.0 - first.0) / (last.1 - first.1);
+        Axis { origin: first.0 - unit * first.1, unit }
+    }
+}
+
+impl Axis {
+    fn value(self, at: f64) -> f64 {
+        self.origin + self.unit * at
+    }
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().unwrap_or_else(|_| panic!("{text} is no number"))
+}
