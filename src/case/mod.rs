@@ -16,6 +16,7 @@ mod ergun;
 mod error;
 pub mod fault;
 mod findings;
+pub mod fingerprint;
 mod overrides;
 mod picture;
 pub mod place;

@@ -71,6 +71,8 @@ pub struct OutputSpec {
     pub probes: Vec<ProbeSpec>,
     /// [-] steps a row of `history.csv`, at least 1
     pub history_every: u64,
+    /// [s] a checkpoint at every multiple of this; `None`: only when interrupted
+    pub checkpoint_every: Option<f64>,
 }
 
 /// Nodes whose motion is written.

@@ -71,6 +71,10 @@ pub struct SolveArgs {
     /// Replace earlier results in the folder
     #[arg(long)]
     pub force: bool,
+    /// Go on from the checkpoint in the folder: one is kept when a run is interrupted, and as often as the case's
+    /// output.checkpoint says; a later --end is allowed
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
     /// Go on past a blow-up until a value stops being finite
     #[arg(long)]
     pub keep_going: bool,

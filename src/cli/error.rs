@@ -4,10 +4,12 @@ use super::init::InitError;
 use super::mesh::MeshCliError;
 use crate::assembly::ExportError;
 use crate::case::CaseError;
+use crate::case::fingerprint::FingerprintError;
 use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
+use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::SetupError;
 use std::io::ErrorKind;
@@ -27,6 +29,12 @@ pub enum CliError {
     /// Results cannot be prepared.
     #[error(transparent)]
     Recorder(#[from] RecorderError),
+    /// The earlier run cannot be taken up.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// The case cannot be summed up for checkpoints.
+    #[error(transparent)]
+    Fingerprint(#[from] FingerprintError),
     /// Results cannot be written.
     #[error(transparent)]
     Observe(#[from] ObserveError),
@@ -61,7 +69,9 @@ impl CliError {
             CliError::Plot(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
-            CliError::Run(RunError::Start(_)) => 2,
+            CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,
+            CliError::Resume(e) | CliError::Recorder(RecorderError::Resume(e)) if !e.is_system() => 2,
+            CliError::Resume(_) | CliError::Fingerprint(_) => 1,
             CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,
         }
     }

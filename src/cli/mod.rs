@@ -4,11 +4,13 @@ mod args;
 mod check;
 mod doubts;
 mod error;
+mod farthest;
 pub mod init;
 pub mod mesh;
 mod methods;
 pub mod plot;
 pub mod progress;
+mod resume;
 pub mod schema;
 mod solve;
 

@@ -135,6 +135,10 @@ impl Observer for Progress {
         Ok(())
     }
 
+    fn resumed(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.started(at, ledger)
+    }
+
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         if self.clock.is_some() {
             self.since.steps += 1;

@@ -1,25 +1,30 @@
 //! `canopy-fem solve`: the main job.
 
 use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
+use super::farthest::Farthest;
 use super::progress::{Display, Progress};
+use super::resume::{self, Earlier};
 use super::{CliError, Finished, SolveArgs, complain, fields};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
-use crate::drive::{Failure, Outcome, RunSpec, Status};
+use crate::drive::observer::Observer;
+use crate::drive::{self, Failure, Outcome, RunSpec, Status};
 use crate::figures::figures;
+use crate::integrate::stepper::Stepper;
+use crate::output::checkpoint::Checkpoint;
 use crate::output::encode::VtuFormat;
-use crate::output::folder::{ResultFolder, SUMMARY};
+use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::names::file_stem;
 use crate::output::probes::Probe;
-use crate::output::process::cpu_seconds;
-use crate::output::recorder::{Recorder, RecorderSpec};
-use crate::output::summary::{Cost, Summary};
+use crate::output::process::Stopwatch;
+use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
+use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -32,13 +37,22 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     if !args.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
+    let fingerprint = Fingerprint::of(&problem)?;
+    let earlier = args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()?;
+    if let Some(Earlier::Done(summary)) = &earlier {
+        let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
+        return Ok(Finished { text, code: 0 });
+    }
     let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
     check_solver(&problem, &*scene, source)?;
     let mut stepper = bind(&problem, &*scene)?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
-    let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
+    let (folder, checkpoint) = match earlier {
+        Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
+        _ => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
+    };
     let limit = Limit::of(&problem, &*scene);
     if !args.quiet {
         let doubts = [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)];
@@ -48,21 +62,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let mut recorder = Recorder::new(&*scene, &recorder_spec(&problem, &folder))?;
-    let mut progress = Progress::new(problem.time.end, if args.quiet { Display::Quiet } else { Display::Terminal });
-    let mut farthest = Farthest::new(&*scene);
-    let spec = RunSpec {
-        end: problem.time.end,
-        step: problem.time.step,
-        keep_going: args.keep_going,
-        method: problem.method.info,
-    };
-    let (started, cpu) = (Instant::now(), cpu_seconds());
-    let outcome =
-        crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut recorder, &mut progress, &mut farthest], &stop)?;
-    let cost = Cost { cpu: cpu.and_then(|before| Some(cpu_seconds()? - before)), wall: started.elapsed() };
-    let summary = Summary::new(&problem, &*scene, &outcome, limit.step, cost);
-    summary.write(&folder.file(SUMMARY))?;
+    let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit };
+    let (outcome, summary, farthest) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
     }
@@ -76,6 +77,57 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Status::Interrupted => 130,
     };
     Ok(Finished { text, code })
+}
+
+/// A run that is ready.
+struct Job<'a> {
+    args: &'a SolveArgs,
+    problem: &'a Problem,
+    scene: &'a dyn Scene,
+    folder: &'a ResultFolder,
+    limit: Limit,
+}
+
+impl<'a> Job<'a> {
+    /// Runs from the start or from the checkpoint, and leaves all files.
+    fn integrate(
+        &self,
+        stepper: &mut Stepper<'_>,
+        case: Fingerprint,
+        checkpoint: Option<Checkpoint>,
+        stop: &AtomicBool,
+    ) -> Result<(Outcome, Summary, Farthest<'a>), CliError> {
+        let &Job { args, problem, scene, folder, limit } = self;
+        let method = problem.method.info;
+        let spec = RunSpec { end: problem.time.end, step: problem.time.step, keep_going: args.keep_going, method };
+        let recorded = recorder_spec(problem, folder);
+        let recorder = match &checkpoint {
+            Some(checkpoint) => {
+                spec.passes(scene, &checkpoint.snapshot)?;
+                Recorder::resume(scene, &recorded, checkpoint)?
+            }
+            None => Recorder::new(scene, &recorded)?,
+        };
+        let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
+        let every = problem.output.checkpoint_every;
+        let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
+        let display = if args.quiet { Display::Quiet } else { Display::Terminal };
+        let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
+        let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut progress, &mut farthest];
+        let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
+        let outcome = match checkpoint {
+            Some(Checkpoint { snapshot, .. }) => drive::resume(scene, stepper, spec, snapshot, observers, stop)?,
+            None => drive::run(scene, stepper, spec, observers, stop)?,
+        };
+        let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
+        let summary = Summary { resumed_from, ..summary };
+        summary.write(&folder.file(SUMMARY))?;
+        // That of an interrupt; nobody has asked for one to stay.
+        if outcome.status == Status::Completed && every.is_none() {
+            folder.remove_checkpoint()?;
+        }
+        Ok((outcome, summary, farthest))
+    }
 }
 
 /// Energy made by the scheme, as a share of the energy exchanged, that makes a finished run doubtful.
@@ -151,6 +203,9 @@ fn report(
         outcome.steps,
         problem.method.info.name
     );
+    if let Some(t) = summary.resumed_from {
+        let _ = writeln!(text, "  resumed         from t = {} s", figures(t, 12));
+    }
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
     let _ = writeln!(
@@ -168,7 +223,17 @@ fn report(
     }
     let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
+    if outcome.status == Status::Interrupted {
+        let path = folder.file(CHECKPOINT);
+        let _ =
+            writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
+    }
     text
+}
+
+fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
+    let t = figures(summary.t_end, 12);
+    format!("{}: has completed at t = {t} s already, in {}; nothing is left to resume\n", problem.name, out.display())
 }
 
 fn describe(failure: &Failure, status: Status) -> String {
@@ -184,41 +249,4 @@ fn describe(failure: &Failure, status: Status) -> String {
     let _ = writeln!(text, "  cause   {}", failure.cause);
     let _ = writeln!(text, "  advice  {}", failure.advice);
     text
-}
-
-/// The largest displacement at the end, for the report.
-struct Farthest<'a> {
-    scene: &'a dyn Scene,
-    node: usize,
-    /// [m]
-    distance: f64,
-}
-
-impl<'a> Farthest<'a> {
-    fn new(scene: &'a dyn Scene) -> Self {
-        Farthest { scene, node: 0, distance: 0.0 }
-    }
-}
-
-impl Observer for Farthest<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        let reference = self.scene.reference();
-        let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
-        self.scene.trace(last.state.as_ref(), &mut x, &mut v);
-        for (node, (x, o)) in x.iter().zip(reference).enumerate() {
-            let d = (0..3).map(|c| (x[c] - o[c]).powi(2)).sum::<f64>().sqrt();
-            if d > self.distance {
-                (self.node, self.distance) = (node, d);
-            }
-        }
-        Ok(())
-    }
 }

@@ -13,7 +13,7 @@ use crate::model::point::Point;
 use crate::model::system::System;
 
 /// Running account of a run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ledger {
     first: LedgerRow,
     work: StageWork,

@@ -4,10 +4,14 @@
 //! step that is not finite or has blown up is never shown to an observer as good.
 
 pub mod clock;
+mod error;
 pub mod failure;
 pub mod ledger;
 pub mod observer;
 mod run;
+pub mod snapshot;
 
+pub use error::RunError;
 pub use failure::Failure;
-pub use run::{Outcome, RunError, RunSpec, Status, run};
+pub use run::{Outcome, RunSpec, Status, resume, run};
+pub use snapshot::Snapshot;

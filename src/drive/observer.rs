@@ -1,5 +1,6 @@
 //! What a run tells those who watch it: one view an accepted step.
 
+pub use super::snapshot::{Occasion, Resumable};
 pub use crate::model::point::Point;
 
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
@@ -60,6 +61,22 @@ pub trait Observer {
     /// # Errors
     /// When results cannot be written.
     fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError>;
+
+    /// Instead of [`Observer::started`], before the first step of a run that goes on from a snapshot.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn resumed(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    /// Before every step, and once more when the run is interrupted: a moment to keep a snapshot.
+    ///
+    /// # Errors
+    /// When it cannot be kept.
+    fn resumable(&mut self, _run: &Resumable<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
 
     /// After every accepted step.
     ///

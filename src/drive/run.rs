@@ -1,13 +1,16 @@
 //! The loop.
 
 use super::clock::{FixedSteps, Tick};
+use super::error::RunError;
 use super::failure::{Failure, Scenery};
 use super::ledger::Ledger;
-use super::observer::{LedgerRow, ObserveError, Observer, StepView};
+use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
+use super::snapshot::Snapshot;
 use crate::integrate::registry::MethodInfo;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
+use crate::model::state::State;
 use crate::scene::Scene;
 use crate::solve::LinearStats;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -64,17 +67,6 @@ pub struct Outcome {
     pub linear: Option<LinearStats>,
 }
 
-/// Why a run could not start or its results not be kept.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The scheme cannot start.
-    #[error(transparent)]
-    Start(#[from] StepError),
-    /// Results cannot be written.
-    #[error(transparent)]
-    Observe(#[from] ObserveError),
-}
-
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
 /// # Errors
@@ -87,14 +79,52 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let mut run = Run::start(scene, stepper, spec)?;
+    let run = Run::start(scene, stepper, spec)?;
     for o in observers.iter_mut() {
         o.started(&run.from, run.row)?;
     }
-    let clock = FixedSteps::new(spec.step, spec.end);
+    go_on(run, stepper, observers, stop)
+}
+
+/// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a run
+/// that was never stopped.
+///
+/// # Errors
+/// As [`run`], and when the snapshot does not fit.
+pub fn resume(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec,
+    snapshot: Snapshot,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let run = Run::restore(scene, stepper, spec, snapshot)?;
+    for o in observers.iter_mut() {
+        o.resumed(&run.from, run.row)?;
+    }
+    go_on(run, stepper, observers, stop)
+}
+
+fn go_on(
+    mut run: Run<'_>,
+    stepper: &mut Stepper<'_>,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let clock = FixedSteps::new(run.spec.step, run.spec.end);
     let mut status = Status::Completed;
-    for k in 1..=clock.count() {
-        if stop.load(Ordering::Relaxed) {
+    for k in run.steps + 1..=clock.count() {
+        let stopped = stop.load(Ordering::Relaxed);
+        let occasion = match stopped {
+            true => Occasion::Interrupted,
+            false if k == clock.count() => Occasion::LastStep,
+            false => Occasion::Step,
+        };
+        for o in observers.iter_mut() {
+            o.resumable(&run.resumable(occasion, stepper))?;
+        }
+        if stopped {
             status = Status::Interrupted;
             break;
         }
@@ -149,10 +179,31 @@ impl<'a> Run<'a> {
         counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
-        let size = scene.size();
-        let limit = if size > 0.0 { BLOW_UP * size } else { f64::INFINITY };
         let to = from.clone();
-        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: 0, limit, failure: None })
+        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: 0, limit: limit(scene), failure: None })
+    }
+
+    fn restore(
+        scene: &'a dyn Scene,
+        stepper: &mut Stepper<'_>,
+        spec: RunSpec,
+        snapshot: Snapshot,
+    ) -> Result<Self, RunError> {
+        spec.passes(scene, &snapshot)?;
+        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure } = snapshot;
+        let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
+        // Counted when the step that led here was made.
+        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        stepper.start(&from)?;
+        stepper.restore(&carried)?;
+        let to = from.clone();
+        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: step, limit: limit(scene), failure })
+    }
+
+    fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
+        let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
+        let (row, counters, failure) = (*row, *counters, failure.as_ref());
+        Resumable { occasion, step: *steps, at, row, counters, ledger, failure, stepper }
     }
 
     /// Attempts step `k`; on success the points have changed places.
@@ -221,6 +272,12 @@ impl<'a> Run<'a> {
             linear: stepper.linear_stats(),
         }
     }
+}
+
+/// [m] extent beyond which a scene counts as blown up
+fn limit(scene: &dyn Scene) -> f64 {
+    let size = scene.size();
+    if size > 0.0 { BLOW_UP * size } else { f64::INFINITY }
 }
 
 fn is_finite(row: &LedgerRow) -> bool {

@@ -66,7 +66,7 @@ pub struct StepReport {
 }
 
 /// Work of a step, integrated from the terms' powers as one more unknown of the scheme.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StageWork {
     /// [J] work of the external terms
     pub external: f64,
@@ -75,7 +75,7 @@ pub struct StageWork {
 }
 
 /// What a scheme carries from step to step besides the state, to be saved in a checkpoint.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Carried {
     /// vectors over all degrees of freedom, in an order the scheme defines
     pub vectors: Vec<Vec<f64>>,

@@ -30,7 +30,7 @@ pub use source::MeshSource;
 pub use topology::{EdgeKind, Topology};
 
 /// A surface or line mesh in three dimensions.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Mesh {
     /// [m] positions of the nodes.
     pub nodes: Vec<[f64; 3]>,

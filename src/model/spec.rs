@@ -4,7 +4,7 @@
 use crate::mesh::Mesh;
 
 /// When a spring pulls and pushes. `e` is the elongation l - l0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub enum Slack {
     /// T = k e: works both ways.
     #[default]
@@ -24,7 +24,7 @@ pub enum Slack {
 }
 
 /// Along what a dashpot acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum DashpotKind {
     /// c ldot along the spring; clamped together with a slack spring.
     Axial,
@@ -33,7 +33,7 @@ pub enum DashpotKind {
 }
 
 /// Dashpots of a spring group.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct DashpotSpec {
     /// axial or relative
     pub kind: DashpotKind,
@@ -44,7 +44,7 @@ pub struct DashpotSpec {
 }
 
 /// Springs that share a rule of the case.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct SpringGroup {
     /// edges of the mesh, ascending
     pub edges: Vec<u32>,
@@ -59,7 +59,7 @@ pub struct SpringGroup {
 }
 
 /// A factor or vector over time, linear between its rows, held constant outside them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Series<T> {
     /// [s] strictly increasing times; at least one
     pub t: Vec<f64>,
@@ -68,7 +68,7 @@ pub struct Series<T> {
 }
 
 /// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, pushing along the relative wind.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct AirSpec {
     /// [Pa s/m] viscous coefficient (thickness times A_e, or times a)
     pub linear: f64,
@@ -79,7 +79,7 @@ pub struct AirSpec {
 }
 
 /// How a pressure load follows the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum PressureKind {
     /// p A N on the current area and normal.
     Follower,
@@ -88,7 +88,7 @@ pub enum PressureKind {
 }
 
 /// A pressure on some triangles.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct PressureLoad {
     /// triangles, ascending
     pub triangles: Vec<u32>,
@@ -101,7 +101,7 @@ pub struct PressureLoad {
 }
 
 /// A force on some nodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NodalLoad {
     /// nodes, ascending
     pub nodes: Vec<u32>,
@@ -112,7 +112,7 @@ pub struct NodalLoad {
 }
 
 /// Rayleigh damping f -= (mass M + stiffness K0) v.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RayleighSpec {
     /// [1/s] factor of M
     pub mass: f64,
@@ -121,7 +121,7 @@ pub struct RayleighSpec {
 }
 
 /// Everything a network scene contains.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct NetworkSpec {
     /// positions as given, before `displacement`
     pub mesh: Mesh,
@@ -148,7 +148,7 @@ pub struct NetworkSpec {
 }
 
 /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PendulumSpec {
     /// [m] length L
     pub length: f64,

@@ -29,37 +29,49 @@ pub fn part_path(path: &Path) -> PathBuf {
 /// # Errors
 /// Whatever the system answers; `path` then still holds what it held.
 pub fn replace(path: &Path, content: &[u8], durability: Durability) -> io::Result<()> {
+    replace_by(path, durability, |file| file.write_all(content))
+}
+
+/// The same with content that `fill` writes piece by piece.
+///
+/// # Errors
+/// Whatever the system or `fill` answers; `path` then still holds what it held.
+pub fn replace_by(
+    path: &Path,
+    durability: Durability,
+    fill: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
     let part = part_path(path);
     // A leftover, possibly a link: removed rather than written through.
     match fs::remove_file(&part) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
         _ => {}
     }
-    let written = write_new(&part, content, durability).and_then(|()| fs::rename(&part, path));
+    let written = write_new(&part, durability, fill).and_then(|()| fs::rename(&part, path));
     if written.is_err() {
         // The first error is the one to tell; the part is removed if that is still possible.
         let _ = fs::remove_file(&part);
         return written;
     }
     if durability == Durability::Synced {
-        sync_folder(path);
+        sync_folder(path.parent().unwrap_or(Path::new("")));
     }
     Ok(())
 }
 
-fn write_new(part: &Path, content: &[u8], durability: Durability) -> io::Result<()> {
+fn write_new(part: &Path, durability: Durability, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(part)?;
-    file.write_all(content)?;
+    fill(&mut file)?;
     if durability == Durability::Synced {
         file.sync_all()?;
     }
     Ok(())
 }
 
-/// Makes the rename itself durable where folders can be synced; elsewhere the file is complete all the same.
-fn sync_folder(path: &Path) {
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if let Ok(folder) = File::open(parent) {
+/// Makes new names in a folder durable where folders can be synced; elsewhere the files are complete all the same.
+pub fn sync_folder(folder: &Path) {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
 }

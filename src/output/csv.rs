@@ -1,10 +1,12 @@
 //! Comma-separated files that are readable at any moment: only whole lines are handed to the system.
 
-use std::fs::File;
-use std::io::{self, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::mark::{Mark, Tally};
+use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
 /// Lines are written at the latest after this many bytes …
@@ -19,6 +21,8 @@ pub struct CsvFile {
     file: File,
     buffer: Vec<u8>,
     last_write: Instant,
+    /// what is with the system
+    written: Tally,
 }
 
 impl CsvFile {
@@ -28,9 +32,32 @@ impl CsvFile {
     /// When the file cannot be written.
     pub fn create(path: &Path, header: &str) -> Result<Self, ObserveError> {
         let fault = |source| write_fault(path, source);
-        let mut file = File::create(path).map_err(fault)?;
-        writeln!(file, "{header}").map_err(fault)?;
-        Ok(Self { path: path.to_owned(), file, buffer: Vec::with_capacity(BLOCK), last_write: Instant::now() })
+        let file = File::create(path).map_err(fault)?;
+        lock(&file);
+        let mut made = Self::around(path, file, Tally::default());
+        made.line(|out| write!(out, "{header}"))?;
+        made.flush()?;
+        Ok(made)
+    }
+
+    /// Opens a file that begins with what `mark` says and cuts off the rest. It is locked as long as it is open.
+    ///
+    /// # Errors
+    /// When another run holds its lock, or it cannot be opened or cut.
+    pub fn reopen(path: &Path, mark: Mark) -> Result<Self, ResumeError> {
+        let fault = |source| ResumeError::system(path, source);
+        let mut file = OpenOptions::new().write(true).open(path).map_err(fault)?;
+        if lock(&file) == Lock::Elsewhere {
+            return Err(ResumeError::Busy { path: path.display().to_string() });
+        }
+        file.set_len(mark.bytes).map_err(fault)?;
+        file.seek(SeekFrom::Start(mark.bytes)).map_err(fault)?;
+        Ok(Self::around(path, file, Tally::after(mark)))
+    }
+
+    fn around(path: &Path, file: File, written: Tally) -> Self {
+        let buffer = Vec::with_capacity(BLOCK);
+        Self { path: path.to_owned(), file, buffer, last_write: Instant::now(), written }
     }
 
     /// Appends one line; `fill` writes it without the line's end.
@@ -52,17 +79,62 @@ impl CsvFile {
         if self.last_write.elapsed() >= LONGEST_DELAY { self.flush() } else { Ok(()) }
     }
 
-    /// Writes all lines that wait.
+    /// Writes all lines that wait. If only a part finds room, the file ends with its last whole line.
     ///
     /// # Errors
     /// When the system refuses.
     pub fn flush(&mut self) -> Result<(), ObserveError> {
         if !self.buffer.is_empty() {
-            self.file.write_all(&self.buffer).map_err(|e| write_fault(&self.path, e))?;
+            if let Err(source) = self.file.write_all(&self.buffer) {
+                self.keep_whole_lines();
+                return Err(write_fault(&self.path, source));
+            }
+            self.written.add(&self.buffer);
             self.buffer.clear();
         }
         self.last_write = Instant::now();
         Ok(())
+    }
+
+    /// Writes all lines that wait and makes them durable; returns what the file now holds.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn sync(&mut self) -> Result<Mark, ObserveError> {
+        self.flush()?;
+        self.file.sync_data().map_err(|e| write_fault(&self.path, e))?;
+        Ok(self.written.mark())
+    }
+
+    /// After a write that stopped somewhere: cuts the line it stopped in; that one and those behind it wait again.
+    fn keep_whole_lines(&mut self) {
+        let length = self.file.metadata().map_or(0, |there| there.len());
+        let arrived = usize::try_from(length.saturating_sub(self.written.bytes())).unwrap_or(0);
+        let arrived = self.buffer.get(..arrived).unwrap_or(&self.buffer);
+        let whole = arrived.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        self.written.add(arrived.get(..whole).unwrap_or_default());
+        self.buffer.drain(..whole);
+        // The fault that led here is the one to tell.
+        let end = self.written.bytes();
+        let _ = self.file.set_len(end).and_then(|()| self.file.seek(SeekFrom::Start(end)));
+    }
+}
+
+/// Whether a file is free to be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lock {
+    /// locked by this handle, or on a system where that is not done
+    Here,
+    /// another run writes it
+    Elsewhere,
+}
+
+/// Locks a file against a second run; a killed program holds no lock. Windows would keep readers out as well, so not there;
+/// and where a file system knows no locks, there are none.
+pub fn lock(file: &File) -> Lock {
+    match cfg!(unix).then(|| file.try_lock()) {
+        Some(Err(TryLockError::WouldBlock)) => Lock::Elsewhere,
+        _ => Lock::Here,
     }
 }
 

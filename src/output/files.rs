@@ -1,15 +1,22 @@
 //! The files of a run, as the writing thread sees them.
 
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::PathBuf;
 
+use serde::{Deserialize, Serialize};
+
+use super::atomic::{Durability, part_path, replace};
+use super::checkpoint::Checkpoint;
 use super::csv::write_fault;
 use super::encode::VtuFormat;
-use super::frame::{CellMap, Fields, Frame};
+use super::folder::{CHECKPOINT, SUMMARY};
+use super::frame::{Fields, Frame};
+use super::frame_files::FrameFiles;
 use super::history::{History, HistoryRow};
+use super::mark::Mark;
 use super::probes::{Probe, Probes};
-use super::pvd::Collection;
-use super::vtu::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
+use super::pvd::{Collection, CollectionMark};
+use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
 /// Folder of the frames, beside the .pvd.
@@ -40,6 +47,17 @@ pub struct FilesSpec<'a> {
     pub format: VtuFormat,
 }
 
+/// How far the results had come when a checkpoint was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FilesMark {
+    /// frames in the collection
+    pub collection: CollectionMark,
+    /// rows of the history
+    pub history: Mark,
+    /// rows of the probes, if there are any
+    pub probes: Option<Mark>,
+}
+
 /// The open files of a run.
 #[derive(Debug)]
 pub struct ResultFiles {
@@ -47,6 +65,9 @@ pub struct ResultFiles {
     collection: Collection,
     history: History,
     probes: Option<Probes>,
+    checkpoint: PathBuf,
+    /// the checkpoint's bytes, kept from one to the next
+    encoded: Vec<u8>,
 }
 
 impl ResultFiles {
@@ -63,7 +84,52 @@ impl ResultFiles {
             collection: Collection::new(&path(&format!("{}.pvd", spec.stem))),
             history: History::create(&path(HISTORY))?,
             probes,
+            checkpoint: path(CHECKPOINT),
+            encoded: Vec::new(),
         })
+    }
+
+    /// Goes on with the files of an earlier run. Everything is looked at before anything is changed; then what was written
+    /// after the checkpoint goes, `summary.json` included, in an order that leaves a folder that can be resumed at any time.
+    ///
+    /// # Errors
+    /// When the files do not hold what they held, are in use, or cannot be opened or changed.
+    pub fn reopen(spec: &FilesSpec<'_>, mark: &FilesMark) -> Result<Self, ResumeError> {
+        let path = |name: &str| spec.folder.join(name);
+        let (history, probes, summary) = (path(HISTORY), path(PROBES), path(SUMMARY));
+        mark.history.check(&history)?;
+        mark.probes.map(|mark| mark.check(&probes)).transpose()?;
+        let mut collection = Collection::read(&path(&format!("{}.pvd", spec.stem)), mark.collection)?;
+        FrameFiles::check(spec, mark.collection.frames)?;
+        let history = History::reopen(&history, mark.history)?;
+        for leftover in [&summary, &part_path(&summary), &part_path(&path(CHECKPOINT))] {
+            match fs::remove_file(leftover) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(ResumeError::system(leftover, e)),
+                _ => {}
+            }
+        }
+        // The collection first: it never lists a frame that is not there.
+        collection.write(Durability::Visible)?;
+        let frames = FrameFiles::reopen(spec, mark.collection.frames)?;
+        let probes = mark.probes.map(|mark| Probes::reopen(&probes, spec.probes, mark)).transpose()?;
+        Ok(Self { frames, collection, history, probes, checkpoint: path(CHECKPOINT), encoded: Vec::new() })
+    }
+
+    /// Makes all results durable, and then the checkpoint that counts them.
+    ///
+    /// # Errors
+    /// When the system refuses; the earlier checkpoint is then still there.
+    pub fn checkpoint(&mut self, mut checkpoint: Checkpoint) -> Result<(), ObserveError> {
+        let history = self.history.file().sync()?;
+        let probes = self.probes.as_mut().map(|probes| probes.file().sync()).transpose()?;
+        self.frames.sync(self.collection.frames())?;
+        if self.collection.frames() > 0 {
+            self.collection.write(Durability::Synced)?;
+        }
+        checkpoint.files = FilesMark { collection: self.collection.mark(), history, probes };
+        let path = &self.checkpoint;
+        checkpoint.encode(&mut self.encoded).map_err(|e| write_fault(path, e))?;
+        replace(path, &self.encoded, Durability::Synced).map_err(|e| write_fault(path, e))
     }
 
     /// Writes a frame, its probes, and then shows it in the collection.
@@ -106,91 +172,7 @@ impl ResultFiles {
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         let history = self.history.file().flush();
         let probes = self.probes.as_mut().map_or(Ok(()), |probes| probes.file().flush());
-        let collection = if self.collection.frames() > 0 { self.collection.write() } else { Ok(()) };
+        let collection = if self.collection.frames() > 0 { self.collection.write(Durability::Visible) } else { Ok(()) };
         history.and(probes).and(collection)
     }
-}
-
-/// The .vtu files.
-#[derive(Debug)]
-struct FrameFiles {
-    folder: PathBuf,
-    stem: String,
-    vtu: VtuWriter,
-    map: CellMap,
-    fields: Fields,
-    reference: Vec<[f64; 3]>,
-    displacement: Vec<[f64; 3]>,
-    tension: Vec<f64>,
-    strain: Vec<f64>,
-}
-
-impl FrameFiles {
-    fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
-        let folder = spec.folder.join(FRAMES);
-        fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
-        let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
-        let vtu = VtuWriter::new(&cells, spec.format).map_err(|e| vtu_fault(&folder, e))?;
-        Ok(Self {
-            map: CellMap::new(spec.triangles, spec.edges, vtu.cells()),
-            folder,
-            stem: spec.stem.clone(),
-            vtu,
-            fields: spec.fields,
-            reference: spec.reference.to_vec(),
-            displacement: Vec::with_capacity(spec.reference.len()),
-            tension: Vec::new(),
-            strain: Vec::new(),
-        })
-    }
-
-    /// Writes frame `number`; returns its path from the folder of the results.
-    fn write(&mut self, frame: &Frame, number: usize) -> Result<String, ObserveError> {
-        let name = format!("{}_{number:06}.vtu", self.stem);
-        let path = self.folder.join(&name);
-        self.prepare(frame);
-        let mut file = File::create(&path).map_err(|e| write_fault(&path, e))?;
-        let vectors = |name, values| Array { name, values: Values::Vectors(values) };
-        let scalars = |name, values| Array { name, values: Values::Scalars(values) };
-        let Fields { force, reaction, tension, strain } = self.fields;
-        let points = [
-            (true, vectors("displacement", &self.displacement)),
-            (true, vectors("velocity", &frame.velocities)),
-            (force, vectors("force", &frame.force)),
-            (reaction, vectors("reaction", &frame.reaction)),
-        ];
-        let cells = [(tension, scalars("tension", &self.tension)), (strain, scalars("strain", &self.strain))];
-        let picture = Snapshot {
-            time: Some(frame.time),
-            points: &frame.positions,
-            point_data: &asked_for(&points),
-            cell_data: &asked_for(&cells),
-        };
-        self.vtu.write(&picture, &mut file).map_err(|e| vtu_fault(&path, e))?;
-        Ok(format!("{FRAMES}/{name}"))
-    }
-
-    fn prepare(&mut self, frame: &Frame) {
-        self.displacement.clear();
-        let moved = frame.positions.iter().zip(&self.reference);
-        self.displacement.extend(moved.map(|(x, x0)| [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]));
-        if self.fields.tension {
-            self.map.spread(&frame.tension, &mut self.tension);
-        }
-        if self.fields.strain {
-            self.map.spread(&frame.strain, &mut self.strain);
-        }
-    }
-}
-
-fn asked_for<'a>(arrays: &[(bool, Array<'a>)]) -> Vec<Array<'a>> {
-    arrays.iter().filter(|(on, _)| *on).map(|(_, array)| *array).collect()
-}
-
-fn vtu_fault(path: &Path, fault: VtuError) -> ObserveError {
-    let source = match fault {
-        VtuError::Write(source) => source,
-        other => std::io::Error::new(std::io::ErrorKind::InvalidInput, other),
-    };
-    write_fault(path, source)
 }

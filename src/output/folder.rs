@@ -1,11 +1,13 @@
 //! The folder of a run: never over earlier results unasked, never over anything else at all.
 
-use std::fs::{self, Metadata};
+use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::atomic::part_path;
+use super::csv::{Lock, lock};
 use super::files::{FRAMES, HISTORY, PROBES};
+use super::frame_files::frames_in;
 use super::names::file_stem;
 
 /// How a run ended, for programs.
@@ -17,7 +19,10 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// There are results already.
-    #[error("{folder} already holds results ({found}); give --force to replace them, or another folder with --out")]
+    #[error(
+        "{folder} already holds results ({found}); give --force to replace them, --resume to go on from their checkpoint, or \
+         another folder with --out"
+    )]
     HoldsResults {
         /// the folder
         folder: String,
@@ -31,6 +36,12 @@ pub enum FolderError {
         path: String,
         /// what it is
         what: &'static str,
+    },
+    /// The other run has not ended.
+    #[error("{path} is being written by another run; wait until it has ended, or give another folder with --out")]
+    Busy {
+        /// the file
+        path: String,
     },
     /// The system's answer.
     #[error("{path}: {source}")]
@@ -67,6 +78,7 @@ impl ResultFolder {
             let found = found.strip_prefix(dir).unwrap_or(found).display().to_string();
             return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found });
         }
+        folder.refuse_busy()?;
         for path in &earlier {
             fs::remove_file(path).map_err(|e| system(path, e))?;
         }
@@ -74,6 +86,32 @@ impl ResultFolder {
         let _ = fs::remove_dir(dir.join(FRAMES));
         fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
         Ok(folder)
+    }
+
+    /// The folder of an earlier run, to go on in; nothing is changed.
+    ///
+    /// # Errors
+    /// When something that is no result stands where one belongs, or another run is writing there.
+    pub fn reopen(dir: &Path, name: &str) -> Result<Self, FolderError> {
+        let folder = Self { dir: dir.to_owned(), stem: file_stem(name) };
+        if fs::metadata(dir).is_ok_and(|there| !there.is_dir()) {
+            return Err(FolderError::InTheWay { path: dir.display().to_string(), what: "a file" });
+        }
+        folder.earlier()?;
+        folder.refuse_busy()?;
+        Ok(folder)
+    }
+
+    /// Removes the checkpoint of a run that has reached its end and keeps none.
+    ///
+    /// # Errors
+    /// When there is one that cannot be removed.
+    pub fn remove_checkpoint(&self) -> Result<(), FolderError> {
+        let path = self.file(CHECKPOINT);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(&path, e)),
+            _ => Ok(()),
+        }
     }
 
     /// The folder.
@@ -120,23 +158,14 @@ impl ResultFolder {
                 return Err(FolderError::InTheWay { path: folder.display().to_string(), what });
             }
         }
-        let mut found = Vec::new();
-        for entry in fs::read_dir(&folder).map_err(|e| system(&folder, e))? {
-            let entry = entry.map_err(|e| system(&folder, e))?;
-            let name = entry.file_name();
-            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-            if !is_folder && name.to_str().is_some_and(|name| self.is_frame(name)) {
-                found.push(entry.path());
-            }
-        }
-        found.sort();
-        Ok(found)
+        frames_in(&folder, &self.stem).map_err(|e| system(&folder, e))
     }
 
-    fn is_frame(&self, name: &str) -> bool {
-        let number = name.strip_prefix(self.stem.as_str()).and_then(|rest| rest.strip_prefix('_'));
-        let number = number.and_then(|rest| rest.strip_suffix(".vtu"));
-        number.is_some_and(|digits| digits.len() >= 6 && digits.bytes().all(|b| b.is_ascii_digit()))
+    /// Refuses a folder whose history another run is writing.
+    fn refuse_busy(&self) -> Result<(), FolderError> {
+        let path = self.file(HISTORY);
+        let busy = File::open(&path).is_ok_and(|file| lock(&file) == Lock::Elsewhere);
+        if busy { Err(FolderError::Busy { path: path.display().to_string() }) } else { Ok(()) }
     }
 }
 

@@ -4,6 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::csv::CsvFile;
+use super::mark::Mark;
+use super::resume::ResumeError;
 use crate::drive::observer::{LedgerRow, ObserveError};
 
 /// The header line; other programs rely on it.
@@ -11,7 +13,7 @@ pub const HEADER: &str = "t,step,kinetic,elastic,gravity,external_work,dissipate
                           max_speed,max_strain";
 
 /// One row.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HistoryRow {
     /// [s] time
     pub t: f64,
@@ -58,6 +60,14 @@ impl History {
     /// When it cannot be written.
     pub fn create(path: &Path) -> Result<Self, ObserveError> {
         Ok(Self { file: CsvFile::create(path, HEADER)? })
+    }
+
+    /// Goes on with a file after its mark.
+    ///
+    /// # Errors
+    /// When another run holds it or it cannot be opened.
+    pub fn reopen(path: &Path, mark: Mark) -> Result<Self, ResumeError> {
+        Ok(Self { file: CsvFile::reopen(path, mark)? })
     }
 
     /// Appends a row.

@@ -4,20 +4,29 @@
 //! ([`writer`]) formats and writes them ([`files`]), so that a slow disk costs memory for a few frames and
 //! then waiting, never a lost or half-written row. A fault of that thread comes back as an
 //! [`ObserveError`](crate::drive::observer::ObserveError) at the next send and at the end.
+//!
+//! Whenever the program is killed, what is in the folder can be read (a csv file may end within a line), and the newest
+//! [`checkpoint`] counts only results that are there: `--resume` cuts off the rest and goes on.
 
 pub mod atomic;
+pub mod checkpoint;
 pub mod csv;
 pub mod encode;
 pub mod files;
 pub mod folder;
 pub mod frame;
+pub mod frame_files;
 pub mod hermite;
 pub mod history;
+mod keeper;
+pub mod mark;
 pub mod names;
 pub mod probes;
 pub mod process;
 pub mod pvd;
 pub mod recorder;
+mod request;
+pub mod resume;
 pub mod schedule;
 pub mod space;
 pub mod summary;

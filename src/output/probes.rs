@@ -5,7 +5,9 @@ use std::path::Path;
 
 use super::csv::CsvFile;
 use super::frame::Frame;
+use super::mark::Mark;
 use super::names::csv_field;
+use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
 /// The header line; other programs rely on it.
@@ -34,8 +36,15 @@ impl Probes {
     /// # Errors
     /// When it cannot be written.
     pub fn create(path: &Path, probes: &[Probe]) -> Result<Self, ObserveError> {
-        let quoted = probes.iter().map(|p| Probe { name: csv_field(&p.name), nodes: p.nodes.clone() }).collect();
-        Ok(Self { file: CsvFile::create(path, HEADER)?, probes: quoted })
+        Ok(Self { file: CsvFile::create(path, HEADER)?, probes: quoted(probes) })
+    }
+
+    /// Goes on with a file after its mark.
+    ///
+    /// # Errors
+    /// When another run holds it or it cannot be opened.
+    pub fn reopen(path: &Path, probes: &[Probe], mark: Mark) -> Result<Self, ResumeError> {
+        Ok(Self { file: CsvFile::reopen(path, mark)?, probes: quoted(probes) })
     }
 
     /// Appends the rows of one frame time: probes in the order of the case, nodes in the order of the probe.
@@ -61,4 +70,8 @@ impl Probes {
     pub fn file(&mut self) -> &mut CsvFile {
         &mut self.file
     }
+}
+
+fn quoted(probes: &[Probe]) -> Vec<Probe> {
+    probes.iter().map(|p| Probe { name: csv_field(&p.name), nodes: p.nodes.clone() }).collect()
 }

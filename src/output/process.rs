@@ -1,5 +1,44 @@
 //! What this process has used so far.
 
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+/// What the integration cost, output included, set-up not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// [s] processor time, all threads; `None` where the system does not tell
+    pub cpu: Option<f64>,
+    /// time on the clock
+    pub wall: Duration,
+}
+
+/// Measures the cost of a run, on top of what earlier parts of it have cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopwatch {
+    before: Cost,
+    cpu: Option<f64>,
+    wall: Instant,
+}
+
+impl Stopwatch {
+    /// Starts now.
+    pub fn start(before: Cost) -> Self {
+        Self { before, cpu: cpu_seconds(), wall: Instant::now() }
+    }
+
+    /// The cost until now.
+    pub fn read(&self) -> Cost {
+        let now = || Some(cpu_seconds()? - self.cpu?);
+        // A run without earlier parts begins at zero, known or not.
+        let before = if self.before == Cost::default() { Some(0.0) } else { self.before.cpu };
+        Cost {
+            cpu: before.and_then(|before| Some(before + now()?)),
+            wall: self.before.wall.saturating_add(self.wall.elapsed()),
+        }
+    }
+}
+
 /// [s] processor time of all threads of this process; `None` where the system does not tell.
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]

@@ -1,16 +1,21 @@
 //! The .pvd collection: which file shows which time. ParaView opens it, also while the run goes on.
 
 use std::fmt::Write as _;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
+use super::mark::{Mark, Tally, open_plain};
 use super::names::xml_attribute;
+use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
 /// Up to here the collection is rewritten after every frame; beyond, after each further percent of frames or …
-const SMALL: usize = 1000;
+const SMALL: u64 = 1000;
 /// … this much time, so that many quick frames do not cost a quadratic number of bytes.
 const LONGEST_DELAY: Duration = Duration::from_secs(1);
 
@@ -18,32 +23,71 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" versio
                     header_type=\"UInt64\">\n<Collection>\n";
 const TAIL: &str = "</Collection>\n</VTKFile>\n";
 
+/// How far a collection had come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CollectionMark {
+    /// number of frames
+    pub frames: u64,
+    /// the lines down to the last frame's
+    pub text: Mark,
+}
+
 /// A growing collection of frames.
 #[derive(Debug)]
 pub struct Collection {
     path: PathBuf,
     /// the whole file but for its last lines
     text: String,
-    frames: usize,
-    shown: usize,
+    tally: Tally,
+    frames: u64,
+    shown: u64,
     last_write: Instant,
 }
 
 impl Collection {
     /// An empty collection; nothing is written yet.
     pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), text: HEAD.to_owned(), frames: 0, shown: 0, last_write: Instant::now() }
+        let mut tally = Tally::default();
+        tally.add(HEAD.as_bytes());
+        let (path, text) = (path.to_owned(), HEAD.to_owned());
+        Self { path, text, tally, frames: 0, shown: 0, last_write: Instant::now() }
+    }
+
+    /// Takes up the collection on disk as it was at the mark; nothing is written yet.
+    ///
+    /// # Errors
+    /// When it cannot be read or does not begin with what it held.
+    pub fn read(path: &Path, mark: CollectionMark) -> Result<Self, ResumeError> {
+        let mut found = Self::new(path);
+        if mark.frames > 0 {
+            let mut bytes = Vec::new();
+            let file = open_plain(path)?;
+            file.take(mark.text.bytes).read_to_end(&mut bytes).map_err(|e| ResumeError::system(path, e))?;
+            found.tally = Tally::default();
+            found.tally.add(&bytes);
+            mark.text.agrees(found.tally.mark(), path)?;
+            let not_text = |_| ResumeError::Changed { path: path.display().to_string(), bytes: mark.text.bytes };
+            found.text = String::from_utf8(bytes).map_err(not_text)?;
+        }
+        (found.frames, found.shown) = (mark.frames, mark.frames);
+        Ok(found)
+    }
+
+    /// Where it is now.
+    pub fn mark(&self) -> CollectionMark {
+        CollectionMark { frames: self.frames, text: self.tally.mark() }
     }
 
     /// Number of frames so far.
-    pub fn frames(&self) -> usize {
+    pub fn frames(&self) -> u64 {
         self.frames
     }
 
     /// Adds a frame that is complete on disk: its time in seconds and its path from the collection's folder.
     pub fn push(&mut self, time: f64, file: &str) {
-        let file = xml_attribute(file);
+        let (file, before) = (xml_attribute(file), self.text.len());
         let _ = writeln!(self.text, "<DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>");
+        self.tally.add(self.text.as_bytes().get(before..).unwrap_or_default());
         self.frames += 1;
     }
 
@@ -55,17 +99,17 @@ impl Collection {
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         let due = self.frames <= SMALL || waiting * 100 >= self.frames || self.last_write.elapsed() >= LONGEST_DELAY;
-        if waiting > 0 && due { self.write() } else { Ok(()) }
+        if waiting > 0 && due { self.write(Durability::Visible) } else { Ok(()) }
     }
 
     /// Replaces the file on disk, atomically, with all frames so far.
     ///
     /// # Errors
     /// When the file cannot be replaced.
-    pub fn write(&mut self) -> Result<(), ObserveError> {
+    pub fn write(&mut self, durability: Durability) -> Result<(), ObserveError> {
         let open = self.text.len();
         self.text.push_str(TAIL);
-        let written = replace(&self.path, self.text.as_bytes(), Durability::Visible);
+        let written = replace(&self.path, self.text.as_bytes(), durability);
         self.text.truncate(open);
         written.map_err(|e| write_fault(&self.path, e))?;
         self.shown = self.frames;

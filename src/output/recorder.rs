@@ -1,89 +1,32 @@
 //! Turns accepted steps into frames and rows, and hands them to the writing thread.
 
-use std::path::PathBuf;
+use serde::{Deserialize, Serialize};
 
-use super::encode::VtuFormat;
-use super::files::FilesSpec;
+use super::checkpoint::Checkpoint;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
 use super::history::HistoryRow;
-use super::names::file_stem;
-use super::probes::Probe;
+use super::keeper::Keeper;
+use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Schedule, tolerance};
 use super::writer::ResultWriter;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-/// Frames a run may be asked for; their numbers have six digits.
-pub const MOST_FRAMES: f64 = 1e6;
+pub use super::keeper::CheckpointSpec;
+pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec, default_history_every};
 
-/// What to record.
-#[derive(Clone, Debug, Default)]
-pub struct RecorderSpec {
-    /// name of the case; files are named after its [`file_stem`]
-    pub name: String,
-    /// folder of the results; see [`super::folder::ResultFolder::prepare`]
-    pub out_dir: PathBuf,
-    /// [s] between frames, > 0; without it only the first and the last state are shown
-    pub frames_every: Option<f64>,
-    /// [s] when the run is to end; bounds the number of frames
-    pub end: f64,
-    /// fields beside displacement and velocity
-    pub fields: Fields,
-    /// nodes to follow at each frame time
-    pub probes: Vec<Probe>,
-    /// steps a history row, >= 1; see [`default_history_every`]
-    pub history_every: u64,
-    /// spelling of the frames' arrays
-    pub format: VtuFormat,
-}
-
-/// Why a run cannot be recorded as asked.
-#[derive(Debug, thiserror::Error)]
-pub enum RecorderError {
-    /// The interval is no interval.
-    #[error(
-        "output.frames.every = {every} s must be finite and above 0; leave `frames` out to get the first and last state only"
-    )]
-    BadInterval {
-        /// [s] what was asked for
-        every: f64,
-    },
-    /// More frames than can be numbered.
-    #[error(
-        "frames every {every} s until {end} s are more than {MOST_FRAMES:e}; take output.frames.every >= {least:e} s"
-    )]
-    TooManyFrames {
-        /// [s] what was asked for
-        every: f64,
-        /// [s] end of the run
-        end: f64,
-        /// [s] the smallest interval that is accepted
-        least: f64,
-    },
-    /// No row can be written every 0 steps.
-    #[error("output.history.every = 0 must be at least 1 step a row")]
-    BadHistory,
-    /// A probe follows a node that is not there.
-    #[error("probe \"{name}\" follows node {node}, but there are {nodes} nodes, counted from 0")]
-    ProbeOutOfRange {
-        /// the probe
-        name: String,
-        /// the node
-        node: u32,
-        /// number of nodes
-        nodes: usize,
-    },
-    /// The files cannot be created.
-    #[error(transparent)]
-    Files(#[from] ObserveError),
-}
-
-/// Steps a row such that a run of `total_steps` gets at most 10,000 rows beside its first and last.
-pub fn default_history_every(total_steps: u64) -> u64 {
-    total_steps.div_ceil(10_000).max(1)
+/// What a recorder is to record next; part of a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecorderMark {
+    /// number of the next frame time
+    next_frame: u64,
+    /// [s] time of the newest frame
+    shown: Option<f64>,
+    /// the newest step, if the history does not show it yet
+    waiting: Option<HistoryRow>,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv` and `probes.csv`.
@@ -104,6 +47,7 @@ pub struct Recorder<'a> {
     between: State,
     forces: Forces,
     writer: ResultWriter,
+    keeper: Option<Keeper>,
 }
 
 impl<'a> Recorder<'a> {
@@ -113,28 +57,45 @@ impl<'a> Recorder<'a> {
     /// When the request is out of range or a file cannot be created.
     pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let writer = ResultWriter::start(&FilesSpec {
-            folder: spec.out_dir.clone(),
-            stem: file_stem(&spec.name),
-            reference: picture.reference(),
-            triangles: picture.triangles(),
-            edges: picture.edges(),
-            fields: spec.fields,
-            probes: &spec.probes,
-            format: spec.format,
-        })?;
-        Ok(Self {
+        let writer = ResultWriter::start(&files_spec(picture, spec))?;
+        Ok(Self::around(picture, spec, writer, RecorderMark::default()))
+    }
+
+    /// Takes up the files of an earlier run where its checkpoint was written: what came later is cut off.
+    ///
+    /// # Errors
+    /// When the request is out of range, or the files do not hold what they held or cannot be opened.
+    pub fn resume(
+        picture: &'a dyn Picture,
+        spec: &RecorderSpec,
+        checkpoint: &Checkpoint,
+    ) -> Result<Self, RecorderError> {
+        check(spec, picture.reference().len())?;
+        let writer = ResultWriter::resume(&files_spec(picture, spec), &checkpoint.files)?;
+        Ok(Self::around(picture, spec, writer, checkpoint.recorder))
+    }
+
+    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderMark) -> Self {
+        let RecorderMark { next_frame, shown, waiting } = mark;
+        Self {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
             history_every: spec.history_every,
-            schedule: Schedule::new(spec.frames_every, 0.0),
-            shown: None,
-            waiting: None,
+            schedule: Schedule::at(spec.frames_every, next_frame),
+            shown,
+            waiting,
             between: picture.initial_state(),
             forces: picture.new_forces(),
             writer,
-        })
+            keeper: None,
+        }
+    }
+
+    /// Also keeps `checkpoint.bin`; a recorder does not unless it is told what the case is.
+    #[must_use]
+    pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
+        Self { keeper: Some(Keeper::new(spec)), ..self }
     }
 
     fn show(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
@@ -216,6 +177,21 @@ impl Observer for Recorder<'_> {
         }
     }
 
+    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.skip(at.state.t);
+        }
+        Ok(())
+    }
+
+    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
+        let mark = RecorderMark { next_frame: self.schedule.position(), shown: self.shown, waiting: self.waiting };
+        match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
+            Some(checkpoint) => self.writer.checkpoint(checkpoint),
+            None => Ok(()),
+        }
+    }
+
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
         let state = last.state.as_ref();
         if let Some(row) = self.waiting.take().filter(|row| row.t == state.t) {
@@ -227,26 +203,4 @@ impl Observer for Recorder<'_> {
         }
         self.writer.finish()
     }
-}
-
-fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderError> {
-    if let Some(every) = spec.frames_every {
-        if !(every.is_finite() && every > 0.0) {
-            return Err(RecorderError::BadInterval { every });
-        }
-        let end = spec.end;
-        let few = end / every <= MOST_FRAMES;
-        if !few {
-            return Err(RecorderError::TooManyFrames { every, end, least: end / MOST_FRAMES });
-        }
-    }
-    if spec.history_every == 0 {
-        return Err(RecorderError::BadHistory);
-    }
-    for probe in &spec.probes {
-        if let Some(&node) = probe.nodes.iter().find(|&&node| node as usize >= nodes) {
-            return Err(RecorderError::ProbeOutOfRange { name: probe.name.clone(), node, nodes });
-        }
-    }
-    Ok(())
 }

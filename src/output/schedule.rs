@@ -35,6 +35,16 @@ impl Schedule {
         Self { every, next }
     }
 
+    /// A schedule whose next frame has number `next`, as [`Schedule::position`] told.
+    pub fn at(every: Option<f64>, next: u64) -> Self {
+        Self { every, next }
+    }
+
+    /// Number of the next frame time.
+    pub fn position(&self) -> u64 {
+        self.next
+    }
+
     /// The next frame in the step from `from` to `to` [s], if there is one left.
     pub fn next_in(&mut self, from: f64, to: f64) -> Option<Due> {
         let every = self.every?;
@@ -52,6 +62,34 @@ impl Schedule {
             return Some(Due::End);
         }
         Some(Due::Between(Moment { time, fraction: ((time - from) / (to - from)).clamp(0.0, 1.0) }))
+    }
+}
+
+/// When checkpoints are due: at the first step's end at or after each multiple of the interval, the first one at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Intervals {
+    every: f64,
+    next: u64,
+}
+
+impl Intervals {
+    /// From t = 0, every `every` [s], positive and finite.
+    pub fn new(every: f64) -> Self {
+        Self { every, next: 0 }
+    }
+
+    /// Skips what is due until `t` [s].
+    pub fn skip(&mut self, t: f64) {
+        self.next = first_after(t + tolerance(t, t), self.every);
+    }
+
+    /// Whether one is due at `t` [s]; then none is until the next multiple.
+    pub fn reached(&mut self, t: f64) -> bool {
+        let due = self.next as f64 * self.every <= t + tolerance(t, t);
+        if due {
+            self.skip(t);
+        }
+        due
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +12,7 @@ use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
 use crate::model::system::System;
-use crate::output::process;
+use crate::output::process::{self, Cost};
 
 /// A finished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,9 +29,9 @@ pub struct Summary {
     pub rejected_steps: u64,
     /// [s] time of the last good state
     pub t_end: f64,
-    /// [s] processor time of the run, all threads; null where the system does not tell
+    /// [s] processor time of the run, all threads and all parts; null where the system does not tell
     pub cpu_seconds: Option<f64>,
-    /// [s] time on the clock
+    /// [s] time on the clock, all parts
     pub wall_seconds: f64,
     /// [byte] largest resident memory; null where the system does not tell
     pub peak_memory_bytes: Option<u64>,
@@ -55,19 +54,12 @@ pub struct Summary {
     pub final_ledger: LedgerRow,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
+    /// [s] time of the checkpoint the run was last resumed from; null for a run in one piece
+    pub resumed_from: Option<f64>,
     /// the case as it was run
     pub case: serde_json::Value,
     /// version of the program
     pub version: String,
-}
-
-/// What the integration cost, output included, set-up not.
-#[derive(Clone, Copy, Debug)]
-pub struct Cost {
-    /// [s] processor time, all threads; `None` where the system does not tell
-    pub cpu: Option<f64>,
-    /// time on the clock
-    pub wall: Duration,
 }
 
 impl Summary {
@@ -93,9 +85,15 @@ impl Summary {
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,
             failure: outcome.failure.clone(),
+            resumed_from: None,
             case: problem.case_json.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
+    }
+
+    /// Reads a summary; `None` if there is none that can be read.
+    pub fn read(path: &Path) -> Option<Self> {
+        serde_json::from_slice(&std::fs::read(path).ok()?).ok()
     }
 
     /// The summary as JSON text that ends with a line's end.

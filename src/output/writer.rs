@@ -3,21 +3,33 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
 
+use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
-use super::files::{FilesSpec, ResultFiles};
+use super::files::{FilesMark, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
 use super::history::HistoryRow;
+use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
 /// Frames that exist at most: one being filled, one being written, one between.
 const FRAMES: usize = 3;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
+/// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
+const CHECKPOINTS: usize = 2;
 
 /// What goes to the thread. Its end is told by closing the channel.
 enum Message {
     Frame(Box<Frame>),
     Row(HistoryRow),
+    Checkpoint(Box<Checkpoint>),
+}
+
+/// The thread's ends of the channels.
+struct Ends {
+    messages: Receiver<Message>,
+    give_back: SyncSender<Box<Frame>>,
+    kept: SyncSender<()>,
 }
 
 /// The integrator's end. Dropping it writes out what was sent and joins the thread.
@@ -25,6 +37,10 @@ enum Message {
 pub struct ResultWriter {
     to_thread: Option<SyncSender<Message>>,
     returned: Receiver<Box<Frame>>,
+    /// tells of every checkpoint that is written
+    kept: Receiver<()>,
+    /// checkpoints sent and not yet known to be written
+    unkept: usize,
     thread: Option<JoinHandle<Result<(), ObserveError>>>,
     size: FrameSize,
     made: usize,
@@ -38,15 +54,29 @@ impl ResultWriter {
     /// # Errors
     /// When a file cannot be created or the system gives no thread.
     pub fn start(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
-        let files = ResultFiles::create(spec)?;
+        Self::spawn(ResultFiles::create(spec)?, spec)
+    }
+
+    /// Takes up the files of an earlier run where `mark` says and starts the thread.
+    ///
+    /// # Errors
+    /// When the files cannot be taken up, or the system gives no thread.
+    pub fn resume(spec: &FilesSpec<'_>, mark: &FilesMark) -> Result<Self, ResumeError> {
+        Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
+    }
+
+    fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let (to_thread, messages) = sync_channel(WAITING);
         let (give_back, returned) = sync_channel(FRAMES);
+        let (tell_kept, kept) = sync_channel(CHECKPOINTS);
+        let ends = Ends { messages, give_back, kept: tell_kept };
         let thread = std::thread::Builder::new()
             .name("results".to_owned())
-            .spawn(move || write_all(files, &messages, &give_back))
+            .spawn(move || write_all(files, &ends))
             .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
         let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
-        Ok(Self { to_thread: Some(to_thread), returned, thread: Some(thread), size, made: 0, spare: None })
+        let (to_thread, thread) = (Some(to_thread), Some(thread));
+        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, spare: None })
     }
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
@@ -94,6 +124,20 @@ impl ResultWriter {
         self.send(Message::Row(row))
     }
 
+    /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are on their way.
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub fn checkpoint(&mut self, checkpoint: Box<Checkpoint>) -> Result<(), ObserveError> {
+        self.unkept -= self.kept.try_iter().count().min(self.unkept);
+        if self.unkept == CHECKPOINTS {
+            self.kept.recv().map_err(|_| self.fault())?;
+            self.unkept -= 1;
+        }
+        self.unkept += 1;
+        self.send(Message::Checkpoint(checkpoint))
+    }
+
     /// Waits until everything is with the system.
     ///
     /// # Errors
@@ -124,22 +168,28 @@ impl Drop for ResultWriter {
     }
 }
 
-/// The thread: ends when the channel closes or at the first fault.
-fn write_all(
-    mut files: ResultFiles,
-    messages: &Receiver<Message>,
-    give_back: &SyncSender<Box<Frame>>,
-) -> Result<(), ObserveError> {
+/// The thread: ends when the channel closes or at the first fault, and then saves what it still can.
+fn write_all(mut files: ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
+    let ended = listen(&mut files, ends);
+    // All files are tried; the first fault is the one to tell.
+    ended.and(files.finish())
+}
+
+fn listen(files: &mut ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
     loop {
-        match messages.recv_timeout(LONGEST_DELAY) {
+        match ends.messages.recv_timeout(LONGEST_DELAY) {
             Ok(Message::Frame(frame)) => {
                 files.frame(&frame)?;
                 // Never full: no more frames exist than fit. A closed end means the run is over.
-                let _ = give_back.try_send(frame);
+                let _ = ends.give_back.try_send(frame);
             }
             Ok(Message::Row(row)) => files.row(&row)?,
+            Ok(Message::Checkpoint(checkpoint)) => {
+                files.checkpoint(*checkpoint)?;
+                let _ = ends.kept.try_send(());
+            }
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return files.finish(),
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
         files.flush_if_due()?;
     }

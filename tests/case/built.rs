@@ -192,7 +192,6 @@ fn defaults() {
 #[test]
 fn warnings() {
     for (key, value, words) in [
-        ("output.checkpoint.every", "1", "checkpoints are not available"),
         ("system.network.springs.0.on", "boundary", "edges 2, 5: they carry no spring"),
         ("system.network.springs.0.on", "boundary", "free nodes 4"),
         (

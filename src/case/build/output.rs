@@ -27,7 +27,6 @@ pub(super) fn output(
     frames(&at.key("frames").key("every"), section.frames, time, faults);
     if let Some(checkpoint) = section.checkpoint {
         positive(&at.key("checkpoint").key("every"), checkpoint.every, faults);
-        faults.warn("/output/checkpoint: checkpoints are not available in this version, so none is written");
     }
     let history = section.history.map(|h| h.every);
     if history == Some(0) {
@@ -39,6 +38,7 @@ pub(super) fn output(
         frames_every: section.frames.map(|f| f.every),
         fields: unique(&section.fields),
         probes,
+        checkpoint_every: section.checkpoint.map(|c| c.every),
         history_every: history.unwrap_or(time?.steps().div_ceil(rows)).max(1),
     })
 }

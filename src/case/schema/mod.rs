@@ -24,7 +24,7 @@ pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoeff
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
-pub use output::{Every, EverySteps, Field, Output, Probe};
+pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use pendulum::Pendulum;
 pub use per_node::PerNode;
 pub use select::{Ball, EdgeSelection, NodeSelection};

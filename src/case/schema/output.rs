@@ -21,9 +21,9 @@ pub struct Output {
     /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<EverySteps>,
-    /// Checkpoints to resume from. Not available in this version: a warning says so.
+    /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub checkpoint: Option<Every>,
+    pub checkpoint: Option<EveryCheckpoint>,
 }
 
 /// An interval of simulated time.
@@ -31,6 +31,16 @@ pub struct Output {
 #[serde(deny_unknown_fields)]
 pub struct Every {
     /// [s] At t = 0, at every multiple of this, and at the end.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub every: f64,
+}
+
+/// An interval of simulated time between checkpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EveryCheckpoint {
+    /// [s] At t = 0, after the first step that reaches a multiple of this, and before the last step, so that a finished run can
+    /// be resumed with a later end.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub every: f64,
 }

@@ -1,0 +1,164 @@
+//! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the parts that
+//! differ. The end and the interval of checkpoints are not in it: a run may be resumed with others.
+//!
+//! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh, and a value
+//! spelt out that was the default before is the same case.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Display};
+use std::io::{self, BufWriter, Write};
+
+use serde::{Deserialize, Serialize};
+
+use super::spec::{OutputSpec, Problem, SystemSpec};
+use crate::model::spec::NetworkSpec;
+
+/// The parts of a case.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    parts: Vec<Part>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Part {
+    /// key of the case file
+    key: String,
+    value: Value,
+}
+
+/// What a part holds: as text where it is short, else as a sum over its numbers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Value {
+    Text(String),
+    Sum { crc: u32, bytes: u64 },
+}
+
+/// The parts in which two cases differ; at least one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Differences(Vec<String>);
+
+/// A part of the case could not be summed up.
+#[derive(Debug, thiserror::Error)]
+#[error("the case cannot be summed up for checkpoints, at {key}: {reason}")]
+pub struct FingerprintError {
+    key: &'static str,
+    reason: String,
+}
+
+impl Fingerprint {
+    /// Sums up a case whose system has not been taken out.
+    ///
+    /// # Errors
+    /// A number that cannot be serialised, which those of a case can.
+    pub fn of(problem: &Problem) -> Result<Self, FingerprintError> {
+        let mut made = Fingerprint::default();
+        made.text("name", &problem.name)?;
+        match &problem.system {
+            SystemSpec::Pendulum(spec) => made.sum("system.pendulum", spec)?,
+            SystemSpec::Network(spec) => made.network(spec)?,
+        }
+        let method = &problem.method;
+        made.text("time.method", &(method.info.name, method.parameters().collect::<BTreeMap<_, _>>()))?;
+        made.text("time.step", &problem.time.step)?;
+        made.parts.push(Part { key: "solver".to_owned(), value: Value::Text(format!("{:?}", problem.solver)) });
+        let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _ } = &problem.output;
+        made.text("output.frames.every", frames_every)?;
+        made.text("output.fields", fields)?;
+        made.text("output.history.every", history_every)?;
+        for probe in probes {
+            made.sum("output.probes", &(&probe.name, &probe.nodes))?;
+        }
+        Ok(made)
+    }
+
+    fn network(&mut self, spec: &NetworkSpec) -> Result<(), FingerprintError> {
+        // All fields by name: a new one must be summed up too.
+        let NetworkSpec {
+            mesh,
+            mass,
+            fixed,
+            springs,
+            gravity,
+            air,
+            pressures,
+            forces,
+            rayleigh,
+            displacement,
+            velocity,
+        } = spec;
+        self.sum("system.network.mesh", mesh)?;
+        self.sum("system.network.mass", mass)?;
+        self.sum("system.network.supports", fixed)?;
+        self.sum("system.network.springs", springs)?;
+        self.text("system.network.gravity", gravity)?;
+        self.sum("system.network.aero", air)?;
+        self.sum("system.network.loads", &(pressures, forces))?;
+        self.text("system.network.damping.rayleigh", rayleigh)?;
+        self.sum("system.network.initial", &(displacement, velocity))
+    }
+
+    fn text(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
+        let text = serde_json::to_string(value).map_err(|e| FingerprintError { key, reason: e.to_string() })?;
+        self.parts.push(Part { key: key.to_owned(), value: Value::Text(text) });
+        Ok(())
+    }
+
+    fn sum(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
+        let sum = || {
+            let sum = BufWriter::with_capacity(1 << 16, Sum::default());
+            let sum = postcard::to_io(value, sum)?;
+            sum.into_inner().map_err(|_| postcard::Error::SerializeBufferFull)
+        };
+        let Sum { crc, bytes } = sum().map_err(|e| FingerprintError { key, reason: e.to_string() })?;
+        self.parts.push(Part { key: key.to_owned(), value: Value::Sum { crc: crc.finalize(), bytes } });
+        Ok(())
+    }
+
+    /// Where another case differs from this one; `None` if nowhere.
+    pub fn differences(&self, now: &Fingerprint) -> Option<Differences> {
+        let mut found = Vec::new();
+        let keys = self.parts.iter().chain(&now.parts).map(|part| part.key.as_str());
+        for key in keys {
+            let (before, after) = (self.at(key), now.at(key));
+            let words = if before == after { None } else { Some(describe(key, &before, &after)) };
+            found.extend(words.filter(|words| !found.contains(words)));
+        }
+        (!found.is_empty()).then_some(Differences(found))
+    }
+
+    fn at(&self, key: &str) -> Vec<&Value> {
+        self.parts.iter().filter(|part| part.key == key).map(|part| &part.value).collect()
+    }
+}
+
+fn describe(key: &str, before: &[&Value], after: &[&Value]) -> String {
+    match (before, after) {
+        ([Value::Text(before)], [Value::Text(after)]) => format!("{key} was {before} and is {after} now"),
+        _ => format!("{key} is not what it was"),
+    }
+}
+
+impl Display for Differences {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.join("; "))
+    }
+}
+
+/// Counts and sums what is written to it.
+#[derive(Default)]
+struct Sum {
+    crc: crc32fast::Hasher,
+    bytes: u64,
+}
+
+impl Write for Sum {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        self.crc.update(data);
+        self.bytes += data.len() as u64;
+        Ok(data.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The largest displacement at the end of a run.
+
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::scene::Scene;
+
+/// The largest displacement at the end, for the report.
+pub(super) struct Farthest<'a> {
+    scene: &'a dyn Scene,
+    /// the node that went there
+    pub node: usize,
+    /// [m]
+    pub distance: f64,
+}
+
+impl<'a> Farthest<'a> {
+    pub(super) fn new(scene: &'a dyn Scene) -> Self {
+        Farthest { scene, node: 0, distance: 0.0 }
+    }
+}
+
+impl Observer for Farthest<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
+        let reference = self.scene.reference();
+        let (mut x, mut v) = (vec![[0.0; 3]; reference.len()], vec![[0.0; 3]; reference.len()]);
+        self.scene.trace(last.state.as_ref(), &mut x, &mut v);
+        for (node, (x, o)) in x.iter().zip(reference).enumerate() {
+            let d = (0..3).map(|c| (x[c] - o[c]).powi(2)).sum::<f64>().sqrt();
+            if d > self.distance {
+                (self.node, self.distance) = (node, d);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,37 @@
+//! Why there is no outcome.
+
+use super::observer::ObserveError;
+use crate::integrate::StepError;
+
+/// Why a run could not start or its results not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scheme cannot start.
+    #[error(transparent)]
+    Start(#[from] StepError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+    /// The snapshot is of another scene.
+    #[error("the saved state has {found} degrees of freedom, the scene {needed}")]
+    OtherScene {
+        /// degrees of freedom of the snapshot
+        found: usize,
+        /// degrees of freedom of the scene
+        needed: usize,
+    },
+    /// The run does not come past the snapshot.
+    #[error(
+        "the saved state is at t = {t} s after {step} steps, where a run of {steps} steps until t = {end} s does not come past"
+    )]
+    NotOnTheWay {
+        /// [s] time of the snapshot
+        t: f64,
+        /// its steps
+        step: u64,
+        /// steps of the run
+        steps: u64,
+        /// [s] end of the run
+        end: f64,
+    },
+}

@@ -1,0 +1,188 @@
+//! `checkpoint.bin`: a run between two steps and how far its results had come, in one file.
+//!
+//! ```text
+//! magic, 8 bytes | format, u32 | payload's length, u64 | payload | CRC-32 of all before it, u32       (little end first)
+//! payload = program's version, then the Checkpoint, both as postcard writes them
+//! ```
+//! postcard's wire format: <https://postcard.jamesmunns.com/wire-format>. It has no names, so any change of a stored struct needs
+//! another [`FORMAT`]; the program's version is there because another program may compute other bits.
+//!
+//! The checkpoint is written last, after the results it counts are on the disk. Whenever a run is killed, the files therefore
+//! begin with what the newest checkpoint says, and resuming cuts off the rest.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::files::FilesMark;
+use super::mark::open_plain;
+use super::process::Cost;
+use super::recorder::RecorderMark;
+use super::resume::ResumeError;
+use crate::case::fingerprint::Fingerprint;
+use crate::drive::Snapshot;
+
+/// Number of the file's layout.
+pub const FORMAT: u32 = 1;
+/// As in PNG: a byte above 127 and both kinds of line end show a transfer that took the file for text.
+const MAGIC: [u8; 8] = *b"\x89CNPY\r\n\x1a";
+/// What comes before the payload: magic, format, length.
+const HEAD: usize = 8 + 4 + 8;
+/// The checksum after it.
+const TAIL: usize = 4;
+/// The program whose bits are stored.
+const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+
+/// All that is stored.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// the case it is of
+    pub case: Fingerprint,
+    /// the run
+    pub snapshot: Snapshot,
+    /// what is to be recorded next
+    pub recorder: RecorderMark,
+    /// how far the results have come
+    pub files: FilesMark,
+    /// what the run has cost so far
+    pub spent: Cost,
+}
+
+/// Why a file is no checkpoint this program can use.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CheckpointFault {
+    /// Something else.
+    #[error("this is not a checkpoint of canopy-fem")]
+    Foreign,
+    /// Another layout.
+    #[error(
+        "the checkpoint has format {found}, and this program reads format {FORMAT}: resume with the program that wrote it"
+    )]
+    Format {
+        /// its number
+        found: u32,
+    },
+    /// Its end is missing.
+    #[error("the checkpoint is cut short: {found} bytes of {needed}")]
+    CutShort {
+        /// [byte] its length
+        found: u64,
+        /// [byte] what its head promises
+        needed: u64,
+    },
+    /// Bytes after its end.
+    #[error("the checkpoint is damaged: {found} bytes where it should end after {needed}")]
+    TooLong {
+        /// [byte] its length
+        found: u64,
+        /// [byte] what its head promises
+        needed: u64,
+    },
+    /// The checksum is not that of the content.
+    #[error("the checkpoint is damaged: its checksum is {stored:08x}, that of its content {computed:08x}")]
+    Checksum {
+        /// at the end of the file
+        stored: u32,
+        /// of what is there
+        computed: u32,
+    },
+    /// Another program.
+    #[error(
+        "the checkpoint was written by version {found}, and this is version {PROGRAM}, which may compute other bits: resume \
+         with the program that wrote it"
+    )]
+    Program {
+        /// its version
+        found: String,
+    },
+    /// The payload does not hold what it should.
+    #[error("the checkpoint cannot be decoded: {0}")]
+    Content(#[from] postcard::Error),
+}
+
+impl Checkpoint {
+    /// The file's content, written into `out`, which keeps its memory.
+    ///
+    /// # Errors
+    /// When postcard refuses, which for these types it does not.
+    pub fn encode(&self, out: &mut Vec<u8>) -> io::Result<()> {
+        let refused = |e: postcard::Error| io::Error::new(io::ErrorKind::InvalidData, e);
+        out.clear();
+        out.extend_from_slice(&MAGIC);
+        out.extend_from_slice(&FORMAT.to_le_bytes());
+        out.extend_from_slice(&[0; 8]);
+        postcard::to_io(&(PROGRAM, self), &mut *out).map_err(refused)?;
+        let length = (out.len() - HEAD) as u64;
+        if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
+            place.copy_from_slice(&length.to_le_bytes());
+        }
+        let sum = crc32fast::hash(out);
+        out.extend_from_slice(&sum.to_le_bytes());
+        Ok(())
+    }
+
+    /// Reads a file's content back.
+    ///
+    /// # Errors
+    /// Anything but a whole and sound checkpoint of this program.
+    pub fn decode(bytes: &[u8]) -> Result<Self, CheckpointFault> {
+        // The magic first: a short file of another kind is foreign, not cut short.
+        let begins = bytes.iter().zip(&MAGIC).all(|(a, b)| a == b);
+        if bytes.is_empty() || !begins {
+            return Err(CheckpointFault::Foreign);
+        }
+        let found = bytes.len() as u64;
+        let cut = |needed: u64| CheckpointFault::CutShort { found, needed };
+        let least = (HEAD + TAIL) as u64;
+        let (head, rest) = bytes.split_first_chunk::<HEAD>().ok_or(cut(least))?;
+        let [.., f0, f1, f2, f3, n0, n1, n2, n3, n4, n5, n6, n7] = *head;
+        let format = u32::from_le_bytes([f0, f1, f2, f3]);
+        if format != FORMAT {
+            return Err(CheckpointFault::Format { found: format });
+        }
+        let needed = u64::from_le_bytes([n0, n1, n2, n3, n4, n5, n6, n7]).saturating_add(least);
+        if found < needed {
+            return Err(cut(needed));
+        }
+        if found > needed {
+            return Err(CheckpointFault::TooLong { found, needed });
+        }
+        let (payload, sum) = rest.split_last_chunk::<TAIL>().ok_or(cut(needed))?;
+        let stored = u32::from_le_bytes(*sum);
+        let mut computed = crc32fast::Hasher::new();
+        computed.update(head);
+        computed.update(payload);
+        let computed = computed.finalize();
+        if stored != computed {
+            return Err(CheckpointFault::Checksum { stored, computed });
+        }
+        let (program, content): (String, _) = postcard::take_from_bytes(payload)?;
+        if program != PROGRAM {
+            return Err(CheckpointFault::Program { found: program });
+        }
+        Ok(postcard::from_bytes(content)?)
+    }
+
+    /// Reads the checkpoint of a folder and compares the case.
+    ///
+    /// # Errors
+    /// No checkpoint, one that cannot be used, or one of another case.
+    pub fn read(path: &Path, case: &Fingerprint) -> Result<Self, ResumeError> {
+        let mut file = open_plain(path).map_err(|error| match error {
+            ResumeError::Missing { .. } => {
+                let folder = path.parent().unwrap_or(Path::new("")).display().to_string();
+                ResumeError::Nothing { folder }
+            }
+            other => other,
+        })?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(|e| ResumeError::system(path, e))?;
+        let shown = || path.display().to_string();
+        let found = Self::decode(&bytes).map_err(|fault| ResumeError::Unusable { path: shown(), fault })?;
+        match found.case.differences(case) {
+            Some(differences) => Err(ResumeError::OtherCase { path: shown(), differences }),
+            None => Ok(found),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The .vtu files of a run.
+
+use std::fs::{self, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::atomic::{Durability, replace_by, sync_folder};
+use super::csv::write_fault;
+use super::files::{FRAMES, FilesSpec};
+use super::frame::{CellMap, Fields, Frame};
+use super::resume::ResumeError;
+use super::vtu::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
+use crate::drive::observer::ObserveError;
+
+/// Writes frames one by one, each of them complete before it bears its name.
+#[derive(Debug)]
+pub struct FrameFiles {
+    folder: PathBuf,
+    stem: String,
+    vtu: VtuWriter,
+    map: CellMap,
+    fields: Fields,
+    reference: Vec<[f64; 3]>,
+    displacement: Vec<[f64; 3]>,
+    tension: Vec<f64>,
+    strain: Vec<f64>,
+    /// number of the first frame that may not be on the disk yet
+    unsynced: u64,
+}
+
+/// The name of a frame.
+fn name_of(stem: &str, number: u64) -> String {
+    format!("{stem}_{number:06}.vtu")
+}
+
+/// The number in the name of a frame; `None` for any other name.
+pub fn number_of(stem: &str, name: &str) -> Option<u64> {
+    let digits = name.strip_prefix(stem)?.strip_prefix('_')?.strip_suffix(".vtu")?;
+    let number = digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok())??;
+    (name_of(stem, number) == name).then_some(number)
+}
+
+impl FrameFiles {
+    /// Creates the folder.
+    ///
+    /// # Errors
+    /// When it cannot be created, or a cell names a node that is not there.
+    pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
+        let folder = spec.folder.join(FRAMES);
+        fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
+        let cells = Cells { points: spec.reference.len(), triangles: spec.triangles, edges: spec.edges };
+        let vtu = VtuWriter::new(&cells, spec.format).map_err(|e| write_fault(&folder, vtu_error(e)))?;
+        Ok(Self {
+            map: CellMap::new(spec.triangles, spec.edges, vtu.cells()),
+            folder,
+            stem: spec.stem.clone(),
+            vtu,
+            fields: spec.fields,
+            reference: spec.reference.to_vec(),
+            displacement: Vec::with_capacity(spec.reference.len()),
+            tension: Vec::new(),
+            strain: Vec::new(),
+            unsynced: 0,
+        })
+    }
+
+    /// Goes on after `frames` frames of an earlier run; those beyond are removed.
+    ///
+    /// # Errors
+    /// As [`FrameFiles::create`], and when a frame cannot be removed.
+    pub fn reopen(spec: &FilesSpec<'_>, frames: u64) -> Result<Self, ObserveError> {
+        let mut made = Self::create(spec)?;
+        made.unsynced = frames;
+        let folder = &made.folder;
+        for path in frames_in(folder, &spec.stem).map_err(|e| write_fault(folder, e))? {
+            let number = path.file_name().and_then(|name| number_of(&spec.stem, name.to_str()?));
+            // Without a number it is the part of a frame that was being written when the run was killed.
+            if number.is_none_or(|number| number >= frames) {
+                fs::remove_file(&path).map_err(|e| write_fault(&path, e))?;
+            }
+        }
+        Ok(made)
+    }
+
+    /// Whether the first `frames` frames are there.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(spec: &FilesSpec<'_>, frames: u64) -> Result<(), ResumeError> {
+        let folder = spec.folder.join(FRAMES);
+        for number in 0..frames {
+            let path = folder.join(name_of(&spec.stem, number));
+            match fs::symlink_metadata(&path) {
+                Ok(there) if there.is_file() => {}
+                Ok(_) => return Err(ResumeError::NoFile { path: path.display().to_string() }),
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                    return Err(ResumeError::Missing { path: path.display().to_string() });
+                }
+                Err(e) => return Err(ResumeError::system(&path, e)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes frame `number`; returns its path from the folder of the results.
+    ///
+    /// # Errors
+    /// When the system refuses; there is no such frame then.
+    pub fn write(&mut self, frame: &Frame, number: u64) -> Result<String, ObserveError> {
+        let name = name_of(&self.stem, number);
+        let path = self.folder.join(&name);
+        self.prepare(frame);
+        let vectors = |name, values| Array { name, values: Values::Vectors(values) };
+        let scalars = |name, values| Array { name, values: Values::Scalars(values) };
+        let Fields { force, reaction, tension, strain } = self.fields;
+        let points = [
+            (true, vectors("displacement", &self.displacement)),
+            (true, vectors("velocity", &frame.velocities)),
+            (force, vectors("force", &frame.force)),
+            (reaction, vectors("reaction", &frame.reaction)),
+        ];
+        let cells = [(tension, scalars("tension", &self.tension)), (strain, scalars("strain", &self.strain))];
+        let picture = Snapshot {
+            time: Some(frame.time),
+            points: &frame.positions,
+            point_data: &asked_for(&points),
+            cell_data: &asked_for(&cells),
+        };
+        let vtu = &mut self.vtu;
+        replace_by(&path, Durability::Visible, |file| vtu.write(&picture, file).map_err(vtu_error))
+            .map_err(|e| write_fault(&path, e))?;
+        Ok(format!("{FRAMES}/{name}"))
+    }
+
+    /// Makes the frames up to (not including) `frames` durable.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn sync(&mut self, frames: u64) -> Result<(), ObserveError> {
+        for number in self.unsynced..frames {
+            let path = self.folder.join(name_of(&self.stem, number));
+            match OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all()) {
+                // Somebody took it away; that is seen when the run is resumed.
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+                done => done.map_err(|e| write_fault(&path, e))?,
+            }
+        }
+        if self.unsynced < frames {
+            sync_folder(&self.folder);
+            self.unsynced = frames;
+        }
+        Ok(())
+    }
+
+    fn prepare(&mut self, frame: &Frame) {
+        self.displacement.clear();
+        let moved = frame.positions.iter().zip(&self.reference);
+        self.displacement.extend(moved.map(|(x, x0)| [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]));
+        if self.fields.tension {
+            self.map.spread(&frame.tension, &mut self.tension);
+        }
+        if self.fields.strain {
+            self.map.spread(&frame.strain, &mut self.strain);
+        }
+    }
+}
+
+/// The frames of one run in a folder, also the part of one that was never finished.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub fn frames_in(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, io::Error> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let Some(name) = name.to_str() else { continue };
+        let whole = name.strip_prefix('.').and_then(|rest| rest.strip_suffix(".part")).unwrap_or(name);
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if !is_folder && number_of(stem, whole).is_some() {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn asked_for<'a>(arrays: &[(bool, Array<'a>)]) -> Vec<Array<'a>> {
+    arrays.iter().filter(|(on, _)| *on).map(|(_, array)| *array).collect()
+}
+
+fn vtu_error(fault: VtuError) -> io::Error {
+    match fault {
+        VtuError::Write(source) => source,
+        other => io::Error::new(io::ErrorKind::InvalidInput, other),
+    }
+}

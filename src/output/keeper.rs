@@ -1,0 +1,59 @@
+//! When a checkpoint is kept.
+
+use super::checkpoint::Checkpoint;
+use super::files::FilesMark;
+use super::process::Stopwatch;
+use super::recorder::RecorderMark;
+use super::schedule::Intervals;
+use crate::case::fingerprint::Fingerprint;
+use crate::drive::observer::{Occasion, Resumable};
+
+/// How checkpoints are kept.
+#[derive(Clone, Debug)]
+pub struct CheckpointSpec {
+    /// the case they are of
+    pub case: Fingerprint,
+    /// [s] of simulated time between them, > 0; without it one is kept only when the run is interrupted
+    pub every: Option<f64>,
+    /// measures what the run costs
+    pub stopwatch: Stopwatch,
+}
+
+/// Keeps checkpoints.
+#[derive(Debug)]
+pub(super) struct Keeper {
+    case: Fingerprint,
+    intervals: Option<Intervals>,
+    stopwatch: Stopwatch,
+}
+
+impl Keeper {
+    pub(super) fn new(spec: CheckpointSpec) -> Self {
+        let CheckpointSpec { case, every, stopwatch } = spec;
+        Keeper { case, intervals: every.map(Intervals::new), stopwatch }
+    }
+
+    /// The run begins at `t` [s], of which there is a checkpoint already.
+    pub(super) fn skip(&mut self, t: f64) {
+        if let Some(intervals) = &mut self.intervals {
+            intervals.skip(t);
+        }
+    }
+
+    /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for them;
+    /// when interrupted in any case.
+    pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderMark) -> Option<Box<Checkpoint>> {
+        let last = run.occasion == Occasion::LastStep;
+        let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);
+        (asked || run.occasion == Occasion::Interrupted).then(|| {
+            Box::new(Checkpoint {
+                case: self.case.clone(),
+                snapshot: run.snapshot(),
+                recorder,
+                // Known to the writing thread, once it has written what was sent so far.
+                files: FilesMark::default(),
+                spent: self.stopwatch.read(),
+            })
+        })
+    }
+}

@@ -1,0 +1,122 @@
+//! What a run is to leave behind, and whether it can.
+
+use std::path::PathBuf;
+
+use super::encode::VtuFormat;
+use super::files::FilesSpec;
+use super::frame::Fields;
+use super::names::file_stem;
+use super::probes::Probe;
+use super::resume::ResumeError;
+use crate::drive::observer::ObserveError;
+use crate::model::picture::Picture;
+
+/// Frames a run may be asked for; their numbers have six digits.
+pub const MOST_FRAMES: f64 = 1e6;
+
+/// What to record.
+#[derive(Clone, Debug, Default)]
+pub struct RecorderSpec {
+    /// name of the case; files are named after its [`file_stem`]
+    pub name: String,
+    /// folder of the results; see [`super::folder::ResultFolder::prepare`]
+    pub out_dir: PathBuf,
+    /// [s] between frames, > 0; without it only the first and the last state are shown
+    pub frames_every: Option<f64>,
+    /// [s] when the run is to end; bounds the number of frames
+    pub end: f64,
+    /// fields beside displacement and velocity
+    pub fields: Fields,
+    /// nodes to follow at each frame time
+    pub probes: Vec<Probe>,
+    /// steps a history row, >= 1; see [`default_history_every`]
+    pub history_every: u64,
+    /// spelling of the frames' arrays
+    pub format: VtuFormat,
+}
+
+/// Why a run cannot be recorded as asked.
+#[derive(Debug, thiserror::Error)]
+pub enum RecorderError {
+    /// The interval is no interval.
+    #[error(
+        "output.frames.every = {every} s must be finite and above 0; leave `frames` out to get the first and last state only"
+    )]
+    BadInterval {
+        /// [s] what was asked for
+        every: f64,
+    },
+    /// More frames than can be numbered.
+    #[error(
+        "frames every {every} s until {end} s are more than {MOST_FRAMES:e}; take output.frames.every >= {least:e} s"
+    )]
+    TooManyFrames {
+        /// [s] what was asked for
+        every: f64,
+        /// [s] end of the run
+        end: f64,
+        /// [s] the smallest interval that is accepted
+        least: f64,
+    },
+    /// No row can be written every 0 steps.
+    #[error("output.history.every = 0 must be at least 1 step a row")]
+    BadHistory,
+    /// A probe follows a node that is not there.
+    #[error("probe \"{name}\" follows node {node}, but there are {nodes} nodes, counted from 0")]
+    ProbeOutOfRange {
+        /// the probe
+        name: String,
+        /// the node
+        node: u32,
+        /// number of nodes
+        nodes: usize,
+    },
+    /// The files cannot be created.
+    #[error(transparent)]
+    Files(#[from] ObserveError),
+    /// The files of an earlier run cannot be taken up.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+}
+
+/// Steps a row such that a run of `total_steps` gets at most 10,000 rows beside its first and last.
+pub fn default_history_every(total_steps: u64) -> u64 {
+    total_steps.div_ceil(10_000).max(1)
+}
+
+/// What the writing thread must know of it.
+pub(super) fn files_spec<'a>(picture: &'a dyn Picture, spec: &'a RecorderSpec) -> FilesSpec<'a> {
+    FilesSpec {
+        folder: spec.out_dir.clone(),
+        stem: file_stem(&spec.name),
+        reference: picture.reference(),
+        triangles: picture.triangles(),
+        edges: picture.edges(),
+        fields: spec.fields,
+        probes: &spec.probes,
+        format: spec.format,
+    }
+}
+
+/// Whether a run can be recorded as asked.
+pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderError> {
+    if let Some(every) = spec.frames_every {
+        if !(every.is_finite() && every > 0.0) {
+            return Err(RecorderError::BadInterval { every });
+        }
+        let end = spec.end;
+        let few = end / every <= MOST_FRAMES;
+        if !few {
+            return Err(RecorderError::TooManyFrames { every, end, least: end / MOST_FRAMES });
+        }
+    }
+    if spec.history_every == 0 {
+        return Err(RecorderError::BadHistory);
+    }
+    for probe in &spec.probes {
+        if let Some(&node) = probe.nodes.iter().find(|&&node| node as usize >= nodes) {
+            return Err(RecorderError::ProbeOutOfRange { name: probe.name.clone(), node, nodes });
+        }
+    }
+    Ok(())
+}

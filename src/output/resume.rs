@@ -1,0 +1,100 @@
+//! Why a run cannot be taken up again.
+
+use std::io;
+use std::path::Path;
+
+use super::checkpoint::CheckpointFault;
+use crate::case::fingerprint::Differences;
+use crate::drive::observer::ObserveError;
+
+/// Why a run cannot be taken up again. Nothing has been lost in the folder then: before all is looked at nothing is changed, and
+/// what is cut off afterwards is made again by resuming.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// There is no checkpoint.
+    #[error(
+        "{folder} holds no checkpoint.bin, so there is nothing to resume; a run keeps one if it is interrupted or its case has \
+         output.checkpoint; solve without --resume to start from t = 0"
+    )]
+    Nothing {
+        /// the folder
+        folder: String,
+    },
+    /// The file is no checkpoint this program can use.
+    #[error("{path}: {fault}")]
+    Unusable {
+        /// the file
+        path: String,
+        /// why not
+        fault: CheckpointFault,
+    },
+    /// The checkpoint is of another case.
+    #[error("{path} belongs to another case: {differences}; resume the case as it was, or solve this one with --force")]
+    OtherCase {
+        /// the checkpoint
+        path: String,
+        /// in what
+        differences: Differences,
+    },
+    /// A result has lost what it held.
+    #[error("{path} holds {found} bytes, but held {needed} when the checkpoint was written; solve again with --force")]
+    Shorter {
+        /// the file
+        path: String,
+        /// [byte] its length
+        found: u64,
+        /// [byte] what it needs
+        needed: u64,
+    },
+    /// A result holds something else.
+    #[error(
+        "the first {bytes} bytes of {path} are not those it held when the checkpoint was written; solve again with --force"
+    )]
+    Changed {
+        /// the file
+        path: String,
+        /// [byte] marked part
+        bytes: u64,
+    },
+    /// A result is gone.
+    #[error("{path} is missing, which was there when the checkpoint was written; solve again with --force")]
+    Missing {
+        /// the file
+        path: String,
+    },
+    /// Something else stands where a result was.
+    #[error("{path} is not a plain file, which it was when the checkpoint was written")]
+    NoFile {
+        /// the path
+        path: String,
+    },
+    /// The other run has not ended.
+    #[error("{path} is being written by another run; wait until it has ended")]
+    Busy {
+        /// the file
+        path: String,
+    },
+    /// What came after the checkpoint cannot be cut off.
+    #[error(transparent)]
+    Write(#[from] ObserveError),
+    /// The system's answer.
+    #[error("{path}: {source}")]
+    System {
+        /// the path
+        path: String,
+        /// the reason
+        source: io::Error,
+    },
+}
+
+impl ResumeError {
+    /// Whether the system refused, and not the files.
+    pub fn is_system(&self) -> bool {
+        matches!(self, ResumeError::System { .. } | ResumeError::Write(_))
+    }
+
+    /// The system's answer for a path.
+    pub fn system(path: &Path, source: io::Error) -> Self {
+        ResumeError::System { path: path.display().to_string(), source }
+    }
+}
