@@ -1,7 +1,7 @@
 //! Newton's iteration for F(z) = 0, made to converge from far away. Knows nothing of time or schemes.
 //!
 //! Where F is the gradient of a potential (a symmetric tangent), the iteration goes downhill in it: an indefinite tangent is
-//! replaced by its convex part, and the search along the direction d follows F.d, the slope of the potential ([`super::search`]).
+//! replaced by its convex part, and the search along the direction d follows F.d, the slope of the potential.
 //! Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both only crawl, the convex
 //! direction and its slope take over until full steps are possible again.
 
