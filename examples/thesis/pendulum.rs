@@ -1,7 +1,7 @@
 //! Section 2.5.1: the simple pendulum, Figures 4 to 6 and Table 1.
 
 use super::page::{Caption, Section, cell};
-use super::runs::{Failed, Trace, asset, changed, cost, run};
+use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, run};
 use canopy_fem::analysis::limit::critical_step;
 use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::Case;
@@ -123,26 +123,11 @@ fn limits(s: &mut Section) -> Result<(), Failed> {
 
 fn table_1(s: &mut Section) -> Result<(), Failed> {
     let base = asset("pendulum", &[])?;
-    let mut measured = Vec::new();
-    for (name, method, thesis) in TABLE_1 {
-        measured.push((name, thesis, cost(&changed(&base, &[("time.method", method)])?, 10)?));
-    }
-    let unit = measured[0].2.cpu;
-    let rows = measured.iter().map(|(name, thesis, cost)| {
-        let thesis_cells = if thesis.is_nan() {
-            ["-".to_owned(), "-".to_owned()]
-        } else {
-            [format!("{thesis:.4}"), format!("{:.2}", thesis / TABLE_1[0].2)]
-        };
-        let passes = (cost.evaluations - 1) as f64 / cost.steps as f64;
-        let ours = [format!("{:.4}", cost.cpu), format!("{:.2}", cost.cpu / unit), format!("{passes:.0}")];
-        [vec![(*name).to_owned()], thesis_cells.to_vec(), ours.to_vec()].concat()
-    });
-    let heads = ["scheme", "thesis CPU [s]", "to Euler", "our CPU [s]", "to Euler", "force passes a step"];
+    let rows = cost_rows(&TABLE_1, &base)?;
     s.table(
         "Table 1: mean of 10 runs, step 0.005 s, 20 s",
-        &heads,
-        rows.collect(),
+        &COST_HEADS,
+        rows,
         "The thesis' Improved Euler costs twice explicit Euler here: two force passes a step, which is \
             Heun's scheme as Eq. 23-24 print it. Our ratios are flatter because a pendulum's force is one \
             sine, and the energy account of every step costs more than it; the force passes show the schemes' \

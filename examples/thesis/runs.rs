@@ -34,25 +34,49 @@ pub fn run_to_the_end(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Result<Outco
     Ok(follow(case.problem(), FollowSpec { keep_going: true, ..Default::default() }, watch)?)
 }
 
+/// Runs of which the thesis takes the mean.
+const REPEATS: u32 = 10;
+
 /// Mean cost of one run.
-pub struct Cost {
+struct Cost {
     /// [s] processor time, mean of the repeats
-    pub cpu: f64,
-    /// [-] force passes of one run
-    pub evaluations: u64,
-    /// steps of one run
-    pub steps: u64,
+    cpu: f64,
+    /// [-] force passes a step
+    passes: f64,
 }
 
-/// Repeats a run as the thesis did (10 executions).
-pub fn cost(case: &Case, repeats: u32) -> Result<Cost, Failed> {
+fn cost(case: &Case) -> Result<Cost, Failed> {
     let outcome = run(case, |_| {})?;
     let before = cpu_seconds().unwrap_or(0.0);
-    for _ in 0..repeats {
+    for _ in 0..REPEATS {
         run(case, |_| {})?;
     }
-    let cpu = (cpu_seconds().unwrap_or(0.0) - before) / f64::from(repeats);
-    Ok(Cost { cpu, evaluations: outcome.counters.force_evaluations, steps: outcome.steps })
+    let cpu = (cpu_seconds().unwrap_or(0.0) - before) / f64::from(REPEATS);
+    // One pass is the start's.
+    let passes = (outcome.counters.force_evaluations - 1) as f64 / outcome.steps as f64;
+    Ok(Cost { cpu, passes })
+}
+
+/// Head of [`cost_rows`].
+pub const COST_HEADS: [&str; 6] =
+    ["scheme", "thesis CPU [s]", "to Euler", "our CPU [s]", "to Euler", "force passes a step"];
+
+/// A row a method (name, method, the thesis' seconds or none): its cost beside the thesis', both also over the first row's.
+pub fn cost_rows(methods: &[(&str, &str, f64)], base: &Case) -> Result<Vec<Vec<String>>, Failed> {
+    let mut first = None;
+    let mut rows = Vec::new();
+    for (name, method, thesis) in methods {
+        let cost = cost(&changed(base, &[("time.method", method)])?)?;
+        let (thesis_first, cpu_first) = *first.get_or_insert((*thesis, cost.cpu));
+        let seconds = |value: f64, first: f64| match value.is_nan() {
+            true => ["-".to_owned(), "-".to_owned()],
+            false => [format!("{value:.4}"), format!("{:.2}", value / first)],
+        };
+        let [a, b] = seconds(*thesis, thesis_first);
+        let [c, d] = seconds(cost.cpu, cpu_first);
+        rows.push(vec![(*name).to_owned(), a, b, c, d, format!("{:.1}", cost.passes)]);
+    }
+    Ok(rows)
 }
 
 /// A quantity of one node over time, with its rate.

@@ -1,7 +1,7 @@
 //! Section 2.5.2: the spring pendulum, Figures 8 to 13 and Table 2.
 
 use super::page::{Caption, Section};
-use super::runs::{Failed, Trace, asset, changed, cost, displacement};
+use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, displacement};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
@@ -174,27 +174,11 @@ fn period(trace: &Trace) -> Option<f64> {
 }
 
 fn table_2(s: &mut Section, base: &Case) -> Result<(), Failed> {
-    let mut measured = Vec::new();
-    for (name, method, thesis) in TABLE_2 {
-        let case = changed(base, &[("time.method", method), ("time.step", "1e-4")])?;
-        measured.push((name, thesis, cost(&case, 10)?));
-    }
-    let unit = measured[0].2.cpu;
-    let rows = measured.iter().map(|(name, thesis, cost)| {
-        let thesis_cells = if thesis.is_nan() {
-            ["-".to_owned(), "-".to_owned()]
-        } else {
-            [format!("{thesis:.4}"), format!("{:.2}", thesis / TABLE_2[0].2)]
-        };
-        let passes = (cost.evaluations - 1) as f64 / cost.steps as f64;
-        let ours = [format!("{:.4}", cost.cpu), format!("{:.2}", cost.cpu / unit), format!("{passes:.1}")];
-        [vec![(*name).to_owned()], thesis_cells.to_vec(), ours.to_vec()].concat()
-    });
-    let heads = ["scheme", "thesis CPU [s]", "to Euler", "our CPU [s]", "to Euler", "force passes a step"];
+    let rows = cost_rows(&TABLE_2, &changed(base, &[("time.step", "1e-4")])?)?;
     s.table(
         "Table 2: mean of 10 runs, step 1e-4 s, 2 s",
-        &heads,
-        rows.collect(),
+        &COST_HEADS,
+        rows,
         "Improved Euler is as cheap as explicit Euler in the thesis' Table 2 and twice as dear in its Table \
             1: two different schemes under one name. Here it took one force pass a step: the reading \"never \
             corrected\" of its text (predict, evaluate, correct, and keep the derivative of the predicted \
