@@ -68,10 +68,10 @@ fn table_4(s: &mut Section) -> Result<(), Failed> {
         rows,
         "Velocity Verlet, Runge-Kutta, Euler-Cromer and Euler-Richardson diverge within 3 steps of the \
             thesis' time. Not reproduced are explicit Euler, which goes the same way a few steps late and \
-            holds to 4.6e-11 s, and Improved Euler (next table). Newmark and HHT do not diverge at all: \
-            Newton's iteration carries them past the thesis' 3.5e-11 s until a step of 1e-12 s, in which the \
-            air throws folded triangles over each other, has no solution that it finds; that step is refused \
-            (table after next). Every report names the air.",
+            holds to 4.6e-11 s, and Improved Euler (the table after next). Newmark and HHT do not diverge at \
+            all: Newton's iteration carries them past the thesis' 3.5e-11 s until a step of 1e-12 s, in which \
+            the air throws folded triangles over each other, has no solution that it finds; that step is \
+            refused (next table). Every report names the air.",
     );
     implicit(s, &base)?;
     Ok(())
