@@ -1,0 +1,1 @@
+//! Extremes whose answer is known.
