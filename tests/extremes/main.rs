@@ -2,7 +2,8 @@
 //! or a good status with nonsense.
 //!
 //! A new case is a line in `table`; a scene it needs is a function in `scenes`. What must hold for every end is in `verdict`,
-//! what is known exactly in `exact`.
+//! what is known exactly in `exact`. With EXTREMES_SHOW in the
+//! environment (and `--nocapture`) every end is printed as a user would read it.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -30,7 +31,12 @@ fn all_hold(cases: &[Hostile]) -> BTreeMap<Kind, usize> {
                     let judged = judge(&end).and_then(|kind| case.must.hold(kind, method, &end).map(|()| kind));
                     let mut found = found.lock().expect("no panic while it is held");
                     match judged {
-                        Ok(kind) => *found.0.entry(kind).or_default() += 1,
+                        Ok(kind) => {
+                            if std::env::var_os("EXTREMES_SHOW").is_some() {
+                                println!("{} | {} | {kind:?} | {}", case.name, method.name, end.words());
+                            }
+                            *found.0.entry(kind).or_default() += 1;
+                        }
                         Err(why) => found.1.push(format!("{} with {}: {why}", case.name, method.name)),
                     }
                 }

@@ -19,10 +19,15 @@ const MOST_STEPS: u64 = 50;
 /// A numerical gain beyond this many times the energy otherwise exchanged is nonsense, by the project's own rule.
 const GAIN: f64 = 10.0;
 
+/// The program warns of an energy error above this when the scheme has made energy (`cli/solve`).
+const WARNED: f64 = 0.1;
+
 /// How an attempt ended, in the user's words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Completed,
+    /// completed, but with a warning that the scheme has made energy
+    Doubted,
     Diverged,
     NotConverged,
     Refused,
@@ -35,6 +40,20 @@ pub enum End {
     Ran(Box<Ran>),
     Panicked(String),
     Hung,
+}
+
+impl End {
+    /// What a user reads.
+    pub fn words(&self) -> String {
+        match self {
+            End::Refused(words) | End::Panicked(words) => words.clone(),
+            End::Ran(ran) => match &ran.outcome.failure {
+                Some(f) => format!("step {}: {}; {}", f.step, f.cause, f.advice),
+                None => format!("energy error {:.1e}", ran.outcome.energy_error),
+            },
+            End::Hung => "hung".to_owned(),
+        }
+    }
 }
 
 /// A run and what it left.
@@ -124,19 +143,22 @@ impl Ran {
             return Err(format!("the account is not finite: {row:?}, error {}", self.outcome.energy_error));
         }
         match (self.outcome.status, &self.outcome.failure) {
-            (Status::Completed, None) => self.completed().map(|()| Kind::Completed),
+            (Status::Completed, None) => self.completed(),
             (Status::Diverged, Some(failure)) => is_true(failure, self).map(|()| Kind::Diverged),
             (Status::NotConverged, Some(failure)) => is_true(failure, self).map(|()| Kind::NotConverged),
             (status, failure) => Err(format!("{status:?} with {failure:?}")),
         }
     }
 
-    fn completed(&self) -> Result<(), String> {
+    fn completed(&self) -> Result<Kind, String> {
         let end = self.problem.time.end;
         if self.outcome.t_end != end {
             return Err(format!("completed at {} s, the end is {end} s", self.outcome.t_end));
         }
         let allowed = GAIN * self.otherwise + self.rounding();
+        if self.gain > allowed && self.outcome.energy_error > WARNED && self.outcome.ledger.numerical < 0.0 {
+            return Ok(Kind::Doubted);
+        }
         if self.gain > allowed {
             return Err(format!(
                 "completed with a numerical gain of {:.3e} J where {:.3e} J were exchanged otherwise and rounding explains \
@@ -147,7 +169,7 @@ impl Ran {
                 self.first.kinetic + self.first.elastic
             ));
         }
-        Ok(())
+        Ok(Kind::Completed)
     }
 
     /// [J] Energy that positions rounded to their last digits put into the springs, and sums of energies lose.
