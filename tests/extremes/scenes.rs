@@ -82,3 +82,12 @@ pub fn mote() -> Value {
         }),
     )
 }
+
+/// A simple pendulum of 1 m and 1 kg.
+pub fn pendulum() -> Value {
+    json!({
+        "name": "pendulum",
+        "system": {"pendulum": {"length": 1.0, "mass": 1.0, "damping": 0.1, "gravity": 9.81, "angle": 1.0, "rate": 0.0}},
+        "time": {"end": 0.02, "method": "newmark", "step": 0.001}
+    })
+}

@@ -137,8 +137,7 @@ impl Ran {
             return Err("the last good state is not finite".to_owned());
         }
         let row = self.outcome.ledger;
-        let energies =
-            [row.kinetic, row.elastic, row.gravity, row.external_work, row.dissipated, row.numerical];
+        let energies = [row.kinetic, row.elastic, row.gravity, row.external_work, row.dissipated, row.numerical];
         if !energies.iter().chain([&self.outcome.energy_error]).all(|e| e.is_finite()) {
             return Err(format!("the account is not finite: {row:?}, error {}", self.outcome.energy_error));
         }

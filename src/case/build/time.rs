@@ -45,6 +45,10 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         faults.add(&at.key("step"), least);
         return None;
     }
+    // A step longer than the run is cut to it, whatever its size.
+    if step <= end && !in_range(&at.key("step"), step, faults) {
+        return None;
+    }
     if step > end {
         faults.warn(format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s"));
     }
@@ -63,11 +67,7 @@ fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
 
 fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<f64> {
     match (time.step, time.tolerance) {
-        (Some(step), None) => {
-            let at = at.key("step");
-            // A step longer than the run is cut to it, whatever its size.
-            (positive(&at, step, faults) && (step > TIMES[1] || in_range(&at, step, faults))).then_some(step)
-        }
+        (Some(step), None) => positive(&at.key("step"), step, faults).then_some(step),
         (Some(_), Some(_)) => {
             faults.add_hint(&at.key("tolerance"), "not together with step", "remove time.tolerance");
             None
