@@ -1,7 +1,7 @@
 //! Hostile cases, every method: each ends correct, or with a documented status and a true sentence; never in a panic, a hang,
 //! or a good status with nonsense.
 //!
-//! A new case is a line in `table`; a scene it needs is a function in `scenes`. What must hold for every end is in `verdict`,
+//! A new case is a line in `table` or `states`; a scene it needs is a function in `scenes`. What must hold for every end is in `verdict`,
 //! what is known exactly in `exact`. With EXTREMES_SHOW in the
 //! environment (and `--nocapture`) every end is printed as a user would read it.
 
@@ -9,6 +9,7 @@
 mod common;
 mod exact;
 mod scenes;
+mod states;
 mod table;
 mod verdict;
 
