@@ -6,6 +6,7 @@ use crate::integrate::StepError;
 use crate::integrate::registry::{Family, MethodChoice, MethodInfo};
 use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
+use crate::solve::newton::NewtonFailure;
 use std::collections::BTreeMap;
 
 /// What `summary.json` shows under `failure`.
@@ -62,6 +63,11 @@ impl Scenery<'_> {
     /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual.
     pub(super) fn not_converged(&self, error: &StepError, worst: usize) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        if let StepError::Newton(NewtonFailure::NotFinite { .. }) = error {
+            let advice = "check loads, wind, masses, speeds and damping for a wrong unit: a force, or the square of one, has left the \
+                          range of a double, which a smaller step seldom mends";
+            return self.report(suspect, error.to_string(), advice.to_owned());
+        }
         let advice = format!(
             "use a smaller step, {:.1e} s or less, or more solver.newton.max_iterations; a net that buckles or goes slack in \
              large steps may need \"slack\": \"tension-only\" springs or some damping",

@@ -304,7 +304,12 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 /// The sizes at the step's start that residuals and increments are compared with.
 fn scales(system: &dyn TangentSystem, from: &Point, a: &[f64], map: StageMap, product: &mut [f64]) -> Scales {
     system.mass_times(a, product);
-    let residual = system.force_scale(&from.forces).max(norm(product));
+    let mut residual = system.force_scale(&from.forces).max(norm(product));
+    if residual == 0.0 {
+        // A start without any force: what moves is compared with the force that would stop it within the step.
+        system.mass_times(&from.state.v, product);
+        residual = norm(product) * (map.ca / map.cv).abs();
+    }
     let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
     Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
 }

@@ -2,6 +2,8 @@
 //! a check allows and what the builder relies on stand side by side; faults are collected, not returned.
 
 mod air;
+mod digits;
+mod energy;
 pub(crate) mod geometry;
 mod initial;
 mod loads;

@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::{first_few, not_negative};
-use super::{air, loads, mass, plausible, select, springs};
+use super::{air, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
@@ -61,6 +61,10 @@ pub(super) fn network(
         displacement: start.displacement,
         velocity: start.velocity,
     };
+    if faults.count() == before {
+        digits::network(at, &spec, geometry, faults);
+        energy::network(at, &spec, geometry, faults);
+    }
     plausible::network(at, &spec, geometry, faults);
     Some(spec)
 }

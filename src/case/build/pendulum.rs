@@ -22,6 +22,9 @@ pub(super) fn pendulum(at: &Pointer, pendulum: &Pendulum, faults: &mut Faults<'_
         );
     }
     let spec = PendulumSpec { length, mass, damping, gravity, angle, rate };
+    if long && heavy {
+        super::energy::pendulum(at, &spec, faults);
+    }
     super::plausible::pendulum(at, &spec, faults);
     spec
 }

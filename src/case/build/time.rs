@@ -13,6 +13,10 @@ use crate::solve::newton::{NewtonSpec, Strategy};
 /// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
 const MOST_STEPS: f64 = 1e15;
 
+/// [s] Shortest step and latest end: schemes work with squares of a step and their inverses, which must stay numbers with room
+/// for masses and accelerations beside them.
+const TIMES: [f64; 2] = [1e-120, 1e120];
+
 /// Method and times of a run.
 #[derive(Debug)]
 pub(super) struct Timing {
@@ -25,7 +29,8 @@ pub(super) struct Timing {
 /// Checks the `time` section.
 pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Option<Timing> {
     let at = Pointer::root().key("time");
-    let end = positive(&at.key("end"), time.end, faults).then_some(time.end);
+    let end = positive(&at.key("end"), time.end, faults) && in_range(&at.key("end"), time.end, faults);
+    let end = end.then_some(time.end);
     let method = method(&at.key("method"), &time.method, faults);
     if let (Some(choice), System::Pendulum(_)) = (&method, system)
         && choice.info.family == Family::MatrixFree
@@ -40,10 +45,24 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         faults.add(&at.key("step"), least);
         return None;
     }
+    // A step longer than the run is cut to it, whatever its size.
+    if step <= end && !in_range(&at.key("step"), step, faults) {
+        return None;
+    }
     if step > end {
         faults.warn(format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s"));
     }
     Some(Timing { method: method?, spec: TimeSpec { end, step } })
+}
+
+/// Notes a fault unless `t` [s] is a time that schemes can compute with.
+fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
+    let [least, most] = TIMES;
+    let good = (least..=most).contains(&t);
+    if !good {
+        faults.add(at, format!("{least:e} to {most:e} seconds, whose squares are within the range of a double"));
+    }
+    good
 }
 
 fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<f64> {

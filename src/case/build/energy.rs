@@ -1,0 +1,63 @@
+//! The energy a scene starts with: where it is no number, nothing that follows can be.
+
+use glam::DVec3;
+
+use super::geometry::Geometry;
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::figures::figures;
+use crate::model::spec::{NetworkSpec, PendulumSpec};
+
+const ALLOWED: &str = "a start whose energy is within the range of a double";
+
+/// Notes a fault for a kinetic or elastic energy at the start that overflows.
+pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+    let speeds = spec.velocity.iter().map(|v| DVec3::from_array(*v));
+    let kinetic = speeds.zip(&spec.mass).map(|(v, m)| 0.5 * m * v.length_squared());
+    if let Some(node) = first_overflow(kinetic) {
+        let [x, y, z] = spec.velocity.get(node).copied().unwrap_or_default().map(|v| figures(v, 4));
+        let value = format!("node {node} at ({x}, {y}, {z}) m/s");
+        faults.add_value(&at.key("initial").key("velocity"), value, ALLOWED, None);
+    }
+    let length = |edge: u32| {
+        let place = |node: u32| {
+            let x = spec.mesh.nodes.get(node as usize).copied().unwrap_or_default();
+            let u = spec.displacement.get(node as usize).copied().unwrap_or_default();
+            DVec3::from_array(x) + DVec3::from_array(u)
+        };
+        if spec.displacement.is_empty() {
+            return geometry.length.get(edge as usize).copied().unwrap_or_default();
+        }
+        spec.mesh.edges.get(edge as usize).map_or(0.0, |&[a, b]| place(a).distance(place(b)))
+    };
+    let springs = spec.springs.iter().flat_map(|g| g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length)));
+    let springs: Vec<_> = springs.map(|(&edge, (&k, &rest))| (edge, k, rest)).collect();
+    let elastic = springs.iter().map(|&(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));
+    if let Some(&(edge, k, rest)) = first_overflow(elastic).and_then(|i| springs.get(i)) {
+        let value = format!(
+            "the spring on edge {edge} with {} N/m, {} m long at rest, starts with a length of {} m",
+            figures(k, 4),
+            figures(rest, 4),
+            figures(length(edge), 4)
+        );
+        faults.add_value(&at.key("springs"), value, ALLOWED, None);
+    }
+}
+
+/// The same for a pendulum.
+pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_>) {
+    let speed = spec.rate * spec.length;
+    if !(spec.mass * speed * speed).is_finite() {
+        let value = format!("the bob at {} m/s", figures(speed, 4));
+        faults.add_value(&at.key("rate"), value, ALLOWED, None);
+    }
+}
+
+/// The first term at which a sum of energies [J] is no number any more.
+fn first_overflow(energies: impl Iterator<Item = f64>) -> Option<usize> {
+    let mut sum = 0.0;
+    energies.into_iter().position(|e| {
+        sum += e;
+        !sum.is_finite()
+    })
+}
