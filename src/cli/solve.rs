@@ -1,6 +1,6 @@
 //! `canopy-fem solve`: the main job.
 
-use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
+use super::doubts::{check_solver, disk_doubt, limit_of, step_doubt};
 use super::progress::{Display, Progress};
 use super::{CliError, Finished, SolveArgs, complain, fields};
 use crate::assembly::write_matrix_market;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let folder = ResultFolder::prepare(&out, &problem.name, args.force)?;
-    let limit = Limit::of(&problem, &*scene);
+    let limit = limit_of(&problem, &*scene);
     if !args.quiet {
         let doubts = [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)];
         doubts.iter().flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
