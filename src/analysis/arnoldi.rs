@@ -26,9 +26,9 @@ pub(super) struct Krylov {
 }
 
 impl Krylov {
-    /// `None` where a product is not finite.
-    pub fn of(start: Vec<f64>, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
-        let (basis, h, left) = hessenberg(start, times)?;
+    /// At most `most` products; `None` where one is not finite.
+    pub fn of(start: Vec<f64>, most: usize, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
+        let (basis, h, left) = hessenberg(start, most, times)?;
         let eigen = h.eigen().ok()?;
         let m = basis.len();
         let entry = |i: usize, j: usize| [eigen.U()[(i, j)].re, eigen.U()[(i, j)].im];
@@ -61,9 +61,9 @@ impl Krylov {
 /// Basis, projected operator, size of what is left outside.
 type Projection = (Vec<Vec<f64>>, Mat<f64>, f64);
 
-fn hessenberg(start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Projection> {
+fn hessenberg(start: Vec<f64>, most: usize, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Projection> {
     let n = start.len();
-    let most = affordable(n, [20, 80]);
+    let most = affordable(n, [20, most]);
     let mut h = Mat::<f64>::zeros(most + 1, most);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut q = start;

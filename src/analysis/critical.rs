@@ -11,7 +11,7 @@
 use super::arnoldi::Krylov;
 use super::certificate::{Certifier, MOST_UNKNOWNS};
 use super::lanczos::{self, Ritz};
-use super::limit::critical_step;
+use super::limit::{critical_step, stable};
 use super::linearised::{Linearised, dot};
 use super::rates::Rates;
 use super::step_map::LinearScene;
@@ -26,8 +26,12 @@ const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
 const MARGINS: [f64; 3] = [0.003, 0.02, 0.08];
 /// Eigenvalues of L with a larger residual, in units of the fastest rate, are not used.
 const CONVERGED: f64 = 1e-3;
+/// Products for the eigenvalues of L.
+const PRODUCTS: usize = 80;
 /// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
 const GROWTH: f64 = 1e-3;
+/// Relative width at which the search for a step that does not grow ends.
+const WIDTH: f64 = 0.01;
 /// Schemes whose linear step is no function of L.
 const SPLIT: [&str; 2] = ["euler-cromer", "velocity-verlet"];
 
@@ -115,6 +119,8 @@ pub struct Spectrum<'a> {
     bound: Option<f64>,
     /// outer motions of a damped or non-symmetric scene, when asked for
     motions: Option<Vec<Motion>>,
+    /// [1/s] largest real part among their eigenvalues
+    growth: f64,
     stepped: Option<LinearScene>,
 }
 
@@ -135,6 +141,7 @@ impl<'a> Spectrum<'a> {
             certifier: None,
             bound: None,
             motions: None,
+            growth: 0.0,
             stepped: None,
         };
         if spectrum.symmetric {
@@ -255,9 +262,13 @@ impl<'a> Spectrum<'a> {
         let motions = self.motions.as_deref().unwrap_or_default();
         let mut found: Option<(f64, Motion)> = None;
         for motion in motions {
-            let step = motion.limit(method);
-            if found.is_none_or(|(least, _)| step < least) {
-                found = Some((step, *motion));
+            // A motion that is stable at the least limit so far sets none; asking that is forty times cheaper than its limit.
+            let matters = |(least, _): (f64, Motion)| least > 0.0 && !stable(method, motion.rates(), least);
+            if found.is_none_or(matters) {
+                let step = motion.limit(method);
+                if found.is_none_or(|(least, _)| step < least) {
+                    found = Some((step, *motion));
+                }
             }
         }
         let (mut step, motion) = found?;
@@ -269,7 +280,7 @@ impl<'a> Spectrum<'a> {
     }
 
     /// Outer motions: converged eigenvalues of L, and the stiffest and the most damped shape by their own quotients.
-    fn find_motions(&self) -> Vec<Motion> {
+    fn find_motions(&mut self) -> Vec<Motion> {
         let mut motions = Vec::new();
         for shape in [&self.stiffest.vector, &self.most_damped.vector] {
             if let Some(Rates { frequency, damping, .. }) = self.quotients(shape).filter(|_| !shape.is_empty()) {
@@ -283,7 +294,7 @@ impl<'a> Spectrum<'a> {
         let start: Vec<f64> =
             start.iter().zip(self.linear.root.iter().cycle()).map(|(s, r)| if *r > 0.0 { *s } else { 0.0 }).collect();
         // On (unit q, q') so that both halves have one size.
-        let krylov = Krylov::of(start, |from, to| {
+        let krylov = Krylov::of(start, PRODUCTS, |from, to| {
             let (q, rate) = from.split_at(n);
             let (to_q, to_rate) = to.split_at_mut(n);
             self.linear.times(STIFFNESS, q, &mut p, &mut stiff);
@@ -295,6 +306,7 @@ impl<'a> Spectrum<'a> {
         });
         let Some(krylov) = krylov else { return motions };
         for value in krylov.values.iter().filter(|v| v.residual <= CONVERGED * unit && v.im >= 0.0) {
+            self.growth = self.growth.max(value.re);
             let parts = krylov.parts(*value);
             let moves = |i: usize| (parts[i] + parts[n + i]) * self.linear.root[i].powi(2);
             let dof = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
@@ -319,38 +331,48 @@ impl<'a> Spectrum<'a> {
         let growth = self.natural_growth();
         let grows = |h: f64| {
             let (radius, dof) = stepped.radius(method, h, unit)?;
-            Some((radius > 1.0 + GROWTH + h * growth, dof))
+            Some((radius > (1.0 + GROWTH) * (h * growth).exp(), dof))
         };
-        let (mut stable, mut unstable) = (0.0, 1.1 * guess);
-        let mut sets = None;
-        for _ in 0..6 {
-            let (yes, dof) = grows(unstable)?;
-            if yes {
-                sets = Some(dof);
-                break;
+        let (mut stable, mut unstable) = (0.0, guess);
+        let (mut up, mut dof) = grows(unstable)?;
+        // Outwards from the guess until it lies between a stable and a growing step.
+        let mut factor = 0.9;
+        for _ in 0..40 {
+            if up {
+                let below = factor * unstable;
+                let (yes, at) = grows(below)?;
+                if !yes {
+                    stable = below;
+                    break;
+                }
+                (unstable, dof) = (below, at);
+            } else {
+                (stable, unstable) = (unstable, unstable / factor);
+                (up, dof) = grows(unstable)?;
+                if up {
+                    break;
+                }
             }
-            (stable, unstable) = (unstable, 1.5 * unstable);
+            factor *= 0.9;
         }
-        let mut dof = sets?;
-        while unstable - stable > 2e-3 * unstable {
+        if !up || stable == 0.0 {
+            return None;
+        }
+        while unstable - stable > WIDTH * unstable {
             let middle = 0.5 * (stable + unstable);
             let (yes, at) = grows(middle)?;
-            if yes {
-                (unstable, dof) = (middle, at)
-            } else {
-                stable = middle
-            }
-            if unstable < 1e-6 * guess {
-                break;
-            }
+            if yes { (unstable, dof) = (middle, at) } else { stable = middle }
         }
         Some((stable, dof))
     }
 
-    /// [1/s] how fast the scene itself can grow where compression makes K indefinite.
+    /// [1/s] how fast the scene itself grows: where compression makes K indefinite, or in the wind.
     fn natural_growth(&self) -> f64 {
+        if !self.symmetric {
+            return self.growth;
+        }
         let softest = largest(&self.linear, Weights { k: -1.0, ..STIFFNESS });
-        softest.value.max(0.0).sqrt()
+        self.growth.max(softest.value.max(0.0).sqrt())
     }
 
     /// [1/s] a rate to measure others by.

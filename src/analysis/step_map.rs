@@ -22,6 +22,9 @@ static TERMS: [TermInfo; 1] = [TermInfo { name: "tangent", role: Role::Elastic }
 /// Ritz values with a larger residual are not yet eigenvalues of the map.
 const CONVERGED: f64 = 0.02;
 
+/// Steps made for one radius; what grows beyond a limit stands far from all that is stable, so it shows soon.
+const PRODUCTS: usize = 40;
+
 /// M a = -K x - C v over the unknowns.
 pub(super) struct LinearScene {
     assembler: Assembler,
@@ -70,7 +73,7 @@ impl LinearScene {
             }
         };
         let start: Vec<f64> = (0..2 * n).map(rough).collect();
-        let krylov = Krylov::of(start, times)?;
+        let krylov = Krylov::of(start, PRODUCTS, times)?;
         let size = |re: f64, im: f64| norm(&[re, im]);
         let settled = krylov.values.iter().filter(|z| z.residual <= CONVERGED * size(z.re, z.im));
         let largest = settled.max_by(|a, b| size(a.re, a.im).total_cmp(&size(b.re, b.im)))?;

@@ -28,8 +28,7 @@ pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
     describe_cost(&mut text, &problem, scene);
     let state = scene.initial_state();
     let mut spectrum = Spectrum::of(scene, state.as_ref());
-    describe_limits(&mut text, &problem, scene, &mut spectrum);
-    let limit = spectrum.critical_step(&problem.method);
+    let limit = describe_limits(&mut text, &problem, scene, &mut spectrum);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
     let doubts = [step_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
     for warning in problem.warnings.iter().chain(doubts.iter().flatten()) {
@@ -114,7 +113,13 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
     let _ = writeln!(text, "  memory          about {:.1} MB without output", bytes as f64 / 1e6);
 }
 
-fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) {
+fn describe_limits(
+    text: &mut String,
+    problem: &Problem,
+    scene: &dyn Scene,
+    spectrum: &mut Spectrum<'_>,
+) -> CriticalStep {
+    let mut of_this = CriticalStep::none();
     let rates = spectrum.rates();
     let bound = match spectrum.frequency_bound() {
         Some(bound) => format!("to {bound:.4e} rad/s (proved)"),
@@ -157,11 +162,15 @@ fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, spec
             continue;
         }
         let limit = spectrum.critical_step(&choice);
+        if info.name == problem.method.info.name {
+            of_this = limit;
+        }
         let _ = writeln!(text, "{mark} {:<20}  {}", info.name, describe_limit(limit, problem.time.step, scene));
     }
     text.push_str(
         "  (* the method of this case; certified: proved not to be above the true limit of the scene as it is at t = 0)\n\n",
     );
+    of_this
 }
 
 fn describe_limit(limit: CriticalStep, step: f64, scene: &dyn Scene) -> String {
