@@ -150,15 +150,16 @@ fn dense_limit(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     assert!(radius(scene, name, most) > 1.001, "{name}: {most} s is stable");
     while unstable - stable > 1e-3 * unstable {
         let middle = 0.5 * (stable + unstable);
-        if radius(scene, name, middle) <= 1.0 + 1e-4 { stable = middle } else { unstable = middle }
+        if radius(scene, name, middle) <= 1.0 + 1e-6 { stable = middle } else { unstable = middle }
     }
     stable
 }
 
-fn assert_certified(found: CriticalStep, truth: f64, what: &str) {
+/// `slack` is what the truth itself is uncertain by, relative.
+fn assert_certified(found: CriticalStep, (truth, slack): (f64, f64), what: &str) {
     let Confidence::Certified { at_most } = found.confidence else { panic!("{what}: {found:?} is not certified") };
-    assert!(found.step <= truth * (1.0 + 1e-9), "{what}: the safe end {} is above the limit {truth}", found.step);
-    assert!(at_most >= truth * (1.0 - 1e-9), "{what}: the upper end {at_most} is below the limit {truth}");
+    assert!(found.step <= truth * (1.0 + slack), "{what}: the safe end {} is above the limit {truth}", found.step);
+    assert!(at_most >= truth * (1.0 - slack), "{what}: the upper end {at_most} is below the limit {truth}");
     assert!(found.step >= 0.95 * at_most, "{what}: {} to {at_most} is wider than 5 %", found.step);
 }
 
@@ -172,10 +173,10 @@ fn a_chain_has_its_closed_form() {
         "mesh": {"explicit": {"nodes": nodes, "springs": springs}}, "mass": {"nodal": m},
         "springs": [{"on": "all", "stiffness": k}], "supports": [{"on": {"ids": [0, n]}, "fix": "xyz"}]
     }));
-    let w = 2.0 * (k / m).sqrt() * (std::f64::consts::PI * (n - 1) as f64 / (2 * n) as f64).sin();
+    let w = 2.0 * f64::sqrt(k / m) * (std::f64::consts::PI * (n - 1) as f64 / (2 * n) as f64).sin();
     let scene = scene(&case);
     for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
-        assert_certified(critical(&*scene, name), wh / w * (1.0 + 1e-8), name);
+        assert_certified(critical(&*scene, name), (wh / w, 1e-7), name);
     }
     assert_eq!(critical(&*scene, "improved-euler").step, 0.0);
     assert_eq!(critical(&*scene, "newmark").step, f64::INFINITY);
@@ -192,7 +193,7 @@ fn prestress_counts_and_compression_limits_nothing() {
             "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "z"}]
         }));
         let found = critical(&*scene(&case), "velocity-verlet");
-        assert_certified(found, 2.0 / f64::sqrt(square), &format!("strain {strain}"));
+        assert_certified(found, (2.0 / f64::sqrt(square), 1e-9), &format!("strain {strain}"));
     }
     // Held along, only the prestress is left: k e/(1 + e) l0/l0 a spring.
     let case = network(json!({
@@ -201,7 +202,7 @@ fn prestress_counts_and_compression_limits_nothing() {
         "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "xz"}]
     }));
     // T = 50 (1 - 0.4) = 30 N over l = 1 m, two of them on 0.5 kg.
-    assert_certified(critical(&*scene(&case), "velocity-verlet"), 2.0 / 120f64.sqrt(), "across");
+    assert_certified(critical(&*scene(&case), "velocity-verlet"), (2.0 / 120f64.sqrt(), 1e-9), "across");
 }
 
 /// Random nets, stretched, slack and compressed: the interval holds the dense value and is narrow.
@@ -211,7 +212,7 @@ fn random_nets_have_certified_intervals_about_the_dense_value() {
         let scene = scene(&network(random_net(seed, side, strain)));
         let w = dense_frequency(&*scene);
         for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
-            assert_certified(critical(&*scene, name), wh / w * (1.0 + 1e-8), &format!("net {seed}, {name}"));
+            assert_certified(critical(&*scene, name), (wh / w, 1e-7), &format!("net {seed}, {name}"));
         }
     }
 }
@@ -242,7 +243,7 @@ fn a_damped_oscillator_has_the_limits_of_the_table() {
             let found = critical(&*scene, name);
             let limit = limits[at] / w;
             if name == "euler-cromer" {
-                assert_certified(found, limit * (1.0 + 1e-4), &format!("{name} at {zeta}"));
+                assert_certified(found, (limit, 1e-4), &format!("{name} at {zeta}"));
             } else {
                 assert_eq!(found.confidence, Confidence::Estimate, "{name}");
                 assert!((found.step / limit - 1.0).abs() < 5e-3, "{name} at {zeta}: {} for {limit}", found.step);
@@ -264,18 +265,20 @@ fn coupled_damping_agrees_with_the_dense_step() {
         agrees(&*scene, &format!("net {seed}"));
         let cromer = critical(&*scene, "euler-cromer");
         let truth = dense_limit(&*scene, "euler-cromer", 1.5 * cromer.step);
-        assert_certified(cromer, truth * (1.0 + 2e-3), &format!("net {seed}"));
+        assert_certified(cromer, (truth, 2e-3), &format!("net {seed}"));
     }
 }
 
-/// Air and axial dashpots: tangents that are not symmetric.
+/// Air on a stretched net that is held all around, so that nothing flutters: tangents that are not symmetric.
 #[test]
 fn air_agrees_with_the_dense_step() {
-    for (seed, wind, law) in [(21, 3.0, [20.0, 5.0]), (22, 30.0, [400.0, 2.0]), (23, 8.0, [2.0, 0.5])] {
-        let mut net = random_net(seed, 4, 0.3);
+    for (seed, wind, law) in [(21, 0.5, [20.0, 5.0]), (22, 2.0, [60.0, 2.0]), (23, 1.0, [2.0, 0.5])] {
+        let mut net = random_net(seed, 5, 0.6);
         for rule in net["springs"].as_array_mut().expect("rules").iter_mut() {
             rule["dashpot"] = json!({"relative": {"time": 1e-3}});
         }
+        net["supports"] = json!([{"on": "boundary", "fix": "xyz"}]);
+        net["damping"] = json!({"rayleigh": {"mass": 5.0}});
         net["aero"] = json!({"wind": [0.0, 0.3 * wind, wind], "law": {"permeable":
             {"a": law[0], "b": law[1], "thickness": 1.0}}});
         let scene = scene(&network(net));

@@ -92,6 +92,8 @@ struct Motion {
     frequency: f64,
     damping: f64,
     dof: usize,
+    /// whether the motion itself grows; a scheme that grows with it at every step is not wrong
+    grows: bool,
 }
 
 impl Motion {
@@ -100,7 +102,7 @@ impl Motion {
     }
 
     fn rates(&self) -> Rates {
-        let Motion { frequency, damping, dof } = *self;
+        let Motion { frequency, damping, dof, .. } = *self;
         Rates { frequency, frequency_dof: dof, damping, damping_dof: dof }
     }
 }
@@ -184,7 +186,8 @@ impl<'a> Spectrum<'a> {
 
     fn undamped(&self, method: &MethodChoice) -> CriticalStep {
         let dof = self.place(&self.stiffest.vector);
-        let limit = |square: f64| Motion { frequency: square.max(0.0).sqrt(), damping: 0.0, dof }.limit(method);
+        let limit =
+            |square: f64| Motion { frequency: square.max(0.0).sqrt(), damping: 0.0, dof, grows: false }.limit(method);
         let at_most = limit(self.stiffest.value);
         let (step, confidence) = match self.bound {
             Some(bound) => (limit(bound), Confidence::Certified { at_most }),
@@ -266,6 +269,9 @@ impl<'a> Spectrum<'a> {
             let matters = |(least, _): (f64, Motion)| least > 0.0 && !stable(method, motion.rates(), least);
             if found.is_none_or(matters) {
                 let step = motion.limit(method);
+                if motion.grows && step == 0.0 {
+                    continue;
+                }
                 if found.is_none_or(|(least, _)| step < least) {
                     found = Some((step, *motion));
                 }
@@ -284,7 +290,7 @@ impl<'a> Spectrum<'a> {
         let mut motions = Vec::new();
         for shape in [&self.stiffest.vector, &self.most_damped.vector] {
             if let Some(Rates { frequency, damping, .. }) = self.quotients(shape).filter(|_| !shape.is_empty()) {
-                motions.push(Motion { frequency, damping, dof: self.place(shape) });
+                motions.push(Motion { frequency, damping, dof: self.place(shape), grows: false });
             }
         }
         let unit = self.unit();
@@ -311,9 +317,14 @@ impl<'a> Spectrum<'a> {
             let moves = |i: usize| (parts[i] + parts[n + i]) * self.linear.root[i].powi(2);
             let dof = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
             if value.im > 0.0 {
-                motions.push(Motion { frequency: value.re.hypot(value.im), damping: (-2.0 * value.re).max(0.0), dof });
+                motions.push(Motion {
+                    frequency: value.re.hypot(value.im),
+                    damping: (-2.0 * value.re).max(0.0),
+                    dof,
+                    grows: value.re > 0.0,
+                });
             } else if value.re < 0.0 {
-                motions.push(Motion { frequency: 0.0, damping: -value.re, dof });
+                motions.push(Motion { frequency: 0.0, damping: -value.re, dof, grows: false });
             }
         }
         motions
