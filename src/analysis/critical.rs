@@ -9,7 +9,7 @@
 //! Motion that grows by itself (buckling, flutter) limits no step: it must grow.
 
 use super::arnoldi::Krylov;
-use super::certificate::{Certifier, MOST_UNKNOWNS};
+use super::certificate::Certifier;
 use super::lanczos::{self, Ritz};
 use super::limit::{critical_step, stable};
 use super::linearised::{Linearised, dot};
@@ -32,6 +32,8 @@ const PRODUCTS: usize = 80;
 const GROWTH: f64 = 1e-3;
 /// Relative width at which the search for a step that does not grow ends.
 const WIDTH: f64 = 0.01;
+/// Degrees of freedom above which stepping the map takes many seconds; the roots of L alone then give the estimate.
+const MOST_STEPPED: usize = 20_000;
 /// Schemes whose linear step is no function of L.
 const SPLIT: [&str; 2] = ["euler-cromer", "velocity-verlet"];
 
@@ -332,7 +334,7 @@ impl<'a> Spectrum<'a> {
 
     /// The largest step whose map does not grow, searched about `guess`.
     fn stepped_limit(&mut self, method: &MethodChoice, guess: f64) -> Option<(f64, usize)> {
-        if self.linear.root.len() > MOST_UNKNOWNS {
+        if self.linear.root.len() > MOST_STEPPED {
             return None;
         }
         if self.stepped.is_none() {
