@@ -45,6 +45,13 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     if rates.damping == 0.0 && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
 
+/// Whether `method` is stable at step `h` [s] on the oscillator of `rates`.
+pub(super) fn stable(method: &MethodChoice, rates: Rates, h: f64) -> bool {
+    let unit = rates.frequency.max(rates.damping);
+    let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
+    unit == 0.0 || spectral_radius(method, oscillator, h * unit).is_some_and(|r| r <= 1.0 + ROUNDING)
+}
+
 /// Spectral radius of one step; `None` when a step cannot be made at all.
 fn spectral_radius(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<f64> {
     let mut map = step_map(method, oscillator, h)?;

@@ -1,5 +1,11 @@
 //! What can be said of a scene and a method without running them: fastest rates, largest stable steps.
 
+mod arnoldi;
+mod certificate;
+pub mod critical;
+mod lanczos;
 pub mod limit;
+mod linearised;
 mod oscillator;
 pub mod rates;
+mod step_map;

@@ -46,6 +46,12 @@ pub trait Scene: TangentSystem + Picture {
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
 
+    /// The spring (user's number) that by its stiffness over the masses at its ends is the fastest at a degree of freedom's node.
+    fn fastest_spring(&self, dof: usize) -> Option<u32> {
+        let _ = dof;
+        None
+    }
+
     /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 }

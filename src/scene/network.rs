@@ -19,7 +19,7 @@ pub struct Network {
     pub(super) fixed: Vec<[bool; 3]>,
     fixed_dofs: Vec<u32>,
     mass: Arc<[f64]>,
-    inverse_mass: Vec<f64>,
+    pub(super) inverse_mass: Vec<f64>,
     pub(super) start: Arc<[DVec3]>,
     velocity: Vec<[f64; 3]>,
     gravity: Option<DVec3>,

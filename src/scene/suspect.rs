@@ -47,6 +47,22 @@ impl Scene for Network {
         (self.numbering.user[dof / 3], AXES[dof % 3])
     }
 
+    fn fastest_spring(&self, dof: usize) -> Option<u32> {
+        let node = (dof / 3) as u32;
+        let mut fastest: Option<(f64, u32)> = None;
+        for batch in &self.springs {
+            let here = batch.data.nodes.iter().zip(&batch.edges).enumerate().filter(|(_, (n, _))| n.contains(&node));
+            for (i, (nodes, edge)) in here {
+                let inverse = |node: u32| by_node(&self.inverse_mass)[node as usize].max_element();
+                let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
+                if fastest.is_none_or(|(most, _)| square > most) {
+                    fastest = Some((square, *edge));
+                }
+            }
+        }
+        fastest.map(|(_, edge)| edge)
+    }
+
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };

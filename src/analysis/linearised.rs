@@ -1,0 +1,62 @@
+//! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
+
+use crate::model::state::StateRef;
+use crate::model::system::Weights;
+use crate::scene::Scene;
+
+/// M^-1/2 (c C + k K) M^-1/2 at a state, as products.
+pub(super) struct Linearised<'a> {
+    pub scene: &'a dyn Scene,
+    pub at: StateRef<'a>,
+    /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
+    pub root: Vec<f64>,
+}
+
+impl<'a> Linearised<'a> {
+    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
+        Linearised { scene, at, root: scene.inverse_mass().iter().map(|m| m.sqrt()).collect() }
+    }
+
+    /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.
+    pub fn start(&self) -> Vec<f64> {
+        self.root.iter().enumerate().map(|(i, r)| if *r > 0.0 { rough(i) } else { 0.0 }).collect()
+    }
+
+    /// y = M^-1/2 (c C + k K) M^-1/2 q; `p` is room for M^-1/2 q.
+    pub fn times(&self, w: Weights, q: &[f64], p: &mut [f64], y: &mut [f64]) {
+        for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
+            *p = r * q;
+        }
+        self.scene.tangent_times(self.at, w, p, y);
+        for (y, r) in y.iter_mut().zip(&self.root) {
+            *y *= r;
+        }
+    }
+}
+
+/// A fixed number in [-1, 1] of alternating sign, from a multiplicative hash.
+pub(super) fn rough(i: usize) -> f64 {
+    let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
+    2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(super) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// y += f x
+pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += f * x;
+    }
+}
+
+/// Vectors of length `n` that fit into the memory an analysis may take, at least `least`, at most `most`.
+pub(super) fn affordable(n: usize, [least, most]: [usize; 2]) -> usize {
+    const NUMBERS: usize = 30_000_000;
+    (NUMBERS / n.max(1)).clamp(least, most).min(n)
+}

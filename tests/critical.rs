@@ -1,0 +1,365 @@
+//! Critical steps of scenes against closed forms and against dense eigenvalues of the step itself.
+
+mod common;
+
+use canopy_fem::analysis::critical::{Confidence, CriticalStep, Spectrum};
+use canopy_fem::case::Case;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::MethodChoice;
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::model::point::Point;
+use canopy_fem::model::system::Weights;
+use canopy_fem::scene::Scene;
+use canopy_fem::simulation::build_scene;
+use common::Random;
+use common::run::case_of;
+use faer::{Mat, Side};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+const EXPLICIT: [&str; 7] = [
+    "explicit-euler",
+    "euler-cromer",
+    "euler-richardson",
+    "improved-euler",
+    "improved-euler-pec",
+    "velocity-verlet",
+    "rk4",
+];
+
+fn method(name: &str) -> MethodChoice {
+    MethodChoice::new(name, &BTreeMap::new()).expect("registered")
+}
+
+fn scene(case: &Case) -> Box<dyn Scene> {
+    build_scene(case.problem().system.clone(), 1).expect("the case is good")
+}
+
+fn critical(scene: &dyn Scene, name: &str) -> CriticalStep {
+    Spectrum::of(scene, scene.initial_state().as_ref()).critical_step(&method(name))
+}
+
+fn network(network: Value) -> Case {
+    let case = json!({
+        "name": "critical",
+        "system": {"network": network},
+        "time": {"end": 1.0, "step": 1e-3, "method": "velocity-verlet"}
+    });
+    case_of(&case, &[])
+}
+
+/// A random net: a jittered grid of `side` x `side` nodes with random stiffness, prestress, masses; one corner held.
+fn random_net(seed: u64, side: usize, strain: f64) -> Value {
+    let mut random = Random(seed);
+    let node = |i: usize, j: usize| i + side * j;
+    let mut nodes = Vec::new();
+    for (i, j) in (0..side * side).map(|n| (n % side, n / side)) {
+        let r = random.vector();
+        nodes.push([i as f64 + 0.2 * r[0], j as f64 + 0.2 * r[1], 0.3 * r[2]]);
+    }
+    let (mut springs, mut triangles) = (Vec::new(), Vec::new());
+    for (i, j) in (0..side * side).map(|n| (n % side, n / side)) {
+        if i + 1 < side {
+            springs.push([node(i, j), node(i + 1, j)]);
+        }
+        if j + 1 < side {
+            springs.push([node(i, j), node(i, j + 1)]);
+        }
+        if i + 1 < side && j + 1 < side {
+            springs.push([node(i, j), node(i + 1, j + 1)]);
+            triangles.push([node(i, j), node(i + 1, j), node(i + 1, j + 1)]);
+            triangles.push([node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
+        }
+    }
+    let mass: Vec<f64> = nodes.iter().map(|_| 0.5 * (1.5 + random.next())).collect();
+    let rules: Vec<Value> = (0..springs.len())
+        .map(|i| {
+            let k = 10f64.powf(2.0 + random.next());
+            json!({"on": {"ids": [i]}, "stiffness": k, "rest_scale": 1.0 / (1.0 + strain * (0.7 + 0.3 * random.next()))})
+        })
+        .collect();
+    json!({
+        "mesh": {"explicit": {"nodes": nodes, "springs": springs, "triangles": triangles}},
+        "mass": {"nodal": mass}, "springs": rules, "supports": [{"on": {"ids": [0]}, "fix": "xyz"}]
+    })
+}
+
+/// Columns of M^-1/2 (c C + k K) M^-1/2 over the free degrees of freedom.
+fn dense(scene: &dyn Scene, w: Weights) -> (Mat<f64>, Vec<usize>) {
+    let state = scene.initial_state();
+    let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
+    let free: Vec<usize> = (0..root.len()).filter(|&i| root[i] > 0.0).collect();
+    let mut a = Mat::zeros(free.len(), free.len());
+    let (mut p, mut y) = (vec![0.0; root.len()], vec![0.0; root.len()]);
+    for (j, &dof) in free.iter().enumerate() {
+        p.fill(0.0);
+        p[dof] = root[dof];
+        scene.tangent_times(state.as_ref(), w, &p, &mut y);
+        for (i, &row) in free.iter().enumerate() {
+            a[(i, j)] = root[row] * y[row];
+        }
+    }
+    (a, free)
+}
+
+fn dense_frequency(scene: &dyn Scene) -> f64 {
+    let (a, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
+    let eigen = a.self_adjoint_eigen(Side::Lower).expect("symmetric");
+    let values = eigen.S().column_vector();
+    values[values.nrows() - 1].sqrt()
+}
+
+/// Spectral radius of one real step about the start, by differences of two steps of the nonlinear code.
+fn radius(scene: &dyn Scene, name: &str, h: f64) -> f64 {
+    let choice = method(name);
+    let start = scene.initial_state();
+    let (_, free) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
+    let n = free.len();
+    let unit = 1.0 / h;
+    let image = |column: usize, amount: f64| -> Vec<f64> {
+        let mut from = Point { state: start.clone(), forces: scene.new_forces() };
+        let dof = free[column % n];
+        if column < n {
+            from.state.x[dof] += amount / unit
+        } else {
+            from.state.v[dof] += amount
+        }
+        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("it binds");
+        stepper.start(&from).expect("it starts");
+        let mut to = from.clone();
+        // The time stands still, so that only the state makes a difference.
+        stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default()).expect("it steps");
+        free.iter().map(|&i| to.state.x[i] * unit).chain(free.iter().map(|&i| to.state.v[i])).collect()
+    };
+    let small = 1e-5;
+    let columns: Vec<Vec<f64>> = (0..2 * n)
+        .map(|j| {
+            let (plus, minus) = (image(j, small), image(j, -small));
+            plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * small)).collect()
+        })
+        .collect();
+    let map = Mat::from_fn(2 * n, 2 * n, |i, j| columns[j][i]);
+    map.eigenvalues().expect("a matrix has eigenvalues").iter().map(|z| z.re.hypot(z.im)).fold(0.0, f64::max)
+}
+
+/// [s] Largest step without growth beyond `share`, by bisection of the dense radius within [0, most].
+fn dense_limit(scene: &dyn Scene, name: &str, most: f64) -> f64 {
+    let (mut stable, mut unstable) = (0.0, most);
+    assert!(radius(scene, name, most) > 1.001, "{name}: {most} s is stable");
+    while unstable - stable > 1e-3 * unstable {
+        let middle = 0.5 * (stable + unstable);
+        if radius(scene, name, middle) <= 1.0 + 1e-6 { stable = middle } else { unstable = middle }
+    }
+    stable
+}
+
+/// `slack` is what the truth itself is uncertain by, relative.
+fn assert_certified(found: CriticalStep, (truth, slack): (f64, f64), what: &str) {
+    let Confidence::Certified { at_most } = found.confidence else { panic!("{what}: {found:?} is not certified") };
+    assert!(found.step <= truth * (1.0 + slack), "{what}: the safe end {} is above the limit {truth}", found.step);
+    assert!(at_most >= truth * (1.0 - slack), "{what}: the upper end {at_most} is below the limit {truth}");
+    assert!(found.step >= 0.95 * at_most, "{what}: {} to {at_most} is wider than 5 %", found.step);
+}
+
+/// A chain of n equal springs, both ends held: w = 2 sqrt(k/m) sin(pi (n-1)/(2 n)).
+#[test]
+fn a_chain_has_its_closed_form() {
+    let (k, m, n) = (50.0, 0.02, 24_usize);
+    let nodes: Vec<[f64; 3]> = (0..=n).map(|i| [i as f64, 0.0, 0.0]).collect();
+    let springs: Vec<[usize; 2]> = (0..n).map(|i| [i, i + 1]).collect();
+    let case = network(json!({
+        "mesh": {"explicit": {"nodes": nodes, "springs": springs}}, "mass": {"nodal": m},
+        "springs": [{"on": "all", "stiffness": k}], "supports": [{"on": {"ids": [0, n]}, "fix": "xyz"}]
+    }));
+    let w = 2.0 * f64::sqrt(k / m) * (std::f64::consts::PI * (n - 1) as f64 / (2 * n) as f64).sin();
+    let scene = scene(&case);
+    for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
+        assert_certified(critical(&*scene, name), (wh / w, 1e-7), name);
+    }
+    assert_eq!(critical(&*scene, "improved-euler").step, 0.0);
+    assert_eq!(critical(&*scene, "newmark").step, f64::INFINITY);
+}
+
+/// Prestress adds T/l across every spring: two springs pulled to (1 + e) l0 along x carry a mass with 2 k along, 2 T/l across.
+/// Shortened ones (e < 0) push it away across, which limits no step.
+#[test]
+fn prestress_counts_and_compression_limits_nothing() {
+    for (strain, square) in [(0.0, 200.0), (1.5, 200.0), (-0.3, 200.0)] {
+        let case = network(json!({
+            "mesh": {"explicit": {"nodes": [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], "springs": [[0, 1], [1, 2]]}},
+            "mass": {"nodal": 0.5}, "springs": [{"on": "all", "stiffness": 50.0, "rest_scale": 1.0 / (1.0 + strain)}],
+            "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "z"}]
+        }));
+        let found = critical(&*scene(&case), "velocity-verlet");
+        assert_certified(found, (2.0 / f64::sqrt(square), 1e-9), &format!("strain {strain}"));
+    }
+    // Held along, only the prestress is left: k e/(1 + e) l0/l0 a spring.
+    let case = network(json!({
+        "mesh": {"explicit": {"nodes": [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], "springs": [[0, 1], [1, 2]]}},
+        "mass": {"nodal": 0.5}, "springs": [{"on": "all", "stiffness": 50.0, "rest_length": 0.4}],
+        "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "xz"}]
+    }));
+    // T = 50 (1 - 0.4) = 30 N over l = 1 m, two of them on 0.5 kg.
+    assert_certified(critical(&*scene(&case), "velocity-verlet"), (2.0 / 120f64.sqrt(), 1e-9), "across");
+}
+
+/// Random nets, stretched, slack and compressed: the interval holds the dense value and is narrow.
+#[test]
+fn random_nets_have_certified_intervals_about_the_dense_value() {
+    for (seed, side, strain) in [(1, 3, 0.0), (2, 4, 0.4), (3, 5, 0.9), (4, 6, -0.4), (5, 7, 0.2), (6, 8, -0.1)] {
+        let scene = scene(&network(random_net(seed, side, strain)));
+        let w = dense_frequency(&*scene);
+        for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
+            assert_certified(critical(&*scene, name), (wh / w, 1e-7), &format!("net {seed}, {name}"));
+        }
+    }
+}
+
+/// One mass on one spring with a relative dashpot: the table "Critical steps", whatever a method is analysed by.
+#[test]
+fn a_damped_oscillator_has_the_limits_of_the_table() {
+    let (k, m) = (3.0, 2.0);
+    let w = f64::sqrt(k / m);
+    let table = [
+        ("explicit-euler", [0.2, 2.0]),
+        ("euler-cromer", [1.8099, 0.8284]),
+        ("euler-richardson", [1.0497, 2.0]),
+        ("improved-euler", [1.0497, 2.0]),
+        ("improved-euler-pec", [0.6492, 1.0]),
+        ("velocity-verlet", [1.8435, 1.0]),
+        ("rk4", [2.9508, 2.7853]),
+    ];
+    for (at, zeta) in [0.1, 1.0].into_iter().enumerate() {
+        let case = network(json!({
+            "mesh": {"explicit": {"nodes": [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": m},
+            "springs": [{"on": "all", "stiffness": k, "dashpot": {"relative": {"coefficient": 2.0 * zeta * w * m}}}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}]
+        }));
+        let scene = scene(&case);
+        for (name, limits) in table {
+            let found = critical(&*scene, name);
+            let limit = limits[at] / w;
+            if name == "euler-cromer" {
+                assert_certified(found, (limit, 1e-4), &format!("{name} at {zeta}"));
+            } else {
+                assert_eq!(found.confidence, Confidence::Estimate, "{name}");
+                assert!((found.step / limit - 1.0).abs() < 5e-3, "{name} at {zeta}: {} for {limit}", found.step);
+            }
+        }
+    }
+}
+
+/// Dashpots on some springs only, and heavy: C shares no modes with K.
+#[test]
+fn coupled_damping_agrees_with_the_dense_step() {
+    for (seed, coefficient) in [(11, 0.5), (12, 4.0), (13, 40.0)] {
+        let mut net = random_net(seed, 4, 0.3);
+        for rule in net["springs"].as_array_mut().expect("rules").iter_mut().step_by(2) {
+            rule["dashpot"] = json!({"relative": {"coefficient": coefficient}});
+        }
+        net["damping"] = json!({"rayleigh": {"mass": 1.0}});
+        let scene = scene(&network(net));
+        agrees(&*scene, &format!("net {seed}"));
+        let cromer = critical(&*scene, "euler-cromer");
+        let truth = dense_limit(&*scene, "euler-cromer", 1.5 * cromer.step);
+        assert_certified(cromer, (truth, 2e-3), &format!("net {seed}"));
+    }
+}
+
+/// Air on a stretched net that is held all around, so that nothing flutters: tangents that are not symmetric.
+#[test]
+fn air_agrees_with_the_dense_step() {
+    for (seed, wind, law) in [(21, 0.5, [20.0, 5.0]), (22, 2.0, [60.0, 2.0]), (23, 1.0, [2.0, 0.5])] {
+        let mut net = random_net(seed, 5, 0.6);
+        for rule in net["springs"].as_array_mut().expect("rules").iter_mut() {
+            rule["dashpot"] = json!({"relative": {"time": 1e-3}});
+        }
+        net["supports"] = json!([{"on": "boundary", "fix": "xyz"}]);
+        net["damping"] = json!({"rayleigh": {"mass": 5.0}});
+        net["aero"] = json!({"wind": [0.0, 0.3 * wind, wind], "law": {"permeable":
+            {"a": law[0], "b": law[1], "thickness": 1.0}}});
+        let scene = scene(&network(net));
+        assert!(!scene.abilities().tangent.symmetric());
+        agrees(&*scene, &format!("air {seed}"));
+    }
+}
+
+/// Estimates of all explicit methods within 5 % of the dense limit; certified ones below it.
+fn agrees(scene: &dyn Scene, what: &str) {
+    for name in EXPLICIT {
+        let found = critical(scene, name);
+        assert!(found.step > 0.0 && found.step.is_finite(), "{what}, {name}: {found:?}");
+        let truth = dense_limit_of_carrying(scene, name, 2.0 * found.step);
+        let share = found.step / truth;
+        println!("{what}, {name}: {:.4e} of {truth:.4e}: {share:.4}", found.step);
+        assert!((0.95..1.05).contains(&share), "{what}, {name}: {} where the dense step says {truth}", found.step);
+    }
+}
+
+/// Runge-Kutta schemes by their polynomial and the multistep one by Adams-Bashforth 2, on the eigenvalues of dense L: a net out of
+/// balance moves so far in one step that a difference of steps is not the tangent at its start.
+fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
+    let order = match name {
+        "euler-cromer" | "velocity-verlet" => return dense_limit(scene, name, most),
+        "explicit-euler" => 1,
+        "rk4" => 4,
+        _ => 2,
+    };
+    let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
+    let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
+    let n = free.len();
+    let l = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => 0.0,
+        (true, false) => f64::from(u8::from(i == j - n)),
+        (false, true) => -k[(i - n, j)],
+        (false, false) => -c[(i - n, j - n)],
+    });
+    let roots = l.eigenvalues().expect("a matrix has eigenvalues");
+    let grows = |h: f64| {
+        roots.iter().any(|mu| {
+            let (re, im) = (h * mu.re, h * mu.im);
+            if name != "improved-euler-pec" {
+                // R(mu h) = sum of (mu h)^j/j!, by Horner.
+                let (mut a, mut b) = (1.0, 0.0);
+                for j in (1..=order).rev() {
+                    (a, b) = (1.0 + (a * re - b * im) / f64::from(j), (a * im + b * re) / f64::from(j));
+                }
+                return f64::hypot(a, b) > 1.0 + 1e-9;
+            }
+            // z^2 - (1 + 3/2 mu h) z + mu h / 2, as a real 4 x 4 companion.
+            let b = [[1.0 + 1.5 * re, -1.5 * im], [1.5 * im, 1.0 + 1.5 * re]];
+            let d = [[-0.5 * re, 0.5 * im], [-0.5 * im, -0.5 * re]];
+            let companion = Mat::from_fn(4, 4, |i, j| match (i < 2, j < 2) {
+                (true, true) => b[i][j],
+                (true, false) => d[i][j - 2],
+                (false, true) => f64::from(u8::from(i - 2 == j)),
+                (false, false) => 0.0,
+            });
+            let z = companion.eigenvalues().expect("a matrix has eigenvalues");
+            z.iter().any(|z| z.re.hypot(z.im) > 1.0 + 1e-6)
+        })
+    };
+    let (mut stable, mut unstable) = (0.0, most);
+    while unstable - stable > 1e-3 * unstable {
+        let middle = 0.5 * (stable + unstable);
+        if grows(middle) { unstable = middle } else { stable = middle }
+    }
+    stable
+}
+
+/// The node and the spring that set the limit, in the user's numbers.
+#[test]
+fn the_stiffest_corner_is_named() {
+    let mut net = random_net(31, 5, 0.1);
+    let stiff = 17;
+    net["springs"][stiff]["stiffness"] = json!(1e6);
+    let ends: Vec<u64> =
+        net["mesh"]["explicit"]["springs"][stiff].as_array().expect("ends").iter().filter_map(Value::as_u64).collect();
+    let scene = scene(&network(net));
+    let found = critical(&*scene, "velocity-verlet");
+    assert!(ends.contains(&u64::from(scene.name_of(found.dof).0)), "{found:?} for the spring of {ends:?}");
+    assert_eq!(scene.fastest_spring(found.dof), Some(stiff as u32));
+}
