@@ -5,7 +5,7 @@
 //! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k = 0 with the quotients
 //! k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved in the same way.
 //! Else estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so
-//! outer eigenvalues of L (Arnoldi) tell; schemes that treat x and v differently are stepped ([`super::step_map`]).
+//! outer eigenvalues of L (Arnoldi) tell; schemes that treat x and v differently are stepped.
 //! Motion that grows by itself (buckling, flutter) limits no step: it must grow.
 
 use super::arnoldi::Krylov;
