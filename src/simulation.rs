@@ -2,7 +2,7 @@
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
-use crate::drive::{Outcome, RunError, RunSpec};
+use crate::drive::{Outcome, RunError};
 use crate::force::batch::Threads;
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
 use crate::scene::{BuildError, Pendulum, Scene, build_network};
@@ -108,12 +108,7 @@ pub enum FollowError {
 pub fn follow(problem: &Problem, how: FollowSpec, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, FollowError> {
     let scene = build_scene(problem.system.clone(), how.threads)?;
     let mut stepper = bind(problem, &*scene)?;
-    let spec = RunSpec {
-        end: problem.time.end,
-        step: problem.time.step,
-        keep_going: how.keep_going,
-        method: problem.method.info,
-    };
+    let spec = problem.run_spec(how.keep_going);
     let n = scene.reference().len();
     let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };
     Ok(crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut follower], &AtomicBool::new(false))?)

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use canopy_fem::case::spec::RowEvery;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
 use canopy_fem::output::encode::{Compression, Encoding, VtuFormat};
 use canopy_fem::output::frame::Fields;
@@ -27,7 +28,7 @@ fn spec(dir: &Path) -> RecorderSpec {
             Probe { name: "tip".to_owned(), nodes: vec![3] },
             Probe { name: "a, b".to_owned(), nodes: vec![1, 0] },
         ],
-        history_every: 1,
+        history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
     }
 }
@@ -166,7 +167,11 @@ fn large_arrays_take_several_blocks() {
 fn rows_are_complete() {
     let dir = tempfile::tempdir().expect("a folder");
     let pair = TrianglePair::new();
-    record(&pair, &RecorderSpec { history_every: 3, ..spec(dir.path()) }, Run { step: 0.1, steps: 10 });
+    record(
+        &pair,
+        &RecorderSpec { history_every: RowEvery::Steps(3), ..spec(dir.path()) },
+        Run { step: 0.1, steps: 10 },
+    );
     let history = read(dir.path().join("history.csv"));
     let mut lines = history.lines();
     let header = "t,step,kinetic,elastic,gravity,external_work,dissipated,numerical,newton_iterations,residual,max_speed,max_strain";
@@ -424,7 +429,10 @@ fn bad_requests_are_refused() {
     assert!(fault.to_string().contains("output.frames.every >= 1e-6 s"), "{fault}");
     let fault = refuse(RecorderSpec { frames_every: Some(1.0), end: f64::NAN, ..spec(dir.path()) });
     assert!(matches!(fault, RecorderError::TooManyFrames { .. }), "{fault}");
-    assert!(matches!(refuse(RecorderSpec { history_every: 0, ..spec(dir.path()) }), RecorderError::BadHistory));
+    assert!(matches!(
+        refuse(RecorderSpec { history_every: RowEvery::Steps(0), ..spec(dir.path()) }),
+        RecorderError::BadHistory
+    ));
     let probes = vec![Probe { name: "far".to_owned(), nodes: vec![0, 4] }];
     let fault = refuse(RecorderSpec { probes, ..spec(dir.path()) });
     assert_eq!(fault.to_string(), "probe \"far\" follows node 4, but there are 4 nodes, counted from 0");

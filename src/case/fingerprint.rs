@@ -1,5 +1,5 @@
 //! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the parts that
-//! differ. The end and the interval of checkpoints are not in it: a run may be resumed with others.
+//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others.
 //!
 //! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh, and a value
 //! spelt out that was the default before is the same case.
@@ -11,6 +11,7 @@ use std::io::{self, BufWriter, Write};
 use serde::{Deserialize, Serialize};
 
 use super::spec::{OutputSpec, Problem, SystemSpec};
+use crate::drive::clock::Step;
 use crate::model::spec::NetworkSpec;
 
 /// The parts of a case.
@@ -59,7 +60,14 @@ impl Fingerprint {
         }
         let method = &problem.method;
         made.text("time.method", &(method.info.name, method.parameters().collect::<BTreeMap<_, _>>()))?;
-        made.text("time.step", &problem.time.step)?;
+        match problem.time.step {
+            Step::Fixed(step) => made.text("time.step", &step)?,
+            Step::Adaptive(tolerance) => {
+                made.text("time.tolerance", &tolerance)?;
+                // It is shared out over the run.
+                made.text("time.end", &problem.time.end)?;
+            }
+        }
         made.parts.push(Part { key: "solver".to_owned(), value: Value::Text(format!("{:?}", problem.solver)) });
         let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _ } = &problem.output;
         made.text("output.frames.every", frames_every)?;

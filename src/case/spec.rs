@@ -1,9 +1,12 @@
 //! A case as a run needs it: every default filled in, nothing left to look up.
 
-use crate::drive::clock::FixedSteps;
+use crate::drive::RunSpec;
+use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
+
+use serde::{Deserialize, Serialize};
 
 pub use super::schema::Field;
 
@@ -29,6 +32,11 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// What [`crate::drive::run`] is to do.
+    pub fn run_spec(&self, keep_going: bool) -> RunSpec<'_> {
+        RunSpec { end: self.time.end, step: self.time.step, keep_going, method: &self.method }
+    }
+
     /// Takes the system out; an empty network stays. A large mesh is then not kept twice.
     pub fn take_system(&mut self) -> SystemSpec {
         std::mem::replace(&mut self.system, SystemSpec::Network(Box::default()))
@@ -49,14 +57,14 @@ pub enum SystemSpec {
 pub struct TimeSpec {
     /// [s] end of the simulated time, above 0
     pub end: f64,
-    /// [s] fixed step, above 0
-    pub step: f64,
+    /// how the run goes there
+    pub step: Step,
 }
 
 impl TimeSpec {
-    /// [-] Number of steps; the last one is shortened to meet the end.
-    pub fn steps(&self) -> u64 {
-        FixedSteps::new(self.step, self.end).count()
+    /// [-] Number of steps, if they are fixed; the last one is shortened to meet the end.
+    pub fn steps(&self) -> Option<u64> {
+        self.step.fixed().map(|step| FixedSteps::new(step, self.end).count())
     }
 }
 
@@ -69,10 +77,25 @@ pub struct OutputSpec {
     pub fields: Vec<Field>,
     /// probes, in the order of the case
     pub probes: Vec<ProbeSpec>,
-    /// [-] steps a row of `history.csv`, at least 1
-    pub history_every: u64,
+    /// how often `history.csv` has a row
+    pub history_every: RowEvery,
     /// [s] a checkpoint at every multiple of this; `None`: only when interrupted
     pub checkpoint_every: Option<f64>,
+}
+
+/// How often `history.csv` has a row, beside the first and the last state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum RowEvery {
+    /// [-] every so many steps, at least 1
+    Steps(u64),
+    /// [s] at the end of the first step that reaches each multiple of this, above 0
+    Time(f64),
+}
+
+impl Default for RowEvery {
+    fn default() -> Self {
+        RowEvery::Steps(1)
+    }
 }
 
 /// Nodes whose motion is written.

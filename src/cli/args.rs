@@ -45,9 +45,12 @@ pub struct CaseArgs {
     /// Method, with its default parameters, or as in the case file: '{"hht": {"alpha": -0.2}}'
     #[arg(long)]
     pub method: Option<String>,
-    /// Step [s]
+    /// Fixed step [s]; replaces time.tolerance
     #[arg(long, allow_negative_numbers = true)]
     pub step: Option<String>,
+    /// Relative tolerance of adaptive steps, with a hundredth of it [m] as the absolute one; replaces time.step
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "step")]
+    pub tolerance: Option<String>,
     /// End of the simulated time [s]
     #[arg(long, allow_negative_numbers = true)]
     pub end: Option<String>,
@@ -89,9 +92,22 @@ pub struct SolveArgs {
 impl CaseArgs {
     /// All replacements in the order they apply: `--set` first, then the flags with a name of their own.
     pub fn overrides(&self) -> Vec<(String, String)> {
-        let flags = [("time.method", &self.method), ("time.step", &self.step), ("time.end", &self.end)];
-        let named = flags.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value.clone()?)));
+        let steps = [
+            self.step.clone().map(|step| [("time.tolerance", "null".to_owned()), ("time.step", step)]),
+            self.tolerance.as_deref().map(|t| [("time.step", "null".to_owned()), ("time.tolerance", both(t))]),
+        ];
+        let flags = [("time.method", &self.method), ("time.end", &self.end)];
+        let flags = flags.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
+        let named = flags.chain(steps.into_iter().flatten().flatten()).map(|(key, value)| (key.to_owned(), value));
         self.set.iter().cloned().chain(named).collect()
+    }
+}
+
+/// Both tolerances from the relative one; what is no number is left for the case's own check.
+fn both(relative: &str) -> String {
+    match relative.trim().parse::<f64>() {
+        Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", 0.01 * number),
+        Err(_) => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
     }
 }
 

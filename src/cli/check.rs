@@ -6,6 +6,7 @@ use crate::analysis::limit::critical_step;
 use crate::analysis::rates::{Rates, rates};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
+use crate::drive::clock::{Step, Tolerance};
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::spec::NetworkSpec;
@@ -81,10 +82,14 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
     let mut bytes = 8 * vectors * n;
     let _ = writeln!(
         text,
-        "  method          {}, order {}, step {} s",
+        "  method          {}, order {}, {}",
         info.name,
-        info.order,
-        figures(problem.time.step, 12)
+        problem.method.order(),
+        match problem.time.step {
+            Step::Fixed(step) => format!("step {} s", figures(step, 12)),
+            Step::Adaptive(Tolerance { relative, absolute }) =>
+                format!("adaptive steps, tolerance {relative:e} of the motion and {absolute:e} m"),
+        }
     );
     if info.family == Family::Implicit {
         let kind = if scene.symmetric() { "symmetric" } else { "not symmetric" };
@@ -151,9 +156,11 @@ fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rate
         } else if limit == 0.0 {
             let _ = writeln!(text, "{mark} {:<20}  {:<18}  grows at every step without damping", info.name, "0");
         } else {
-            let ratio = problem.time.step / limit;
-            let over = if ratio > 1.0 { "  too large" } else { "" };
-            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {ratio:.3}{over}", info.name);
+            let used = problem.time.step.fixed().map_or_else(
+                || "adaptive".to_owned(),
+                |step| format!("{:.3}{}", step / limit, if step > limit { "  too large" } else { "" }),
+            );
+            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {used}", info.name);
         }
     }
     text.push_str(

@@ -49,7 +49,8 @@ impl Limit {
 /// A warning for a step that is too large, with both numbers.
 pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: Limit) -> Option<String> {
     let name = problem.method.info.name;
-    let step = problem.time.step.min(problem.time.end);
+    // Adaptive steps find the limit themselves.
+    let step = problem.time.step.fixed()?.min(problem.time.end);
     if limit.step == 0.0 {
         return Some(format!(
             "{name} has no stable step on this scene, where nothing damps the fastest motion: its energy grows at every \

@@ -10,7 +10,7 @@ use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::observer::Observer;
-use crate::drive::{self, Failure, Outcome, RunSpec, Status};
+use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
 use crate::output::checkpoint::Checkpoint;
@@ -98,8 +98,7 @@ impl<'a> Job<'a> {
         stop: &AtomicBool,
     ) -> Result<(Outcome, Summary, Farthest<'a>), CliError> {
         let &Job { args, problem, scene, folder, limit } = self;
-        let method = problem.method.info;
-        let spec = RunSpec { end: problem.time.end, step: problem.time.step, keep_going: args.keep_going, method };
+        let spec = problem.run_spec(args.keep_going);
         let recorded = recorder_spec(problem, folder);
         let recorder = match &checkpoint {
             Some(checkpoint) => {
@@ -214,12 +213,18 @@ fn report(
         c.force_evaluations, c.factorizations, c.newton_iterations
     );
     let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
-    if let Some(step) = summary.critical_step {
+    // Of adaptive steps, what they came to on average.
+    let step = problem.time.step.fixed().unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
+    if let Some(tolerance) = problem.time.step.tolerance() {
         let _ = writeln!(
             text,
-            "  critical step   about {step:.2e} s at the start ({:.2} of it used)",
-            problem.time.step / step
+            "  adaptive        tolerance {:e} and {:e} m; {:.2e} s a step on average, {} attempts dropped",
+            tolerance.relative, tolerance.absolute, step, outcome.rejected_steps
         );
+    }
+    if let Some(critical) = summary.critical_step {
+        let used = step / critical;
+        let _ = writeln!(text, "  critical step   about {critical:.2e} s at the start ({used:.2} of it used)");
     }
     let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());

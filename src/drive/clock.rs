@@ -1,4 +1,44 @@
-//! Times of a run with a fixed step: multiples of it, and the end met exactly.
+//! How a run goes through time: in fixed steps, multiples of one size with the end met exactly, or in steps of the size a
+//! tolerance allows.
+
+use serde::{Deserialize, Serialize};
+
+/// How a run goes through time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// [s] in steps of this size
+    Fixed(f64),
+    /// in steps whose error stays within a tolerance
+    Adaptive(Tolerance),
+}
+
+impl Step {
+    /// [s] The step, if it is fixed.
+    pub fn fixed(self) -> Option<f64> {
+        match self {
+            Step::Fixed(step) => Some(step),
+            Step::Adaptive(_) => None,
+        }
+    }
+
+    /// The tolerance, if steps are adaptive.
+    pub fn tolerance(self) -> Option<Tolerance> {
+        match self {
+            Step::Fixed(_) => None,
+            Step::Adaptive(tolerance) => Some(tolerance),
+        }
+    }
+}
+
+/// The error in any position that all steps of a run together may make, were errors only added up:
+/// `absolute + relative * (largest displacement so far)`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tolerance {
+    /// [-] share of the motion, in (0, 1)
+    pub relative: f64,
+    /// [m] (or [rad], pendulum) error that is always allowed, above 0
+    pub absolute: f64,
+}
 
 /// A fixed step from 0 to the end; only the last step may be shorter.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,11 +3,10 @@
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::{Rates, rates};
 use crate::integrate::StepError;
-use crate::integrate::registry::{Family, MethodChoice, MethodInfo};
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
 use crate::solve::newton::NewtonFailure;
-use std::collections::BTreeMap;
 
 /// What `summary.json` shows under `failure`.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -33,7 +32,7 @@ pub struct Failure {
 /// Where a run stood when a step failed.
 pub(super) struct Scenery<'a> {
     pub scene: &'a dyn Scene,
-    pub method: &'static MethodInfo,
+    pub method: &'a MethodChoice,
     /// last good point
     pub from: &'a Point,
     pub step: u64,
@@ -76,7 +75,7 @@ impl Scenery<'_> {
         self.report(suspect, error.to_string(), advice)
     }
 
-    fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
+    pub(super) fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
         let Suspect { node, spring, term } = suspect;
         let term = term.map(str::to_owned);
         Failure { time: self.t, step: self.step, node, spring, term, cause, advice, blow_up_time: None }
@@ -109,12 +108,12 @@ impl Scenery<'_> {
 
     /// Nine tenths of the method's own limit on an oscillator with these rates.
     fn advice_for(&self, rates: Rates) -> String {
-        let limit = MethodChoice::new(self.method.name, &BTreeMap::new()).map_or(0.0, |m| critical_step(&m, rates));
+        let limit = critical_step(self.method, rates);
         if limit == 0.0 {
             return format!(
                 "{} grows at every step on undamped oscillations: use velocity-verlet, rk4 or an implicit method such as \
                  newmark",
-                self.method.name
+                self.method.info.name
             );
         }
         if limit.is_infinite() {
@@ -124,7 +123,7 @@ impl Scenery<'_> {
     }
 
     fn or_implicit(&self) -> &'static str {
-        if self.method.family == Family::Implicit { "" } else { ", or an implicit method such as newmark" }
+        if self.method.info.family == Family::Implicit { "" } else { ", or an implicit method such as newmark" }
     }
 
     fn general_advice(&self) -> String {

@@ -3,6 +3,7 @@
 //! [`run`] owns the two points a step goes between; a scheme computes, the ledger accounts, observers watch. A
 //! step that is not finite or has blown up is never shown to an observer as good.
 
+pub mod adaptive;
 pub mod clock;
 mod error;
 pub mod failure;

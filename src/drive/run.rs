@@ -1,12 +1,13 @@
 //! The loop.
 
-use super::clock::{FixedSteps, Tick};
+use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Bench, Dropped, Kept, Trial};
+use super::clock::{FixedSteps, Step, Tick};
 use super::error::RunError;
 use super::failure::{Failure, Scenery};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
 use super::snapshot::Snapshot;
-use crate::integrate::registry::MethodInfo;
+use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
@@ -20,15 +21,15 @@ const BLOW_UP: f64 = 1e4;
 
 /// What to run.
 #[derive(Clone, Copy, Debug)]
-pub struct RunSpec {
+pub struct RunSpec<'a> {
     /// [s] end of the run
     pub end: f64,
-    /// [s] fixed step
-    pub step: f64,
+    /// how it goes there
+    pub step: Step,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,
-    /// the method, for reports
-    pub method: &'static MethodInfo,
+    /// the method that the stepper was made of
+    pub method: &'a MethodChoice,
 }
 
 /// How a run ended.
@@ -53,6 +54,8 @@ pub struct Outcome {
     pub status: Status,
     /// accepted steps
     pub steps: u64,
+    /// attempts of adaptive steps that were dropped
+    pub rejected_steps: u64,
     /// [s] time of the last good state
     pub t_end: f64,
     /// work done
@@ -75,7 +78,7 @@ pub struct Outcome {
 pub fn run(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
-    spec: RunSpec,
+    spec: RunSpec<'_>,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
@@ -94,7 +97,7 @@ pub fn run(
 pub fn resume(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
-    spec: RunSpec,
+    spec: RunSpec<'_>,
     snapshot: Snapshot,
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
@@ -112,13 +115,12 @@ fn go_on(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let clock = FixedSteps::new(run.spec.step, run.spec.end);
     let mut status = Status::Completed;
-    for k in run.steps + 1..=clock.count() {
+    while let Some(next) = run.next() {
         let stopped = stop.load(Ordering::Relaxed);
         let occasion = match stopped {
             true => Occasion::Interrupted,
-            false if k == clock.count() => Occasion::LastStep,
+            false if next.t >= run.spec.end => Occasion::LastStep,
             false => Occasion::Step,
         };
         for o in observers.iter_mut() {
@@ -128,24 +130,9 @@ fn go_on(
             status = Status::Interrupted;
             break;
         }
-        match run.step(stepper, k, clock.tick(k)) {
-            Ok(report) => {
-                let view = StepView {
-                    step: k,
-                    from: &run.to,
-                    to: &run.from,
-                    ledger: run.row,
-                    newton_iterations: report.newton_iterations,
-                    residual: report.residual,
-                };
-                for o in observers.iter_mut() {
-                    o.accepted(view)?;
-                }
-            }
-            Err(stopped) => {
-                status = stopped;
-                break;
-            }
+        if let Err(stopped) = run.advance(stepper, observers)? {
+            status = stopped;
+            break;
         }
     }
     for o in observers.iter_mut() {
@@ -157,10 +144,32 @@ fn go_on(
     Ok(run.outcome(status, stepper))
 }
 
+/// Where the next step comes from.
+enum Pace {
+    Fixed(FixedSteps),
+    Adaptive(Box<Adaptive>),
+}
+
+impl Pace {
+    fn of(scene: &dyn Scene, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
+        match spec.step {
+            Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
+            Step::Adaptive(tolerance) => {
+                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order() };
+                Pace::Adaptive(Box::new(match state {
+                    Some(state) => Adaptive::restore(scene, made, state),
+                    None => Adaptive::new(scene, made),
+                }))
+            }
+        }
+    }
+}
+
 /// State of the loop. After a step `from` is the accepted point and `to` the one before it.
 struct Run<'a> {
     scene: &'a dyn Scene,
-    spec: RunSpec,
+    spec: RunSpec<'a>,
+    pace: Pace,
     from: Point,
     to: Point,
     counters: Counters,
@@ -173,42 +182,87 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn start(scene: &'a dyn Scene, stepper: &mut Stepper<'_>, spec: RunSpec) -> Result<Self, RunError> {
+    fn start(scene: &'a dyn Scene, stepper: &mut Stepper<'_>, spec: RunSpec<'a>) -> Result<Self, RunError> {
         let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
         let mut counters = Counters::default();
         counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
-        let to = from.clone();
-        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: 0, limit: limit(scene), failure: None })
+        let (to, pace) = (from.clone(), Pace::of(scene, spec, None));
+        Ok(Run { scene, spec, pace, from, to, counters, ledger, row, steps: 0, limit: limit(scene), failure: None })
     }
 
     fn restore(
         scene: &'a dyn Scene,
         stepper: &mut Stepper<'_>,
-        spec: RunSpec,
+        spec: RunSpec<'a>,
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.passes(scene, &snapshot)?;
-        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure } = snapshot;
+        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure, adaptive } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         scene.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         stepper.restore(&carried)?;
-        let to = from.clone();
-        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: step, limit: limit(scene), failure })
+        let (to, pace) = (from.clone(), Pace::of(scene, spec, adaptive));
+        Ok(Run { scene, spec, pace, from, to, counters, ledger, row, steps: step, limit: limit(scene), failure })
     }
 
     fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
         let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
         let (row, counters, failure) = (*row, *counters, failure.as_ref());
-        Resumable { occasion, step: *steps, at, row, counters, ledger, failure, stepper }
+        let adaptive = match &self.pace {
+            Pace::Fixed(_) => None,
+            Pace::Adaptive(pace) => Some(pace.state()),
+        };
+        Resumable { occasion, step: *steps, at, row, counters, ledger, failure, stepper, adaptive }
     }
 
-    /// Attempts step `k`; on success the points have changed places.
-    fn step(&mut self, stepper: &mut Stepper<'_>, k: u64, Tick { h, t }: Tick) -> Result<StepReport, Status> {
-        let attempt = Attempt { from: &self.from, h, t_next: t };
+    /// The next step, or the next to try; `None` at the end.
+    fn next(&self) -> Option<Tick> {
+        match &self.pace {
+            Pace::Fixed(clock) => (self.steps < clock.count()).then(|| clock.tick(self.steps + 1)),
+            Pace::Adaptive(pace) => pace.next(self.from.state.t).map(|Trial { h, t, .. }| Tick { h, t }),
+        }
+    }
+
+    /// Goes on to the next accepted state, which may take several attempts.
+    fn advance(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Result<(), Status>, RunError> {
+        while let Some(tick) = self.next() {
+            let kept = match &mut self.pace {
+                Pace::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
+                Pace::Adaptive(_) => match self.adaptive_step(stepper) {
+                    Ok(Some(kept)) => Ok(kept),
+                    Ok(None) => continue,
+                    Err(stopped) => Err(stopped),
+                },
+            };
+            return match kept {
+                Err(stopped) => Ok(Err(stopped)),
+                Ok(Kept::Single(report)) => self.take(Some(stepper), &report, observers),
+                Ok(Kept::Halves([first, second])) => match self.take(None, &first, observers)? {
+                    Err(stopped) => Ok(Err(stopped)),
+                    Ok(()) => {
+                        if let Pace::Adaptive(pace) = &mut self.pace
+                            && let Some(end) = pace.second()
+                        {
+                            std::mem::swap(&mut self.to, end);
+                        }
+                        self.take(Some(stepper), &second, observers)
+                    }
+                },
+            };
+        }
+        Ok(Ok(()))
+    }
+
+    fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
+        let attempt = Attempt { from: &self.from, h: tick.h, t_next: tick.t };
         let report = match stepper.attempt(attempt, &mut self.to, &mut self.counters) {
             Ok(report) => report,
             Err(error) => {
@@ -216,7 +270,7 @@ impl<'a> Run<'a> {
                     StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
                     _ => 0,
                 };
-                self.failure = Some(self.scenery(k, h, t).not_converged(&error, worst));
+                self.failure = Some(self.scenery(tick).not_converged(&error, worst));
                 return Err(Status::NotConverged);
             }
         };
@@ -224,25 +278,78 @@ impl<'a> Run<'a> {
             // The ledger and observers want them; the scheme does not, so they are not counted.
             self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
         }
-        let before = self.ledger;
-        let row = self.ledger.step(self.scene, &self.from, &self.to, &report);
-        let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
-        let extent = self.scene.extent(self.to.state.as_ref());
-        if !finite || extent.is_nan() || extent > self.limit {
-            self.blown_up(k, Tick { h, t }, finite);
-            if !finite || !self.spec.keep_going {
-                self.ledger = before;
-                return Err(Status::Diverged);
-            }
-        }
-        stepper.accept();
-        std::mem::swap(&mut self.from, &mut self.to);
-        self.row = row;
-        self.steps = k;
         Ok(report)
     }
 
-    fn blown_up(&mut self, k: u64, Tick { h, t }: Tick, finite: bool) {
+    /// One attempt; `None` when it is dropped and a smaller one is left to try.
+    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
+        let Pace::Adaptive(pace) = &mut self.pace else { return Ok(None) };
+        let Some(trial) = pace.next(self.from.state.t) else { return Ok(None) };
+        let bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.counters };
+        let dropped = match pace.attempt(bench, trial, &self.from, &mut self.to) {
+            Ok(kept) => return Ok(Some(kept)),
+            Err(dropped) => dropped,
+        };
+        let floor = pace.floor(self.from.state.t);
+        if pace.next(self.from.state.t).is_some_and(|next| next.h >= floor) {
+            return Ok(None);
+        }
+        let scenery = self.scenery(Tick { h: trial.h, t: trial.t });
+        let (failure, status) = match &dropped {
+            Dropped::Error(worst) => (scenery.at_the_floor(*worst, floor), Status::NotConverged),
+            Dropped::Unsolved(error) => {
+                let worst = match error {
+                    StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
+                    _ => 0,
+                };
+                (scenery.not_converged(error, worst), Status::NotConverged)
+            }
+        };
+        self.failure = Some(failure);
+        Err(status)
+    }
+
+    /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places. `stepper`
+    /// is absent where the scheme has taken it already.
+    fn take(
+        &mut self,
+        stepper: Option<&mut Stepper<'_>>,
+        report: &StepReport,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Result<(), Status>, RunError> {
+        let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
+        let before = self.ledger;
+        let row = self.ledger.step(self.scene, &self.from, &self.to, report);
+        let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
+        let extent = self.scene.extent(self.to.state.as_ref());
+        if !finite || extent.is_nan() || extent > self.limit {
+            self.blown_up(tick, finite);
+            if !finite || !self.spec.keep_going {
+                self.ledger = before;
+                return Ok(Err(Status::Diverged));
+            }
+        }
+        if let Some(stepper) = stepper {
+            stepper.accept();
+        }
+        std::mem::swap(&mut self.from, &mut self.to);
+        self.row = row;
+        self.steps += 1;
+        let view = StepView {
+            step: self.steps,
+            from: &self.to,
+            to: &self.from,
+            ledger: row,
+            newton_iterations: report.newton_iterations,
+            residual: report.residual,
+        };
+        for o in observers.iter_mut() {
+            o.accepted(view)?;
+        }
+        Ok(Ok(()))
+    }
+
+    fn blown_up(&mut self, tick: Tick, finite: bool) {
         if self.failure.is_some() {
             return;
         }
@@ -251,19 +358,23 @@ impl<'a> Run<'a> {
         } else {
             "a value is not finite".to_owned()
         };
-        let mut failure = self.scenery(k, h, t).diverged(&self.to, &how);
-        failure.blow_up_time = Some(t);
+        let mut failure = self.scenery(tick).diverged(&self.to, &how);
+        failure.blow_up_time = Some(tick.t);
         self.failure = Some(failure);
     }
 
-    fn scenery(&self, step: u64, h: f64, t: f64) -> Scenery<'_> {
-        Scenery { scene: self.scene, method: self.spec.method, from: &self.from, step, h, t }
+    fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
+        Scenery { scene: self.scene, method: self.spec.method, from: &self.from, step: self.steps + 1, h, t }
     }
 
     fn outcome(self, status: Status, stepper: &Stepper<'_>) -> Outcome {
         Outcome {
             status,
             steps: self.steps,
+            rejected_steps: match &self.pace {
+                Pace::Fixed(_) => 0,
+                Pace::Adaptive(pace) => pace.state().rejected,
+            },
             t_end: self.from.state.t,
             counters: self.counters,
             energy_error: self.ledger.energy_error(),

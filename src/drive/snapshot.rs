@@ -1,6 +1,7 @@
 //! All that a run needs to go on from a step as if it had never stopped.
 
-use super::clock::FixedSteps;
+use super::adaptive::AdaptiveState;
+use super::clock::{FixedSteps, Step};
 use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
@@ -36,9 +37,11 @@ pub struct Snapshot {
     pub row: LedgerRow,
     /// first trouble of a run that was let go on past it
     pub failure: Option<Failure>,
+    /// where adaptive steps stand
+    pub adaptive: Option<AdaptiveState>,
 }
 
-impl RunSpec {
+impl RunSpec<'_> {
     /// Whether a run of this kind of this scene comes past the snapshot. One with another end does, if its steps up to
     /// there are the same.
     ///
@@ -50,7 +53,14 @@ impl RunSpec {
         if let Some(found) = [x.len(), v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherScene { found, needed });
         }
-        let clock = FixedSteps::new(self.step, self.end);
+        let Step::Fixed(step_size) = self.step else {
+            // The tolerance is shared out over the run, so the case's end is part of what must be the same.
+            if snapshot.adaptive.is_none() || t > self.end {
+                return Err(RunError::NotOnTheWay { t, step, steps: step, end: self.end });
+            }
+            return Ok(());
+        };
+        let clock = FixedSteps::new(step_size, self.end);
         let there = if step == 0 { 0.0 } else { clock.tick(step).t };
         if step > clock.count() || there.to_bits() != t.to_bits() {
             return Err(RunError::NotOnTheWay { t, step, steps: clock.count(), end: self.end });
@@ -83,6 +93,7 @@ pub struct Resumable<'a> {
     pub(super) ledger: &'a Ledger,
     pub(super) failure: Option<&'a Failure>,
     pub(super) stepper: &'a Stepper<'a>,
+    pub(super) adaptive: Option<&'a AdaptiveState>,
 }
 
 impl Resumable<'_> {
@@ -99,6 +110,7 @@ impl Resumable<'_> {
             ledger: *self.ledger,
             row: self.row,
             failure: self.failure.cloned(),
+            adaptive: self.adaptive.cloned(),
         }
     }
 }

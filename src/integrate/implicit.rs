@@ -33,6 +33,10 @@ pub struct Implicit<M> {
     spec: SolverSpec,
     /// a_n, what the scheme carries
     a: Vec<f64>,
+    /// [s] the step that a_n was made with; 0 before the first
+    made_with: f64,
+    /// [s] the step attempted last
+    attempted: f64,
     solver: Option<Solver>,
 }
 
@@ -42,6 +46,8 @@ struct Solver {
     linear: Box<dyn LinearSolver>,
     newton: Newton,
     z: Vec<f64>,
+    /// a_n as a step of another size would have left it
+    a: Vec<f64>,
     a_next: Vec<f64>,
     inertia: Vec<f64>,
     weighted: Vec<f64>,
@@ -49,6 +55,8 @@ struct Solver {
     stiffness: Vec<f64>,
     /// half way to a first guess
     halfway: Point,
+    /// [1/s^2] weight of the mass in the W that is factorised, if the last attempt made one
+    mass_weight: Option<f64>,
 }
 
 /// F(z) = 0 of one step.
@@ -76,6 +84,7 @@ struct Stage<'a> {
     force_scale: f64,
     guess: Guess,
     halfway: &'a mut Point,
+    mass_weight: &'a mut Option<f64>,
 }
 
 /// First guesses for the step's displacement, from the best to the most cautious.
@@ -135,7 +144,7 @@ impl Stage<'_> {
 impl<M: ImplicitScheme> Implicit<M> {
     /// A scheme with its solver settings.
     pub fn new(scheme: M, spec: SolverSpec) -> Self {
-        Implicit { scheme, spec, a: Vec::new(), solver: None }
+        Implicit { scheme, spec, a: Vec::new(), made_with: 0.0, attempted: 0.0, solver: None }
     }
 }
 
@@ -198,6 +207,7 @@ impl NonlinearProblem for Stage<'_> {
             Curvature::Exact => self.system.assemble(at, w, self.assembler),
             Curvature::Convex => self.system.assemble_convex(at, w, self.assembler),
         }
+        *self.mass_weight = Some(w.m);
         let values = self.assembler.values();
         if self.conservative() { self.linear.factor_definite(values) } else { self.linear.factor(values) }
     }
@@ -222,12 +232,15 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             linear,
             newton,
             z,
+            a: zero(),
             a_next: zero(),
             inertia: zero(),
             weighted: zero(),
             stiffness: system.nodal_stiffness(),
             halfway: at.clone(),
+            mass_weight: None,
         });
+        (self.made_with, self.attempted) = (0.0, 0.0);
         Ok(())
     }
 
@@ -243,13 +256,17 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let map = self.scheme.map(h);
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
-        let scales = scales(system, from, &self.a, map, &mut s.inertia);
+        let lag = Lag { h, made_with: self.made_with, a: &self.a };
+        lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
+        self.attempted = h;
+        s.mass_weight = None;
+        let scales = scales(system, from, &s.a, map, &mut s.inertia);
         let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let mut stage = Stage {
             system,
             map,
             from,
-            a: &self.a,
+            a: &s.a,
             to,
             counters,
             assembler: &mut s.assembler,
@@ -263,6 +280,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             force_scale: scales.residual,
             guess: Guess::ConstantAcceleration,
             halfway: &mut s.halfway,
+            mass_weight: &mut s.mass_weight,
         };
         stage.fill(&mut s.z);
         let solved = s.newton.solve(&mut stage, &mut s.z, scales);
@@ -280,15 +298,46 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
             std::mem::swap(&mut self.a, &mut s.a_next);
+            self.made_with = self.attempted;
         }
     }
 
     fn save(&self) -> Carried {
-        Carried { vectors: vec![self.a.clone()] }
+        Carried { vectors: vec![self.a.clone(), vec![self.made_with]] }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
-        carried.take_into(&mut [&mut self.a])
+        match carried.vectors.as_slice() {
+            [a, made_with] if a.len() == self.a.len() && made_with.len() == 1 => {
+                self.a.copy_from_slice(a);
+                self.made_with = made_with[0];
+                Ok(())
+            }
+            other => Err(StepError::Carried { found: other.len(), expected: 2, length: self.a.len() }),
+        }
+    }
+
+    fn filter_error(
+        &mut self,
+        e: &mut [f64],
+        system: &dyn TangentSystem,
+        counters: &mut Counters,
+    ) -> Result<(), StepError> {
+        let Some(s) = &mut self.solver else { return Ok(()) };
+        let Some(weight) = s.mass_weight else { return Ok(()) };
+        if !e.iter().all(|e| e.is_finite()) {
+            return Ok(());
+        }
+        system.mass_times(e, &mut s.inertia);
+        for (&dof, b) in s.assembler.pattern.dof.iter().zip(&mut s.z) {
+            *b = weight * s.inertia[dof as usize];
+        }
+        counters.linear_solves += 1;
+        s.linear.solve(s.assembler.values(), &mut s.z)?;
+        for (&dof, b) in s.assembler.pattern.dof.iter().zip(&s.z) {
+            e[dof as usize] = *b;
+        }
+        Ok(())
     }
 
     fn dof_of_unknown(&self, unknown: usize) -> usize {
@@ -298,6 +347,31 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn linear_stats(&self) -> Option<LinearStats> {
         self.solver.as_ref().map(|s| s.linear.stats())
+    }
+}
+
+/// The acceleration a scheme carries, on its way into a step of `h` [s].
+struct Lag<'a> {
+    h: f64,
+    made_with: f64,
+    a: &'a [f64],
+}
+
+impl Lag<'_> {
+    /// HHT and generalised alpha carry an acceleration that stands for another time than the state, by a share of the step:
+    /// a - M^-1 f is proportional to the step that made it, and is scaled to the next one's size. Left as it is, every change of the step would
+    /// make an error of order h in a.
+    fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
+        let &Lag { h, made_with, a } = self;
+        if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {
+            out.copy_from_slice(a);
+            return;
+        }
+        let ratio = h / made_with;
+        for (((out, a), f), m) in out.iter_mut().zip(a).zip(&from.forces.total).zip(inverse_mass) {
+            let now = m * f;
+            *out = now + ratio * (a - now);
+        }
     }
 }
 

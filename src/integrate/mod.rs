@@ -140,6 +140,16 @@ pub trait Integrator<S: ?Sized>: Send {
         carried.take_into(&mut [])
     }
 
+    /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself:
+    /// e <- W^-1 cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not resolve would
+    /// count for (w h)^2 times what it is (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19). Explicit schemes leave e.
+    ///
+    /// # Errors
+    /// When the factorised W cannot be solved with.
+    fn filter_error(&mut self, _e: &mut [f64], _system: &S, _counters: &mut Counters) -> Result<(), StepError> {
+        Ok(())
+    }
+
     /// Degree of freedom of an unknown; the same number for schemes without unknowns.
     fn dof_of_unknown(&self, unknown: usize) -> usize {
         unknown

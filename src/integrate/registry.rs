@@ -53,6 +53,8 @@ pub struct MethodInfo {
     pub name: &'static str,
     /// order of accuracy with default parameters, measured on a damped, time-forced, nonlinear problem
     pub order: u32,
+    /// order with other parameters, where it depends on them
+    order_with: Option<fn(&[f64]) -> u32>,
     /// what a step needs
     pub family: Family,
     /// force passes a step: without and with velocity-dependent forces; 0 = as many as Newton needs
@@ -156,6 +158,11 @@ impl MethodChoice {
         (self.info.build)(&self.values, solver)
     }
 
+    /// [-] Order of accuracy with these parameters.
+    pub fn order(&self) -> u32 {
+        self.info.order_with.map_or(self.info.order, |order| order(&self.values))
+    }
+
     /// The parameters by name.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static str, f64)> {
         self.info.parameters.iter().map(|p| p.name).zip(self.values.iter().copied())
@@ -171,6 +178,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "explicit-euler",
         order: 1,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [1, 1],
         parameters: &[],
@@ -181,6 +189,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "euler-cromer",
         order: 1,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [1, 1],
         parameters: &[],
@@ -191,6 +200,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "euler-richardson",
         order: 2,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [2, 2],
         parameters: &[],
@@ -201,6 +211,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "improved-euler",
         order: 2,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [2, 2],
         parameters: &[],
@@ -211,6 +222,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "improved-euler-pec",
         order: 2,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [1, 1],
         parameters: &[],
@@ -221,6 +233,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "velocity-verlet",
         order: 2,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [1, 2],
         parameters: &[],
@@ -231,6 +244,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "rk4",
         order: 4,
+        order_with: None,
         family: Family::Explicit,
         evaluations: [4, 4],
         parameters: &[],
@@ -241,6 +255,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "newmark",
         order: 2,
+        order_with: Some(|p| if p[1] == 0.5 { 2 } else { 1 }),
         family: Family::Implicit,
         evaluations: [0, 0],
         parameters: &[
@@ -271,6 +286,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "hht",
         order: 2,
+        order_with: None,
         family: Family::Implicit,
         evaluations: [0, 0],
         parameters: &[ParameterInfo {
@@ -288,6 +304,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "kang",
         order: 1,
+        order_with: None,
         family: Family::MatrixFree,
         evaluations: [1, 1],
         parameters: &[],
@@ -298,6 +315,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "backward-euler",
         order: 1,
+        order_with: None,
         family: Family::Implicit,
         evaluations: [0, 0],
         parameters: &[],
@@ -308,6 +326,7 @@ static METHODS: &[MethodInfo] = &[
     MethodInfo {
         name: "generalized-alpha",
         order: 2,
+        order_with: None,
         family: Family::Implicit,
         evaluations: [0, 0],
         parameters: &[ParameterInfo {

@@ -104,6 +104,14 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, _system => scheme.restore(carried))
     }
 
+    /// See [`Integrator::filter_error`].
+    ///
+    /// # Errors
+    /// When the factorised W cannot be solved with.
+    pub fn filter_error(&mut self, e: &mut [f64], counters: &mut Counters) -> Result<(), StepError> {
+        each!(&mut self.0, scheme, system => scheme.filter_error(e, *system, counters))
+    }
+
     /// Degree of freedom of an unknown of an implicit scheme.
     pub fn dof_of_unknown(&self, unknown: usize) -> usize {
         each!(&self.0, scheme, _system => scheme.dof_of_unknown(unknown))

@@ -43,6 +43,11 @@ pub trait System: Sync {
     /// [J] kinetic energy of the velocities `v`.
     fn kinetic_energy(&self, v: &[f64]) -> f64;
 
+    /// [s] Times at which a force has a corner or a jump in time: rows of load and wind tables.
+    fn corners(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
     fn velocity_dependent(&self) -> bool;
 }

@@ -8,7 +8,7 @@ use super::hermite::interpolate;
 use super::history::HistoryRow;
 use super::keeper::Keeper;
 use super::request::{check, files_spec};
-use super::schedule::{Due, Moment, Schedule, tolerance};
+use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
 use crate::model::forces::Forces;
@@ -38,7 +38,7 @@ pub struct Recorder<'a> {
     picture: &'a dyn Picture,
     fields: Fields,
     frames_every: Option<f64>,
-    history_every: u64,
+    rows: Rows,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
@@ -81,7 +81,7 @@ impl<'a> Recorder<'a> {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
-            history_every: spec.history_every,
+            rows: Rows::of(spec.history_every),
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
@@ -148,6 +148,7 @@ impl Observer for Recorder<'_> {
     fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
         let state = at.state.as_ref();
         self.schedule = Schedule::new(self.frames_every, state.t);
+        self.rows.skip(state.t);
         self.write_row(HistoryRow { t: state.t, ledger, ..HistoryRow::default() }, state)?;
         self.show(state, &at.forces)
     }
@@ -168,7 +169,7 @@ impl Observer for Recorder<'_> {
             residual: step.residual,
             ..HistoryRow::default()
         };
-        if step.step.is_multiple_of(self.history_every) {
+        if self.rows.due(step.step, to.t) {
             self.waiting = None;
             self.write_row(row, to)
         } else {
@@ -178,6 +179,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.rows.skip(at.state.t);
         if let Some(keeper) = &mut self.keeper {
             keeper.skip(at.state.t);
         }

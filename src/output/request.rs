@@ -8,6 +8,7 @@ use super::frame::Fields;
 use super::names::file_stem;
 use super::probes::Probe;
 use super::resume::ResumeError;
+use crate::case::spec::RowEvery;
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;
 
@@ -29,8 +30,8 @@ pub struct RecorderSpec {
     pub fields: Fields,
     /// nodes to follow at each frame time
     pub probes: Vec<Probe>,
-    /// steps a history row, >= 1; see [`default_history_every`]
-    pub history_every: u64,
+    /// how often there is a history row; see [`default_history_every`]
+    pub history_every: RowEvery,
     /// spelling of the frames' arrays
     pub format: VtuFormat,
 }
@@ -58,8 +59,8 @@ pub enum RecorderError {
         /// [s] the smallest interval that is accepted
         least: f64,
     },
-    /// No row can be written every 0 steps.
-    #[error("output.history.every = 0 must be at least 1 step a row")]
+    /// No row can be written every 0 steps or every 0 s.
+    #[error("output.history.every must be at least 1 step a row")]
     BadHistory,
     /// A probe follows a node that is not there.
     #[error("probe \"{name}\" follows node {node}, but there are {nodes} nodes, counted from 0")]
@@ -110,7 +111,11 @@ pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderErr
             return Err(RecorderError::TooManyFrames { every, end, least: end / MOST_FRAMES });
         }
     }
-    if spec.history_every == 0 {
+    let rows = match spec.history_every {
+        RowEvery::Steps(steps) => steps > 0,
+        RowEvery::Time(every) => every.is_finite() && every > 0.0,
+    };
+    if !rows {
         return Err(RecorderError::BadHistory);
     }
     for probe in &spec.probes {

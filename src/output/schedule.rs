@@ -1,5 +1,7 @@
 //! When frames are due: at k times the interval, whatever the steps are.
 
+use crate::case::spec::RowEvery;
+
 /// [-] of a step; a frame this close to the end of a step shows that end itself
 const COINCIDENT: f64 = 1e-9;
 
@@ -90,6 +92,40 @@ impl Intervals {
             self.skip(t);
         }
         due
+    }
+}
+
+/// When rows of the history are due.
+#[derive(Clone, Copy, Debug)]
+pub enum Rows {
+    /// every so many steps
+    Steps(u64),
+    /// once in each interval of time
+    Time(Intervals),
+}
+
+impl Rows {
+    /// From t = 0.
+    pub fn of(every: RowEvery) -> Self {
+        match every {
+            RowEvery::Steps(steps) => Rows::Steps(steps),
+            RowEvery::Time(every) => Rows::Time(Intervals::new(every)),
+        }
+    }
+
+    /// Skips what is due until `t` [s].
+    pub fn skip(&mut self, t: f64) {
+        if let Rows::Time(intervals) = self {
+            intervals.skip(t);
+        }
+    }
+
+    /// Whether the end of step number `step`, at `t` [s], has a row.
+    pub fn due(&mut self, step: u64, t: f64) -> bool {
+        match self {
+            Rows::Steps(every) => step.is_multiple_of(*every),
+            Rows::Time(intervals) => intervals.reached(t),
+        }
     }
 }
 

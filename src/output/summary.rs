@@ -71,7 +71,7 @@ impl Summary {
             method: problem.method.info.name.to_owned(),
             method_parameters: problem.method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
             steps: outcome.steps,
-            rejected_steps: 0,
+            rejected_steps: outcome.rejected_steps,
             t_end: outcome.t_end,
             cpu_seconds: cost.cpu,
             wall_seconds: cost.wall.as_secs_f64(),

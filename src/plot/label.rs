@@ -8,7 +8,11 @@ use std::collections::BTreeSet;
 /// ended, if not well. A single run has no name beside the title's.
 pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
-    let step = |run: &Run| run.step.map_or_else(|| "adaptive".to_owned(), |h| format!("h = {} s", short(h)));
+    let step = |run: &Run| match (run.step, run.tolerance) {
+        (Some(h), _) => format!("h = {} s", short(h)),
+        (None, Some(relative)) => format!("tolerance {}", short(relative)),
+        (None, None) => "adaptive".to_owned(),
+    };
     let names = differ(&|r| r.name.clone());
     let (methods, steps) = (differ(&|r| r.method.clone()), differ(&step));
     let told = |run: &Run| {

@@ -24,6 +24,8 @@ pub struct Run {
     pub method: String,
     /// [s] its step, if it is fixed
     pub step: Option<f64>,
+    /// [-] relative tolerance of a run in adaptive steps
+    pub tolerance: Option<f64>,
     /// how it ended
     pub ending: Ending,
     /// whether it is a simple pendulum, whose bob is node 0 around the origin
@@ -127,6 +129,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
         name: word("/case/name")?,
         method: word("/method")?,
         step: number("/case/time/step"),
+        tolerance: number("/case/time/tolerance/relative"),
         ending: Ending {
             status: status.ok_or_else(|| missing("/status"))?,
             time: ended.ok_or_else(|| missing("/t_end"))?,

@@ -78,6 +78,11 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     let Builder { terms, springs, .. } = builder;
     let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| spec.velocity[at(i)]).collect() };
     let gravity = spec.gravity.map(DVec3::from_array);
+    let wind = spec.air.iter().flat_map(|air| &air.wind.t);
+    let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
+    let mut corners: Vec<f64> = wind.chain(factors.flatten().flat_map(|s| &s.t)).copied().collect();
+    corners.sort_by(f64::total_cmp);
+    corners.dedup();
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
         fixed,
@@ -85,6 +90,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
         start,
         velocity,
         gravity,
+        corners,
         terms,
         springs,
         threads,

@@ -23,6 +23,7 @@ pub struct Network {
     pub(super) start: Arc<[DVec3]>,
     velocity: Vec<[f64; 3]>,
     gravity: Option<DVec3>,
+    corners: Vec<f64>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
@@ -52,6 +53,8 @@ pub(super) struct Parts {
     pub start: Arc<[DVec3]>,
     pub velocity: Vec<[f64; 3]>,
     pub gravity: Option<DVec3>,
+    /// [s] rows of load and wind tables
+    pub corners: Vec<f64>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -82,6 +85,7 @@ impl Network {
             start: p.start,
             velocity: p.velocity,
             gravity: p.gravity,
+            corners: p.corners,
             terms: p.terms,
             springs: p.springs,
             threads: p.threads,
@@ -175,6 +179,10 @@ impl System for Network {
             sum += lane_sum(buffer);
         }
         sum
+    }
+
+    fn corners(&self) -> Vec<f64> {
+        self.corners.clone()
     }
 
     fn velocity_dependent(&self) -> bool {

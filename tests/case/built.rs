@@ -1,7 +1,7 @@
 //! What a good case becomes.
 
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::{Problem, SystemSpec};
+use canopy_fem::case::spec::{Problem, RowEvery, SystemSpec};
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, PressureKind, Slack};
 
 use crate::common::{assets, base_with};
@@ -182,10 +182,11 @@ fn defaults() {
     let problem = case.problem();
     assert_eq!((problem.solver.newton.relative, problem.solver.newton.max_iterations), (1e-8, 100));
     assert_eq!(problem.output.frames_every, None);
-    assert_eq!(problem.time.steps(), 1_000_000);
-    let rows = problem.time.steps() / problem.output.history_every + 2;
+    assert_eq!(problem.time.steps(), Some(1_000_000));
+    let RowEvery::Steps(every) = problem.output.history_every else { panic!("steps") };
+    let rows = 1_000_000 / every + 2;
     assert!(rows <= 10_000 && rows > 9_000, "{rows}");
-    assert_eq!(base_with(&[]).expect("good").problem().output.history_every, 1);
+    assert_eq!(base_with(&[]).expect("good").problem().output.history_every, RowEvery::Steps(1));
 }
 
 /// Doubtful input runs, and says so.
@@ -226,7 +227,7 @@ fn a_case_with_other_values() {
     let case = base_with(&[]).expect("good");
     let changed = [("time.step".to_owned(), "0.02".to_owned()), ("time.method".to_owned(), "hht".to_owned())];
     let other = case.with(&changed).expect("good");
-    assert_eq!((other.problem().time.step, other.problem().method.info.name), (0.02, "hht"));
+    assert_eq!((other.problem().time.step.fixed(), other.problem().method.info.name), (Some(0.02), "hht"));
     assert_eq!(other.problem().case_json["time"]["method"], "hht");
     assert_eq!(other.problem().system, case.problem().system);
     assert!(case.with(&[("time.step".to_owned(), "0".to_owned())]).is_err());

@@ -1,8 +1,8 @@
 //! Cases run through the library the way the program runs them, with what passes by kept.
 
 use canopy_fem::case::Case;
+use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
-use canopy_fem::drive::{Outcome, RunSpec};
 use canopy_fem::model::state::State;
 use canopy_fem::simulation::{self, FollowSpec, Seen, bind, build_scene};
 use std::path::{Path, PathBuf};
@@ -38,8 +38,7 @@ pub fn run_with(case: &Case, threads: usize) -> Run {
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), threads).expect("the case is good");
     let mut stepper = bind(&problem, &*scene).expect("the method fits the scene");
-    let spec =
-        RunSpec { end: problem.time.end, step: problem.time.step, keep_going: false, method: problem.method.info };
+    let spec = problem.run_spec(false);
     let mut last = Last::default();
     let stop = AtomicBool::new(false);
     let outcome = canopy_fem::drive::run(&*scene, &mut stepper, spec, &mut [&mut last], &stop).expect("it starts");

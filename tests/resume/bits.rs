@@ -7,7 +7,7 @@ use std::time::Duration;
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
-use canopy_fem::drive::{self, Outcome, RunSpec, Status};
+use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
 use canopy_fem::output::frame::Fields;
@@ -92,12 +92,7 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
     let fingerprint = Fingerprint::of(problem).expect("numbers");
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
-    let spec = RunSpec {
-        end: problem.time.end,
-        step: problem.time.step,
-        keep_going: part.keep_going,
-        method: problem.method.info,
-    };
+    let spec = problem.run_spec(part.keep_going);
     let output = &problem.output;
     let recorded = RecorderSpec {
         name: problem.name.clone(),

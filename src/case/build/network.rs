@@ -7,6 +7,7 @@ use super::{air, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
+use crate::drive::clock::Step;
 use crate::model::spec::{NetworkSpec, RayleighSpec};
 
 /// Checks and builds a network. Without a mesh the checks that need none still run.
@@ -14,7 +15,7 @@ pub(super) fn network(
     at: &Pointer,
     network: &Network,
     geometry: Option<&Geometry>,
-    step: Option<f64>,
+    step: Option<Step>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
     let before = faults.count();

@@ -7,7 +7,7 @@ use super::select::NodeSet;
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Output, Probe};
-use crate::case::spec::{OutputSpec, ProbeSpec, TimeSpec};
+use crate::case::spec::{OutputSpec, ProbeSpec, RowEvery, TimeSpec};
 
 /// [-] Rows of `history.csv` that the default interval keeps within, with the first and the last state.
 const HISTORY_ROWS: u64 = 10_000;
@@ -39,7 +39,11 @@ pub(super) fn output(
         fields: unique(&section.fields),
         probes,
         checkpoint_every: section.checkpoint.map(|c| c.every),
-        history_every: history.unwrap_or(time?.steps().div_ceil(rows)).max(1),
+        history_every: match (history, time?.steps()) {
+            (Some(every), _) => RowEvery::Steps(every.max(1)),
+            (None, Some(steps)) => RowEvery::Steps(steps.div_ceil(rows).max(1)),
+            (None, None) => RowEvery::Time(time?.end / rows as f64),
+        },
     })
 }
 

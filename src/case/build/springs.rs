@@ -8,6 +8,7 @@ use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{SlackRule, SpringRule};
+use crate::drive::clock::Step;
 use crate::model::spec::{Slack, SpringGroup};
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to the nodes.
@@ -15,7 +16,7 @@ pub(super) fn springs(
     at: &Pointer,
     rules: &[SpringRule],
     geometry: Option<&Geometry>,
-    step: Option<f64>,
+    step: Option<Step>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
 ) -> Vec<SpringGroup> {
@@ -106,8 +107,8 @@ struct Members<'a> {
     edges: Vec<u32>,
     /// [m] one an edge
     rest_length: Vec<f64>,
-    /// [s] the fixed step, if it is known
-    step: Option<f64>,
+    /// how the run goes through time, if it is known
+    step: Option<Step>,
 }
 
 fn group(at: &Pointer, members: Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {

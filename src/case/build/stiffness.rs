@@ -5,6 +5,7 @@ use super::numbers::{first_few, not_negative, positive};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, SpringRule};
+use crate::drive::clock::Step;
 use crate::model::spec::{DashpotKind, DashpotSpec};
 
 /// Checked values of a rule, resolved for its edges one by one.
@@ -154,8 +155,12 @@ pub(super) fn dashpot(
         DashpotRule::Time(tau) => stiffness.iter().map(|k| k * tau).collect(),
         DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
         DashpotRule::Step => {
-            // Without a step there is a fault at /time already.
-            let h = (*step)?;
+            // Without times there is a fault at /time already.
+            let Step::Fixed(h) = (*step)? else {
+                let hint = "it has c = k h; give \"step\" in place of time.tolerance, or the dashpot's own time: {\"time\": 1e-3}";
+                faults.add_hint(&at, "not a \"step\" dashpot with adaptive steps", hint);
+                return None;
+            };
             faults.warn(format!(
                 "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the \
                  thesis, else {{\"time\": {h:e}}} means the same at this step and keeps its meaning at others"
@@ -177,6 +182,6 @@ pub(super) struct Springs<'a> {
     pub stiffness: &'a [f64],
     /// [m] one an edge
     pub rest: &'a [f64],
-    /// [s] the fixed step, if it is known and good
-    pub step: Option<f64>,
+    /// how the run goes through time, if that is known and good
+    pub step: Option<Step>,
 }

@@ -5,6 +5,7 @@ use crate::case::fault::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{self, Linear, Method, Solver, System, Time};
 use crate::case::spec::TimeSpec;
+use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
 use crate::solve::LinearChoice;
@@ -38,21 +39,28 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
         let hint = "its filter runs over the springs of a network; take another method for a pendulum";
         faults.add_hint(&at.key("method"), "a method that needs no network", hint);
     }
-    let step = step(&at, time, faults)?;
-    let end = end?;
+    let step = match step(&at, time, faults)? {
+        Step::Fixed(step) => fixed(&at.key("step"), step, end?, faults)?,
+        adaptive @ Step::Adaptive(_) => adaptive,
+    };
+    Some(Timing { method: method?, spec: TimeSpec { end: end?, step } })
+}
+
+/// A fixed step that goes with the end of the run.
+fn fixed(at: &Pointer, step: f64, end: f64, faults: &mut Faults<'_>) -> Option<Step> {
     if end / step > MOST_STEPS {
         let least = format!("at least {:e}, which makes {MOST_STEPS:e} steps until the end", end / MOST_STEPS);
-        faults.add(&at.key("step"), least);
+        faults.add(at, least);
         return None;
     }
     // A step longer than the run is cut to it, whatever its size.
-    if step <= end && !in_range(&at.key("step"), step, faults) {
+    if step <= end && !in_range(at, step, faults) {
         return None;
     }
     if step > end {
         faults.warn(format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s"));
     }
-    Some(Timing { method: method?, spec: TimeSpec { end, step } })
+    Some(Step::Fixed(step))
 }
 
 /// Notes a fault unless `t` [s] is a time that schemes can compute with.
@@ -65,23 +73,34 @@ fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
     good
 }
 
-fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<f64> {
+fn step(at: &Pointer, time: &Time, faults: &mut Faults<'_>) -> Option<Step> {
     match (time.step, time.tolerance) {
-        (Some(step), None) => positive(&at.key("step"), step, faults).then_some(step),
+        (Some(step), None) => positive(&at.key("step"), step, faults).then_some(Step::Fixed(step)),
         (Some(_), Some(_)) => {
-            faults.add_hint(&at.key("tolerance"), "not together with step", "remove time.tolerance");
+            faults.add_hint(&at.key("tolerance"), "not together with step", "remove time.step for adaptive steps");
             None
         }
-        (None, Some(_)) => {
-            let hint = "adaptive steps are not available in this version; give a fixed step: \"step\": 1e-3";
-            faults.add_hint(&at.key("tolerance"), "nothing: give time.step instead", hint);
-            None
-        }
+        (None, Some(given)) => tolerance(&at.key("tolerance"), given, faults),
         (None, None) => {
-            faults.add_hint(&at.key("step"), "a number above 0", "give the fixed step in seconds: \"step\": 1e-3");
+            let hint = "give the fixed step in seconds: \"step\": 1e-3, or adaptive steps: \"tolerance\": {\"relative\": 1e-4, \
+                        \"absolute\": 1e-6}";
+            faults.add_hint(&at.key("step"), "a number above 0", hint);
             None
         }
     }
+}
+
+/// [-] Finest relative tolerance: rounding of positions adds up to about this over some thousand steps.
+const FINEST: f64 = 1e-13;
+
+fn tolerance(at: &Pointer, given: schema::Tolerance, faults: &mut Faults<'_>) -> Option<Step> {
+    let schema::Tolerance { relative, absolute } = given;
+    let fine = (FINEST..1.0).contains(&relative);
+    if !fine {
+        faults.add(&at.key("relative"), format!("a number from {FINEST:e} to below 1"));
+    }
+    (positive(&at.key("absolute"), absolute, faults) && fine)
+        .then_some(Step::Adaptive(Tolerance { relative, absolute }))
 }
 
 /// Looks a method up and checks its parameters; the pointer leads to the name or the parameter at fault.

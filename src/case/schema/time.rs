@@ -18,19 +18,21 @@ pub struct Time {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step: Option<f64>,
-    /// Error a step may make, for adaptive steps. Not available in this version: give `step`.
+    /// Error the run may make, for steps of the size it allows, by any method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
 }
 
-/// Error a step may make, relative to the motion and absolute.
+/// Error in any position that all steps of the run together may make, were errors only added up: `absolute` plus `relative` times the
+/// largest displacement so far. Each step may make its share of it by time. What errors really come to depends on the scene as
+/// well: damping forgets them, a long swing multiplies them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
-    /// [-] Part of the motion.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    /// [-] Share of the largest displacement of the run so far.
+    #[schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1))]
     pub relative: f64,
-    /// [m] Length below which errors do not count.
+    /// [m] Error that is always allowed ([rad] for a pendulum); rules while the motion is small.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: f64,
 }

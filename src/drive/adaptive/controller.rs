@@ -1,0 +1,124 @@
+//! From the error of a step to the size of the next.
+//!
+//! With E = error of the step per unit of time over what the tolerance allows per unit of time, which is proportional to h^p for a
+//! scheme of order p, the next step is that of a proportional-integral controller (Gustafsson 1991, ACM TOMS 17; Hairer &
+//! Wanner 1996, section IV.2, "A PI step size control", whose exponents these are):
+//! ```text
+//! h_{n+1} = 0.9 h_n E_n^(-0.7/p) E_{n-1}^(0.4/p)          after a step that is kept (E_n <= 1)
+//! h       = 0.9 h E^(-1/p)                                for the next attempt after one that is not
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+const SAFETY: f64 = 0.9;
+/// Exponents of the present and the previous error, times the order.
+const PRESENT: f64 = 0.7;
+const PREVIOUS: f64 = 0.4;
+/// Errors below this tell nothing but that the step may grow.
+const NO_ERROR: f64 = 1e-10;
+/// Most a step shrinks at once.
+const MOST_SHRINK: f64 = 0.1;
+/// A step that could not be solved says nothing of how much smaller it should have been.
+const UNSOLVED: f64 = 0.25;
+
+/// The proportional-integral controller; part of a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Controller {
+    /// [s] the step it asks for
+    h: f64,
+    /// [-] E of the last accepted step
+    previous: f64,
+    /// attempts dropped since the last accepted step
+    dropped: u32,
+}
+
+/// An attempt's error and what it was made with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// [s] its step; less than what was asked for where a time had to be met
+    pub h: f64,
+    /// [-] E
+    pub error: f64,
+    /// [-] order of the scheme
+    pub order: u32,
+    /// [-] the most a step may grow
+    pub most_growth: f64,
+}
+
+impl Controller {
+    /// Begins with a step of `h` [s].
+    pub fn new(h: f64) -> Self {
+        Controller { h, previous: 1.0, dropped: 0 }
+    }
+
+    /// [s] the step it asks for
+    pub fn step(&self) -> f64 {
+        self.h
+    }
+
+    /// Attempts dropped since the last accepted step.
+    pub fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    /// After a step that is kept.
+    pub fn accept(&mut self, Judged { h, error, order, most_growth }: Judged) {
+        let (now, p) = (error.max(NO_ERROR), f64::from(order));
+        let factor = SAFETY * now.powf(-PRESENT / p) * self.previous.powf(PREVIOUS / p);
+        // What was too large a moment ago still is.
+        let most = if self.dropped > 0 { 1.0 } else { most_growth };
+        let next = h * factor.clamp(MOST_SHRINK, most);
+        // A step cut to meet a time does not hold back those after it.
+        self.h = if h < self.h && factor >= 1.0 { self.h.max(next) } else { next };
+        (self.previous, self.dropped) = (now, 0);
+    }
+
+    /// After a step whose error was too large, or not a number.
+    pub fn too_large(&mut self, Judged { h, error, order, .. }: Judged) {
+        let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / f64::from(order)) } else { MOST_SHRINK };
+        self.drop_to(h * factor.clamp(MOST_SHRINK, SAFETY));
+    }
+
+    /// After a step of `h` [s] that could not be solved.
+    pub fn unsolved(&mut self, h: f64) {
+        self.drop_to(h * UNSOLVED);
+    }
+
+    fn drop_to(&mut self, h: f64) {
+        self.h = h;
+        self.dropped += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On E = (h / 0.01)^p it settles where E is SAFETY^(p / 0.3): the two exponents leave 0.3 of the integral.
+    #[test]
+    fn settles_just_below_the_tolerance() {
+        for order in [1, 2, 4] {
+            for first in [1e-6, 1.0] {
+                let mut c = Controller::new(first);
+                for _ in 0..200 {
+                    let (h, p) = (c.step(), f64::from(order));
+                    let judged = Judged { h, error: (h / 0.01).powf(p), order, most_growth: 2.0 };
+                    if judged.error <= 1.0 { c.accept(judged) } else { c.too_large(judged) }
+                }
+                let expected = 0.01 * SAFETY.powf(1.0 / 0.3);
+                assert!((c.step() / expected - 1.0).abs() < 1e-6, "order {order} from {first}: {}", c.step());
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_cut_short_is_not_remembered() {
+        let mut c = Controller::new(0.1);
+        c.accept(Judged { h: 0.001, error: 1e-6, order: 2, most_growth: 2.0 });
+        assert_eq!(c.step(), 0.1);
+        c.too_large(Judged { h: 0.1, error: f64::NAN, order: 2, most_growth: 2.0 });
+        assert!((c.step() - 0.01).abs() < 1e-15 && c.dropped() == 1);
+        c.accept(Judged { h: 0.01, error: 1e-9, order: 2, most_growth: 2.0 });
+        assert_eq!((c.step(), c.dropped()), (0.01, 0), "no growth right after a drop");
+    }
+}

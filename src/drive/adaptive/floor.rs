@@ -1,0 +1,33 @@
+//! What is said when no step is small enough.
+
+use super::estimate::Largest;
+use crate::drive::failure::{Failure, Scenery};
+
+impl Scenery<'_> {
+    /// The error of the step that was tried stays above the tolerance down to the smallest step, `floor` [s].
+    pub(in crate::drive) fn at_the_floor(&self, worst: Largest, floor: f64) -> Failure {
+        let suspect = self.scene.suspect(self.from.state.as_ref(), worst.dof);
+        let size = self.from.state.x.get(worst.dof).map_or(0.0, |x| x.abs());
+        let rounding = 4.0 * f64::EPSILON * size;
+        let (cause, advice) = if worst.ratio.is_finite() {
+            (
+                format!(
+                    "the time tolerance asks for a step below {floor:.1e} s, the smallest that is tried: a step of {:.1e} s still makes \
+                     {:.1e} of what the whole run may, so forces change by a jump there or the tolerance is finer than rounding \
+                     ({rounding:.1e} m in positions of {size:.1e} m)",
+                    self.h, worst.ratio
+                ),
+                "raise time.tolerance, or make what jumps there smooth (a load table with steep rows, a slack rule with a dashpot)",
+            )
+        } else {
+            (
+                format!(
+                    "forces or states are not finite even in a step of {:.1e} s, the smallest that is tried",
+                    self.h
+                ),
+                "check loads, wind, masses, speeds and damping for a wrong unit: a force has left the range of a double",
+            )
+        };
+        self.report(suspect, cause, advice.to_owned())
+    }
+}

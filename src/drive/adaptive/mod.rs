@@ -1,0 +1,286 @@
+//! Steps as large as a tolerance allows, for every scheme.
+//!
+//! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance, so that errors which only add
+//! up come to the tolerance at the end, whatever the steps were. The estimates are in [`estimate`], the choice of the next step in
+//! [`controller`]. An attempt that is too far off, not finite or cannot be solved is dropped, which restores everything; a step
+//! below the floor ends the run with a diagnosis.
+//!
+//! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
+//! three attempts such a step is kept once it makes [`SHARE`] of the tolerance in itself; all of these together may make half of it.
+//!
+//! Steps end at the corners of load and wind tables and at the end of the run, and what was learnt of the motion before
+//! a corner is forgotten there.
+
+pub mod controller;
+pub mod estimate;
+mod floor;
+
+use controller::{Controller, Judged};
+use estimate::{Largest, LocalError, Motion, Quadrature, doubled};
+use serde::{Deserialize, Serialize};
+
+use super::clock::Tolerance;
+use crate::integrate::stepper::{Attempt, Stepper};
+use crate::integrate::{Counters, StepError, StepReport};
+use crate::model::point::Point;
+use crate::scene::Scene;
+
+/// First step, as a share of the run.
+const FIRST: f64 = 1e-3;
+/// Largest step, as a share of the run: no scheme sees what happens within a step.
+const LARGEST: f64 = 0.1;
+/// Smallest step, as a share of the run, but for rounding of the time.
+const SMALLEST: f64 = 1e-13;
+/// Most growth of a step whose error was estimated from the steps before it, and from two halves.
+const GROWTH: [f64; 2] = [2.0, 5.0];
+/// [-] of the tolerance that a step across a jump may make.
+const SHARE: f64 = 0.01;
+/// Attempts after which a step counts as one across a jump.
+const PATIENCE: u32 = 3;
+/// [-] of the tolerance that all of these steps may make together.
+const ALL_JUMPS: f64 = 0.5;
+/// Order up to which the parabola through three accelerations tells the error.
+const ORDER_OF_PARABOLA: u32 = 2;
+
+/// What carries over from step to step; part of a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AdaptiveState {
+    controller: Controller,
+    motion: Motion,
+    before: Quadrature,
+    /// [-] of the tolerance, spent on jumps
+    jumps: f64,
+    /// attempts that were dropped
+    pub rejected: u64,
+}
+
+/// What a run is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct AdaptiveSpec {
+    /// [s] end of the run
+    pub end: f64,
+    /// error it may make
+    pub tolerance: Tolerance,
+    /// [-] order of the scheme with its parameters
+    pub order: u32,
+}
+
+/// A step that was accepted.
+#[derive(Clone, Copy, Debug)]
+pub enum Kept {
+    /// one step, to the caller's point; what the scheme carries is pending
+    Single(StepReport),
+    /// two halves: the first to the caller's point, accepted; the second to [`Adaptive::second`], pending
+    Halves([StepReport; 2]),
+}
+
+/// Why an attempt was dropped.
+#[derive(Clone, Debug)]
+pub enum Dropped {
+    /// the error is too large, or not a number
+    Error(Largest),
+    /// a step could not be solved
+    Unsolved(StepError),
+}
+
+/// One attempt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// [s] step
+    pub h: f64,
+    /// [s] time at its end
+    pub t: f64,
+    /// whether a corner of a table or the end lies there
+    at_corner: bool,
+}
+
+/// What attempts are made with.
+pub struct Bench<'a, 's> {
+    /// the scene
+    pub scene: &'a dyn Scene,
+    /// the scheme bound to it
+    pub stepper: &'a mut Stepper<'s>,
+    /// counts the work
+    pub counters: &'a mut Counters,
+}
+
+impl Bench<'_, '_> {
+    /// One attempt with the forces at its end, which the estimate needs even if the scheme does not.
+    fn step(&mut self, from: &Point, t_next: f64, to: &mut Point) -> Result<StepReport, Dropped> {
+        let attempt = Attempt { from, h: t_next - from.state.t, t_next };
+        let report = self.stepper.attempt(attempt, to, self.counters).map_err(Dropped::Unsolved)?;
+        if !report.forces_at_end {
+            self.counters.evaluate(self.scene, to.state.as_ref(), &mut to.forces);
+        }
+        Ok(StepReport { forces_at_end: true, ..report })
+    }
+
+    /// From the middle of a step to its end, after which the first half stays accepted only if `judge` agrees.
+    fn second_half(
+        &mut self,
+        middle: &Point,
+        (t_next, end): (f64, &mut Point),
+        judge: impl FnOnce(&Point) -> Result<(), Dropped>,
+    ) -> Result<StepReport, Dropped> {
+        let carried = self.stepper.save();
+        self.stepper.accept();
+        let made = self.step(middle, t_next, end).and_then(|report| judge(end).map(|()| report));
+        if made.is_err() {
+            self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
+        }
+        made
+    }
+}
+
+/// The stepping of one run.
+pub struct Adaptive {
+    spec: AdaptiveSpec,
+    /// [s] corners within the run, ascending, and its end
+    corners: Vec<f64>,
+    /// positions at t = 0
+    start: Vec<f64>,
+    error: LocalError,
+    /// end of the whole step and of its second half, made when first needed
+    pair: Option<Box<[Point; 2]>>,
+    state: AdaptiveState,
+}
+
+impl Adaptive {
+    /// A run from t = 0.
+    pub fn new(scene: &dyn Scene, spec: AdaptiveSpec) -> Self {
+        let state = AdaptiveState { controller: Controller::new(FIRST * spec.end), ..AdaptiveState::default() };
+        Self::restore(scene, spec, state)
+    }
+
+    /// A run that goes on.
+    pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
+        let mut corners = scene.corners();
+        corners.retain(|t| *t > 0.0 && *t < spec.end);
+        corners.sort_by(f64::total_cmp);
+        corners.push(spec.end);
+        let start = scene.initial_state().x;
+        let error = LocalError::new(start.len());
+        Adaptive { spec, corners, start, error, pair: None, state }
+    }
+
+    /// What carries over to the next step.
+    pub fn state(&self) -> &AdaptiveState {
+        &self.state
+    }
+
+    /// [s] below which no step is tried from time `t` [s]
+    pub fn floor(&self, t: f64) -> f64 {
+        (SMALLEST * self.spec.end).max(64.0 * f64::EPSILON * t)
+    }
+
+    /// The next step to try from time `t` [s], or `None` at the end.
+    pub fn next(&self, t: f64) -> Option<Trial> {
+        let met = |corner: f64| corner - t <= 4.0 * f64::EPSILON * corner;
+        let corner = self.corners.iter().copied().find(|corner| !met(*corner))?;
+        let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
+        if asked >= rest * (1.0 - 1e-9) {
+            return Some(Trial { h: rest, t: corner, at_corner: true });
+        }
+        // Two equal steps to the corner rather than a large and a tiny one.
+        let t_next = t + if 2.0 * asked > rest { 0.5 * rest } else { asked };
+        Some(Trial { h: t_next - t, t: t_next, at_corner: false })
+    }
+
+    /// Where the second half step ended, after [`Kept::Halves`].
+    pub fn second(&mut self) -> Option<&mut Point> {
+        self.pair.as_deref_mut().map(|[_, second]| second)
+    }
+
+    /// Tries a step from one point to another.
+    ///
+    /// # Errors
+    /// Why it is dropped; the scheme is then where it was, and the next step that is asked for is smaller.
+    pub fn attempt(
+        &mut self,
+        mut bench: Bench<'_, '_>,
+        trial: Trial,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        let by_parabola = self.spec.order <= ORDER_OF_PARABOLA && self.state.before.is_ready();
+        let tried = if by_parabola {
+            self.single(&mut bench, trial, from, to)
+        } else {
+            self.halves(&mut bench, trial, from, to)
+        };
+        if let Err(dropped) = &tried {
+            self.state.rejected += 1;
+            if matches!(dropped, Dropped::Unsolved(_)) {
+                self.state.controller.unsolved(trial.h);
+            }
+        } else if trial.at_corner {
+            self.state.before.forget();
+        }
+        tried
+    }
+
+    fn single(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        let report = bench.step(from, trial.t, to)?;
+        let inverse_mass = bench.scene.inverse_mass();
+        self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
+        for error in [&mut self.error.x, &mut self.error.v] {
+            bench.stepper.filter_error(error, bench.counters).map_err(Dropped::Unsolved)?;
+        }
+        self.judge(trial, GROWTH[0], to)?;
+        self.state.before.remember(trial.h, from, inverse_mass);
+        Ok(Kept::Single(report))
+    }
+
+    fn halves(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        // Taken out and put back, because judging needs the rest of `self`.
+        let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
+        let [whole, second] = &mut *pair;
+        let middle = from.state.t + 0.5 * trial.h;
+        let tried = bench.step(from, trial.t, whole).and_then(|_| bench.step(from, middle, to)).and_then(|first| {
+            let judge = |end: &Point| {
+                doubled(self.spec.order, whole, end, &mut self.error);
+                self.judge(trial, GROWTH[1], end)
+            };
+            let last = bench.second_half(to, (trial.t, second), judge)?;
+            Ok(Kept::Halves([first, last]))
+        });
+        self.pair = Some(pair);
+        if tried.is_ok() {
+            self.state.before.remember(trial.t - middle, to, bench.scene.inverse_mass());
+        }
+        tried
+    }
+
+    /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.
+    fn judge(&mut self, trial: Trial, most_growth: f64, end: &Point) -> Result<(), Dropped> {
+        let AdaptiveState { controller, motion, before, jumps, .. } = &mut self.state;
+        let moved = motion.with(&self.start, end.state.as_ref());
+        let largest = moved.largest(&self.error, self.spec.tolerance);
+        let per_time = largest.ratio * (self.spec.end / trial.h);
+        let judged = Judged { h: trial.h, error: per_time, order: self.spec.order, most_growth };
+        if per_time <= 1.0 {
+            controller.accept(judged);
+        } else if controller.dropped() >= PATIENCE && largest.ratio <= SHARE && *jumps + largest.ratio <= ALL_JUMPS {
+            *jumps += largest.ratio;
+            before.forget();
+            controller.accept(Judged { error: 1.0, ..judged });
+        } else {
+            controller.too_large(judged);
+            return Err(Dropped::Error(largest));
+        }
+        *motion = moved;
+        Ok(())
+    }
+}
