@@ -30,7 +30,7 @@ impl Step {
     }
 }
 
-/// The error in any position that all steps of a run together may make, were errors only added up:
+/// The error that a run may make in positions, as the root mean square over the free degrees of freedom:
 /// `absolute + relative * (largest displacement so far)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {

@@ -7,7 +7,7 @@ use super::failure::{Failure, Scenery};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
 use super::snapshot::Snapshot;
-use crate::integrate::registry::MethodChoice;
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
@@ -155,7 +155,9 @@ impl Pace {
         match spec.step {
             Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
             Step::Adaptive(tolerance) => {
-                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order() };
+                // Kang's filter is a drag on slow motion too.
+                let coherent = spec.method.info.family == Family::MatrixFree;
+                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), coherent };
                 Pace::Adaptive(Box::new(match state {
                     Some(state) => Adaptive::restore(scene, made, state),
                     None => Adaptive::new(scene, made),

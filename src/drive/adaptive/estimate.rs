@@ -37,52 +37,79 @@ impl LocalError {
     }
 }
 
-/// What the motion has come to so far: errors are compared with it. Part of a checkpoint.
+/// What the motion has come to so far: errors are compared with it. Norms are Euclidean, over all degrees of freedom. Part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// [m] largest displacement of any degree of freedom from where it was at t = 0
+    /// [m] largest displacement from where it was at t = 0
     x: f64,
-    /// [m/s] largest speed of any degree of freedom
+    /// [m/s] largest velocity
     v: f64,
+    /// [m^2/s^6] squares of the accelerations' first derivative, the newest steps counting most
+    slow: f64,
+    /// [m^2/s^8] squares of their second derivative, in the same way
+    fast: f64,
 }
 
-/// The largest error of a step over what a whole run may make, and where it is.
+/// What a sum over the last steps keeps of those before in each.
+const KEPT: f64 = 0.9;
+
+/// How far a step is off, and where most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Largest {
-    /// [-] error over tolerance; infinite where the error is not a number
+pub struct Deviation {
+    /// [-] error over what a whole run may make; infinite where the error is not a number
     pub ratio: f64,
-    /// degree of freedom
+    /// degree of freedom with the largest error
     pub dof: usize,
 }
 
+/// Squares of the first and second derivative of the accelerations in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bends {
+    slow: f64,
+    fast: f64,
+}
+
+impl Bends {
+    fn add(&mut self, first: f64, second: f64) {
+        self.slow += first * first;
+        self.fast += second * second;
+    }
+}
+
 impl Motion {
-    /// With the state `at`, of a run that began at positions `start`.
+    /// With a step that ended in the state `at`, of a run that began at positions `start`.
     #[must_use]
-    pub fn with(self, start: &[f64], at: StateRef<'_>) -> Self {
-        let x = at.x.iter().zip(start).fold(self.x, |m, (x, x0)| m.max((x - x0).abs()));
-        let v = at.v.iter().fold(self.v, |m, v| m.max(v.abs()));
-        Motion { x, v }
+    pub fn with(self, start: &[f64], at: StateRef<'_>, bends: Bends) -> Self {
+        let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
+        let v = at.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let [slow, fast] = [KEPT * self.slow + bends.slow, KEPT * self.fast + bends.fast];
+        Motion { x: self.x.max(x), v: self.v.max(v), slow, fast }
     }
 
-    /// The largest error over the tolerance. An error of velocity counts as the error of position it grows to within the time
-    /// `largest displacement / largest speed` of this motion, 1/w for an oscillation.
-    pub fn largest(self, error: &LocalError, tolerance: Tolerance) -> Largest {
-        let Motion { x, v } = self;
-        let allowed_x = tolerance.absolute + tolerance.relative * x;
-        let per_x = 1.0 / allowed_x;
-        let per_v = if v > 0.0 { x / (v * allowed_x) } else { 0.0 };
-        let mut found = Largest::default();
-        for (dof, (ex, ev)) in error.x.iter().zip(&error.v).enumerate() {
-            let ratio = (ex.abs() * per_x).max(ev.abs() * per_v);
-            let broken = !(ex.is_finite() && ev.is_finite());
-            if broken || ratio > found.ratio {
-                found = Largest { ratio: if broken { f64::INFINITY } else { ratio }, dof };
-            }
-            if broken {
-                break;
+    /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what moves
+    /// fastest counts, because that is what a step gets wrong.
+    fn period(&self) -> f64 {
+        let whole = if self.v > 0.0 { self.x / self.v } else { 0.0 };
+        let bend = (self.slow / self.fast).sqrt();
+        if bend.is_finite() { bend.min(whole) } else { whole }
+    }
+
+    /// The error over the tolerance; `free` is the number of free degrees of freedom.
+    pub fn deviation(&self, error: &LocalError, tolerance: Tolerance, free: f64) -> Deviation {
+        let period = self.period();
+        let (mut sum, mut largest, mut dof) = (0.0, 0.0, 0);
+        for (i, (ex, ev)) in error.x.iter().zip(&error.v).enumerate() {
+            let square = ex * ex + (period * ev).powi(2);
+            sum += square;
+            if square > largest {
+                (largest, dof) = (square, i);
             }
         }
-        found
+        let broken = || error.x.iter().zip(&error.v).position(|(x, v)| !(x.is_finite() && v.is_finite()));
+        if !f64::is_finite(sum) {
+            return Deviation { ratio: f64::INFINITY, dof: broken().unwrap_or(dof) };
+        }
+        Deviation { ratio: sum.sqrt() / (tolerance.absolute * free.sqrt() + tolerance.relative * self.x), dof }
     }
 }
 
@@ -116,19 +143,38 @@ impl Quadrature {
     }
 
     /// The local error of a step of `h` [s]; the forces of both points are those at their states.
-    pub fn estimate(&self, h: f64, [from, to]: [&Point; 2], inverse_mass: &[f64], error: &mut LocalError) {
+    pub fn estimate(&self, h: f64, [from, to]: [&Point; 2], inverse_mass: &[f64], error: &mut LocalError) -> Bends {
         let (n, n1, g) = (&from.state, &to.state, self.gap);
+        let mut bends = Bends::default();
         for (i, m) in inverse_mass.iter().enumerate() {
             let (before, a, after) = (self.a[i], m * from.forces.total[i], m * to.forces.total[i]);
-            let second = ((after - a) / h - (a - before) / g) / (h + g);
+            let slope = (after - a) / h;
+            let second = (slope - (a - before) / g) / (h + g);
             error.x[i] = (n1.x[i] - n.x[i] - h * n.v[i]) - h * h / 6.0 * (2.0 * a + after) + h.powi(4) / 12.0 * second;
             error.v[i] = (n1.v[i] - n.v[i]) - 0.5 * h * (a + after) + h.powi(3) / 6.0 * second;
+            bends.add(slope, 2.0 * second);
         }
+        bends
     }
 }
 
-/// The error of two half steps, from their difference to the whole one by a scheme of order `order`.
-pub fn doubled(order: u32, whole: &Point, halves: &Point, error: &mut LocalError) {
+/// A whole step beside two halves of it.
+pub struct Pair<'a> {
+    /// [s] size of the whole step
+    pub h: f64,
+    /// where it began
+    pub from: &'a Point,
+    /// end of the first half
+    pub middle: &'a Point,
+    /// end of the second half
+    pub halves: &'a Point,
+    /// end of the whole step
+    pub whole: &'a Point,
+}
+
+/// The error of two half steps by a scheme of order `order`.
+pub fn doubled(order: u32, pair: &Pair<'_>, inverse_mass: &[f64], error: &mut LocalError) -> Bends {
+    let &Pair { h, from, middle, halves, whole } = pair;
     let part = 1.0 / (2f64.powi(order.min(60) as i32) - 1.0);
     let difference = |e: &mut [f64], whole: &[f64], halves: &[f64]| {
         for ((e, whole), halves) in e.iter_mut().zip(whole).zip(halves) {
@@ -137,4 +183,10 @@ pub fn doubled(order: u32, whole: &Point, halves: &Point, error: &mut LocalError
     };
     difference(&mut error.x, &whole.state.x, &halves.state.x);
     difference(&mut error.v, &whole.state.v, &halves.state.v);
+    let mut bends = Bends::default();
+    let forces = from.forces.total.iter().zip(&middle.forces.total).zip(&halves.forces.total);
+    for (m, ((f0, f1), f2)) in inverse_mass.iter().zip(forces) {
+        bends.add(m * (f2 - f0) / h, 4.0 * m * (f2 - 2.0 * f1 + f0) / (h * h));
+    }
+    bends
 }

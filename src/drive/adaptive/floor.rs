@@ -1,11 +1,11 @@
 //! What is said when no step is small enough.
 
-use super::estimate::Largest;
+use super::estimate::Deviation;
 use crate::drive::failure::{Failure, Scenery};
 
 impl Scenery<'_> {
     /// The error of the step that was tried stays above the tolerance down to the smallest step, `floor` [s].
-    pub(in crate::drive) fn at_the_floor(&self, worst: Largest, floor: f64) -> Failure {
+    pub(in crate::drive) fn at_the_floor(&self, worst: Deviation, floor: f64) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst.dof);
         let size = self.from.state.x.get(worst.dof).map_or(0.0, |x| x.abs());
         let rounding = 4.0 * f64::EPSILON * size;

@@ -1,0 +1,44 @@
+//! How long a scene remembers an error.
+//!
+//! Damping takes an error of velocity e away at the rate lambda/2, where lambda is the Rayleigh quotient (e.C e)/(e.M e); over a run of T
+//! the errors then come to 2/(lambda T) of their sum, had all of them that one rate. What decays slowly hides behind what decays fast in
+//! the quotient, so only the square root of the gain is taken.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::state::StateRef;
+use crate::model::system::Weights;
+use crate::scene::Scene;
+
+/// Accepted steps from one quotient to the next; each costs a product with C.
+const INTERVAL: u32 = 16;
+
+/// The rate at which errors are forgotten; part of a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// [1/s] lambda
+    rate: f64,
+    /// accepted steps since it was found
+    age: u32,
+}
+
+impl Memory {
+    /// [-] By how much the errors of a run of `end` [s] may be larger, in their sum, than their result.
+    pub fn forgetting(&self, end: f64) -> f64 {
+        (0.5 * self.rate * end).max(1.0).sqrt()
+    }
+
+    /// After an accepted step that ended at `at` with the local error `e` [m/s]; `product` has the room for C e.
+    pub fn refresh(&mut self, scene: &dyn Scene, at: StateRef<'_>, e: &[f64], product: &mut [f64]) {
+        self.age = (self.age + 1) % INTERVAL;
+        if self.age != 1 || !scene.velocity_dependent() {
+            return;
+        }
+        scene.tangent_times(at, Weights { m: 0.0, c: 1.0, k: 0.0 }, e, product);
+        let damped: f64 = e.iter().zip(&*product).map(|(e, c)| e * c).sum();
+        let found = damped / (2.0 * scene.kinetic_energy(e));
+        if found.is_finite() && found > 0.0 {
+            self.rate = if self.rate > 0.0 { (self.rate * found).sqrt() } else { found };
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Adaptive steps: the error that is delivered follows the tolerance, for every method.
+//!
+//! Delivered is the largest root mean square of all positions' errors at 21 frame times, as frames show them, against rk4 at a tolerance of
+//! 1e-11; allowed is absolute + relative * (largest displacement, root mean square). Five decades for methods of order two and more, two
+//! for those of order one.
+
+use crate::claim::Claim;
+use crate::common::run::{asset, changed};
+use canopy_fem::case::Case;
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::{self, Status};
+use canopy_fem::integrate::registry::{Family, MethodInfo, methods};
+use canopy_fem::model::state::State;
+use canopy_fem::output::hermite::interpolate;
+use canopy_fem::simulation::{bind, build_scene};
+use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
+
+const FRAMES: u32 = 20;
+/// Finest tolerance of methods of order two and more, and of order one; the coarsest are 1e-3 and 1e-2.
+const FINEST: [f64; 2] = [1e-8, 1e-4];
+/// Most and least that may be delivered of what is allowed.
+const FACTOR: f64 = 10.0;
+
+/// States at the frame times.
+struct Frames {
+    times: Vec<f64>,
+    found: Vec<State>,
+}
+
+impl Observer for Frames {
+    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.found.push(at.state.clone());
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        let (from, to) = (&step.from.state, &step.to.state);
+        while let Some(&t) = self.times.get(self.found.len()).filter(|t| **t <= to.t * (1.0 + 1e-14)) {
+            let mut between = from.clone();
+            interpolate(from.as_ref(), to.as_ref(), ((t - from.t) / (to.t - from.t)).min(1.0), &mut between);
+            self.found.push(between);
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+fn frames(case: &Case, method: &str, relative: f64) -> Vec<State> {
+    let tolerance = serde_json::json!({"relative": relative, "absolute": 0.01 * relative}).to_string();
+    let sets = [("time.step", "null"), ("time.tolerance", tolerance.as_str()), ("time.method", method)];
+    let case = changed(case, &sets);
+    let problem = case.problem();
+    let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
+    let mut stepper = bind(problem, &*scene).expect("the method fits");
+    let times = (0..=FRAMES).map(|k| problem.time.end * f64::from(k) / f64::from(FRAMES)).collect();
+    let mut frames = Frames { times, found: Vec::new() };
+    let stop = AtomicBool::new(false);
+    let outcome =
+        drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut frames], &stop).expect("starts");
+    assert_eq!(outcome.status, Status::Completed, "{method} at {relative:e}: {:?}", outcome.failure);
+    assert_eq!(frames.found.len(), FRAMES as usize + 1, "{method} at {relative:e}");
+    frames.found
+}
+
+fn rms(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+fn largest(of: impl Iterator<Item = f64>) -> f64 {
+    of.fold(0.0, f64::max)
+}
+
+/// Delivered over allowed, from the coarsest tolerance to the finest.
+fn ratios(case: &Case, reference: &[State], method: &MethodInfo, finest: [f64; 2]) -> Vec<f64> {
+    let start = &reference[0].x;
+    let motion = largest(reference.iter().map(|s| rms(&s.x, start)));
+    let (mut relative, finest) = if method.order == 1 { (1e-2, finest[1]) } else { (1e-3, finest[0]) };
+    let mut found = Vec::new();
+    while relative > 0.5 * finest {
+        let got = frames(case, method.name, relative);
+        let error = largest(got.iter().zip(reference).map(|(a, b)| rms(&a.x, &b.x)));
+        found.push(error / (0.01 * relative + relative * motion));
+        relative *= 0.1;
+    }
+    found
+}
+
+fn follows(case: &Case, what: &str, finest: [f64; 2], fits: impl Fn(&MethodInfo) -> bool + Sync) -> Vec<Claim> {
+    let reference = frames(case, "rk4", 1e-11);
+    let chosen: Vec<&MethodInfo> = methods().iter().filter(|m| fits(m)).collect();
+    let rows = chosen.par_iter().flat_map_iter(|method| {
+        let found = ratios(case, &reference, method, finest);
+        let (most, least) = (largest(found.iter().copied()), found.iter().copied().fold(f64::INFINITY, f64::min));
+        let decades = found.len() - 1;
+        let name = method.name;
+        [
+            Claim::below(format!("{what}, {name}: delivered / allowed, worst of {decades} decades"), most, FACTOR),
+            Claim::between(format!("{what}, {name}: delivered / allowed, best"), least, 0.3 / FACTOR, FACTOR),
+            Claim::below(format!("{what}, {name}: worst / best over {decades} decades"), most / least, FACTOR),
+        ]
+    });
+    rows.collect()
+}
+
+pub fn pendulum() -> Vec<Claim> {
+    let case = asset("pendulum", &[("time.end", "5")]);
+    follows(&case, "pendulum", FINEST, |method| method.family != Family::MatrixFree)
+}
+
+/// The softest cloth of the thesis on fewer nodes: it swells for 0.2 s, and its dashpots damp the fast part of the motion.
+pub fn cloth() -> Vec<Claim> {
+    let annulus = "system.network.mesh.annulus";
+    let nodes = [(format!("{annulus}.nodes"), "60"), (format!("{annulus}.boundary_nodes"), "30")];
+    let sets = [("time.end", "0.2"), (nodes[0].0.as_str(), nodes[0].1), (nodes[1].0.as_str(), nodes[1].1)];
+    follows(&asset("cloth-k100", &sets), "cloth", FINEST, |_| true)
+}
