@@ -4,6 +4,9 @@
 
 mod common;
 
+use canopy_fem::drive::clock::{Step, Tolerance};
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, StepView};
+use canopy_fem::drive::{RunSpec, run};
 use canopy_fem::force::batch::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
@@ -15,6 +18,7 @@ use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 use common::{patch, spring_group};
 use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
@@ -55,11 +59,48 @@ fn blocks(scene: &Network, method: &str, steps: u32) -> u64 {
     dhat::HeapStats::get().total_blocks - before
 }
 
+/// Heap blocks at the first accepted step after 200 and after 400.
+#[derive(Default)]
+struct Marks([u64; 2]);
+
+impl Observer for Marks {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        for (mark, at) in self.0.iter_mut().zip([200, 400]) {
+            if step.step >= at && *mark == 0 {
+                *mark = dhat::HeapStats::get().total_blocks;
+            }
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+/// Heap blocks allocated by 200 adaptive steps after 200 of warm-up.
+fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
+    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let step = Step::Adaptive(Tolerance { relative: 1e-6, absolute: 1e-8 });
+    let mut marks = Marks::default();
+    let spec = RunSpec { end: 0.5, step, keep_going: false, method: &choice };
+    run(scene, &mut stepper, spec, &mut [&mut marks], &AtomicBool::new(false)).expect("it starts");
+    let Marks([first, last]) = marks;
+    assert!(last > 0, "{method} makes 400 steps");
+    last - first
+}
+
 fn main() {
     let _profiler = dhat::Profiler::builder().testing().build();
     let (calm, windy) = (scene(false), scene(true));
     for method in methods() {
         assert_eq!(blocks(&calm, method.name, 50), 0, "{} on a symmetric scene", method.name);
+        assert_eq!(adaptive_blocks(&calm, method.name), 0, "adaptive steps of {}", method.name);
         if method.family != Family::Implicit {
             assert_eq!(blocks(&windy, method.name, 50), 0, "{} with air", method.name);
         }

@@ -80,3 +80,19 @@ fn one_two_and_three_threads_give_the_same_bits() {
         }
     }
 }
+
+/// Sums over all nodes decide on the size of adaptive steps.
+#[test]
+fn adaptive_steps_are_the_same_for_every_number_of_threads() {
+    let tolerance = ("time.tolerance", r#"{"relative": 1e-3, "absolute": 1e-5}"#);
+    for method in ["velocity-verlet", "rk4", "generalized-alpha"] {
+        let sets = [("time.step", "null"), tolerance, ("time.end", "0.02"), ("time.method", method)];
+        let case = common::run::asset("cloth-k1000", &sets);
+        let [one, two] = [1, 2].map(|threads| common::run::run_with(&case, threads));
+        assert!(one.outcome.steps > 5, "{method}: {} steps", one.outcome.steps);
+        assert_eq!((one.outcome.steps, one.outcome.ledger), (two.outcome.steps, two.outcome.ledger), "{method}");
+        let bits =
+            |run: &common::run::Run| run.state.x.iter().chain(&run.state.v).map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert!(bits(&one) == bits(&two), "{method} differs with two threads");
+    }
+}

@@ -93,7 +93,7 @@ fn ranges_agree_with_the_checks() {
         };
         let mut sets = vec![(key, bound.to_string())];
         if !extra.is_empty() {
-            sets.push((extra, "1".to_owned()));
+            sets.extend([(extra, "1".to_owned()), ("time.step", "null".to_owned())]);
         }
         let sets: Vec<(&str, &str)> = sets.iter().map(|(k, v)| (*k, v.as_str())).collect();
         assert_eq!(base_with(&sets).is_ok(), allowed, "{key} = {bound}");
