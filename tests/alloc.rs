@@ -59,7 +59,7 @@ fn blocks(scene: &Network, method: &str, steps: u32) -> u64 {
     dhat::HeapStats::get().total_blocks - before
 }
 
-/// Heap blocks at the first accepted step after 200 and after 400.
+/// Heap blocks at the first accepted step after 60 and after 120.
 #[derive(Default)]
 struct Marks([u64; 2]);
 
@@ -69,7 +69,7 @@ impl Observer for Marks {
     }
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        for (mark, at) in self.0.iter_mut().zip([200, 400]) {
+        for (mark, at) in self.0.iter_mut().zip([60, 120]) {
             if step.step >= at && *mark == 0 {
                 *mark = dhat::HeapStats::get().total_blocks;
             }
@@ -82,16 +82,17 @@ impl Observer for Marks {
     }
 }
 
-/// Heap blocks allocated by 200 adaptive steps after 200 of warm-up.
+/// Heap blocks allocated by 60 adaptive steps after 60 of warm-up.
 fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
-    let step = Step::Adaptive(Tolerance { relative: 1e-6, absolute: 1e-8 });
+    let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
+    let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let mut marks = Marks::default();
     let spec = RunSpec { end: 0.5, step, keep_going: false, method: &choice };
     run(scene, &mut stepper, spec, &mut [&mut marks], &AtomicBool::new(false)).expect("it starts");
     let Marks([first, last]) = marks;
-    assert!(last > 0, "{method} makes 400 steps");
+    assert!(last > 0, "{method} makes 120 steps");
     last - first
 }
 

@@ -10,7 +10,7 @@ use std::io::{self, BufWriter, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::spec::{OutputSpec, Problem, SystemSpec};
+use super::spec::{OutputSpec, Problem, RowEvery, SystemSpec};
 use crate::drive::clock::Step;
 use crate::model::spec::NetworkSpec;
 
@@ -72,7 +72,10 @@ impl Fingerprint {
         let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _ } = &problem.output;
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
-        made.text("output.history.every", history_every)?;
+        match history_every {
+            RowEvery::Steps(steps) => made.text("output.history.every", steps)?,
+            RowEvery::Time(every) => made.text("output.history.every", &format!("{every:e} s"))?,
+        }
         for probe in probes {
             made.sum("output.probes", &(&probe.name, &probe.nodes))?;
         }

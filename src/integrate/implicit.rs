@@ -303,18 +303,13 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     }
 
     fn save(&self) -> Carried {
-        Carried { vectors: vec![self.a.clone(), vec![self.made_with]] }
+        Carried { vectors: vec![self.a.clone()], made_with: self.made_with }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
-        match carried.vectors.as_slice() {
-            [a, made_with] if a.len() == self.a.len() && made_with.len() == 1 => {
-                self.a.copy_from_slice(a);
-                self.made_with = made_with[0];
-                Ok(())
-            }
-            other => Err(StepError::Carried { found: other.len(), expected: 2, length: self.a.len() }),
-        }
+        carried.take_into(&mut [&mut self.a])?;
+        self.made_with = carried.made_with;
+        Ok(())
     }
 
     fn filter_error(

@@ -79,6 +79,8 @@ pub struct StageWork {
 pub struct Carried {
     /// vectors over all degrees of freedom, in an order the scheme defines
     pub vectors: Vec<Vec<f64>>,
+    /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
+    pub made_with: f64,
 }
 
 /// Why a scheme cannot start or a step cannot be made.

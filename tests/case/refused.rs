@@ -75,7 +75,7 @@ fn time_and_solver() {
         ),
         ("time.step=null;time.tolerance={\"relative\":1,\"absolute\":1e-6}", "/time/tolerance/relative", "below 1"),
         ("time.step=null;time.tolerance={\"relative\":0.1,\"absolute\":0}", "/time/tolerance/absolute", "above 0"),
-        ("time.step=null;time.tolerance={\"relative\":0.1}", "/time/tolerance", "absolute"),
+        ("time.step=null;time.tolerance={\"relative\":0.1}", "/time/tolerance/absolute", "required"),
         (
             "time.step=null;time.tolerance={\"relative\":0.1,\"absolute\":1};system.network.springs.0.dashpot={\"axial\":\"step\"}",
             "/system/network/springs/0/dashpot/axial",

@@ -71,7 +71,9 @@ fn amplification(named: &Named, wh: f64) -> [[f64; 3]; 3] {
         stepper.start(&start).expect("a small scene");
         let mut carried = vec![0.0; scene.n_dof()];
         carried[dof] = unit(2);
-        stepper.restore(&Carried { vectors: vec![carried] }).expect("an acceleration is what the family carries");
+        stepper
+            .restore(&Carried { vectors: vec![carried], made_with: 0.0 })
+            .expect("an acceleration is what the family carries");
         let mut to = start.clone();
         let step = Attempt { from: &start, h, t_next: h };
         stepper.attempt(step, &mut to, &mut Counters::default()).expect("an easy step");

@@ -17,9 +17,10 @@ use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 
 const FRAMES: u32 = 20;
-/// Finest tolerance of methods of order two and more, and of order one; the coarsest are 1e-3 and 1e-2.
-const FINEST: [f64; 2] = [1e-8, 1e-4];
-/// Most and least that may be delivered of what is allowed.
+/// Finest tolerance of methods of order one, two and more; the coarsest are 1e-2, 1e-3 and 1e-4, where stability does not hold the
+/// steps yet.
+const FINEST: [f64; 3] = [1e-4, 1e-8, 1e-9];
+/// Most that may be delivered of what is allowed, and one over the least.
 const FACTOR: f64 = 10.0;
 
 /// States at the frame times.
@@ -75,10 +76,14 @@ fn largest(of: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Delivered over allowed, from the coarsest tolerance to the finest.
-fn ratios(case: &Case, reference: &[State], method: &MethodInfo, finest: [f64; 2]) -> Vec<f64> {
+fn ratios(case: &Case, reference: &[State], method: &MethodInfo) -> Vec<f64> {
     let start = &reference[0].x;
     let motion = largest(reference.iter().map(|s| rms(&s.x, start)));
-    let (mut relative, finest) = if method.order == 1 { (1e-2, finest[1]) } else { (1e-3, finest[0]) };
+    let (mut relative, finest) = match method.order {
+        1 => (1e-2, FINEST[0]),
+        2 => (1e-3, FINEST[1]),
+        _ => (1e-4, FINEST[2]),
+    };
     let mut found = Vec::new();
     while relative > 0.5 * finest {
         let got = frames(case, method.name, relative);
@@ -89,17 +94,17 @@ fn ratios(case: &Case, reference: &[State], method: &MethodInfo, finest: [f64; 2
     found
 }
 
-fn follows(case: &Case, what: &str, finest: [f64; 2], fits: impl Fn(&MethodInfo) -> bool + Sync) -> Vec<Claim> {
+fn follows(case: &Case, what: &str, fits: impl Fn(&MethodInfo) -> bool + Sync) -> Vec<Claim> {
     let reference = frames(case, "rk4", 1e-11);
     let chosen: Vec<&MethodInfo> = methods().iter().filter(|m| fits(m)).collect();
     let rows = chosen.par_iter().flat_map_iter(|method| {
-        let found = ratios(case, &reference, method, finest);
+        let found = ratios(case, &reference, method);
         let (most, least) = (largest(found.iter().copied()), found.iter().copied().fold(f64::INFINITY, f64::min));
         let decades = found.len() - 1;
         let name = method.name;
         [
             Claim::below(format!("{what}, {name}: delivered / allowed, worst of {decades} decades"), most, FACTOR),
-            Claim::between(format!("{what}, {name}: delivered / allowed, best"), least, 0.3 / FACTOR, FACTOR),
+            Claim::between(format!("{what}, {name}: delivered / allowed, best"), least, 1.0 / FACTOR, FACTOR),
             Claim::below(format!("{what}, {name}: worst / best over {decades} decades"), most / least, FACTOR),
         ]
     });
@@ -108,13 +113,18 @@ fn follows(case: &Case, what: &str, finest: [f64; 2], fits: impl Fn(&MethodInfo)
 
 pub fn pendulum() -> Vec<Claim> {
     let case = asset("pendulum", &[("time.end", "5")]);
-    follows(&case, "pendulum", FINEST, |method| method.family != Family::MatrixFree)
+    follows(&case, "pendulum", |method| method.family != Family::MatrixFree)
 }
 
-/// The softest cloth of the thesis on fewer nodes: it swells for 0.2 s, and its dashpots damp the fast part of the motion.
+/// The softest cloth of the thesis on fewer nodes, while it swells; its dashpots damp the fast part of the motion.
 pub fn cloth() -> Vec<Claim> {
     let annulus = "system.network.mesh.annulus";
     let nodes = [(format!("{annulus}.nodes"), "60"), (format!("{annulus}.boundary_nodes"), "30")];
     let sets = [("time.end", "0.2"), (nodes[0].0.as_str(), nodes[0].1), (nodes[1].0.as_str(), nodes[1].1)];
-    follows(&asset("cloth-k100", &sets), "cloth", FINEST, |_| true)
+    let swelling = asset("cloth-k100", &sets);
+    // The few steps of order 4 need a whole swing to come to their size.
+    let swinging = changed(&swelling, &[("time.end", "2")]);
+    let mut claims = follows(&swelling, "cloth", |method| method.order < 4);
+    claims.extend(follows(&swinging, "cloth", |method| method.order == 4));
+    claims
 }

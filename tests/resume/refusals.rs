@@ -80,11 +80,7 @@ fn another_case() {
     }
     let two = ["--step", "0.005", "--set", "output.history.every=5"];
     assert_refused(&bench, &two, &["time.step was", "; output.history.every was"]);
-    assert_refused(
-        &bench,
-        &["--resume", "--tolerance", "1e-3"],
-        &["time.step is not what it was", "time.tolerance is not"],
-    );
+    assert_refused(&bench, &["--tolerance", "1e-3"], &["time.step is not what it was", "time.tolerance is not"]);
     let ended = bench.solve(&["--resume", "--threads", "2", "--set", "output.checkpoint.every=0.7"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }

@@ -119,6 +119,6 @@ mod tests {
         c.too_large(Judged { h: 0.1, error: f64::NAN, order: 2, most_growth: 2.0 });
         assert!((c.step() - 0.01).abs() < 1e-15 && c.dropped() == 1);
         c.accept(Judged { h: 0.01, error: 1e-9, order: 2, most_growth: 2.0 });
-        assert_eq!((c.step(), c.dropped()), (0.01, 0), "no growth right after a drop");
+        assert!((c.step() - 0.01).abs() < 1e-15 && c.dropped() == 0, "no growth right after a drop");
     }
 }

@@ -77,13 +77,19 @@ impl Bends {
 }
 
 impl Motion {
-    /// With a step that ended in the state `at`, of a run that began at positions `start`.
+    /// With the bends of one more step.
     #[must_use]
-    pub fn with(self, start: &[f64], at: StateRef<'_>, bends: Bends) -> Self {
+    pub fn bent(self, bends: Bends) -> Self {
+        Motion { slow: KEPT * self.slow + bends.slow, fast: KEPT * self.fast + bends.fast, ..self }
+    }
+
+    /// With the state `at`, of a run that began at positions `start`. Only of a step that is kept: one that blows up is not to be
+    /// compared with its own size.
+    #[must_use]
+    pub fn at(self, start: &[f64], at: StateRef<'_>) -> Self {
         let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
         let v = at.v.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let [slow, fast] = [KEPT * self.slow + bends.slow, KEPT * self.fast + bends.fast];
-        Motion { x: self.x.max(x), v: self.v.max(v), slow, fast }
+        Motion { x: self.x.max(x), v: self.v.max(v), ..self }
     }
 
     /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what moves

@@ -165,7 +165,9 @@ pub struct Adaptive {
 impl Adaptive {
     /// A run from t = 0.
     pub fn new(scene: &dyn Scene, spec: AdaptiveSpec) -> Self {
-        let state = AdaptiveState { controller: Controller::new(FIRST * spec.end), ..AdaptiveState::default() };
+        let first = scene.initial_state();
+        let motion = Motion::default().at(&first.x, first.as_ref());
+        let state = AdaptiveState { controller: Controller::new(FIRST * spec.end), motion, ..AdaptiveState::default() };
         Self::restore(scene, spec, state)
     }
 
@@ -289,7 +291,7 @@ impl Adaptive {
     /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.
     fn judge(&mut self, trial: Trial, (bends, most_growth): (Bends, f64), end: &Point) -> Result<(), Dropped> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
-        let moved = motion.with(&self.start, end.state.as_ref(), bends);
+        let moved = motion.bent(bends);
         let AdaptiveSpec { end: run, tolerance, order, coherent } = self.spec;
         let off = moved.deviation(&self.error, tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
@@ -305,7 +307,7 @@ impl Adaptive {
             controller.too_large(judged);
             return Err(Dropped::Error(off));
         }
-        *motion = moved;
+        *motion = moved.at(&self.start, end.state.as_ref());
         Ok(())
     }
 }
