@@ -1,13 +1,15 @@
 //! Why a run was stopped, in words a person can act on.
 
-use crate::analysis::limit::critical_step;
-use crate::analysis::rates::{Rates, rates};
+use super::cause::{Answer, Question};
+use super::observer::LedgerRow;
+use super::watch::{Gain, Trouble};
+use crate::figures::figures;
 use crate::integrate::StepError;
-use crate::integrate::registry::{Family, MethodChoice, MethodInfo};
+use crate::integrate::registry::MethodInfo;
+use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
 use crate::solve::newton::NewtonFailure;
-use std::collections::BTreeMap;
 
 /// What `summary.json` shows under `failure`.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -20,8 +22,16 @@ pub struct Failure {
     pub node: Option<u32>,
     /// most strained spring at that node
     pub spring: Option<u32>,
+    /// fastest triangle at that node, where the air or a pressure acts
+    pub triangle: Option<u32>,
     /// force term with the largest force on that node
     pub term: Option<String>,
+    /// what changed most in energy in that step: `inertia` or a force term
+    pub grew: Option<String>,
+    /// [-] growth a step of the energy the scheme has made, over the last steps
+    pub growth: Option<f64>,
+    /// [s] critical step of the method, where one was found; 0 for a method without stable step
+    pub critical_step: Option<f64>,
     /// what happened
     pub cause: String,
     /// what to do
@@ -41,23 +51,52 @@ pub(super) struct Scenery<'a> {
     pub h: f64,
     /// [s] time the failed step ends at
     pub t: f64,
+    /// [s] end of the run
+    pub end: f64,
+}
+
+/// The state that is wrong, and its account.
+pub(super) struct Wreck<'a> {
+    pub trouble: Trouble,
+    pub to: &'a Point,
+    pub before: LedgerRow,
+    pub after: LedgerRow,
+    pub gain: Gain,
 }
 
 impl Scenery<'_> {
-    /// A state that is not finite, or has left the scene.
-    pub(super) fn diverged(&self, to: &Point, how: &str) -> Failure {
-        let suspect = self.scene.suspect(self.from.state.as_ref(), self.worst_dof(to));
-        let (start, last) = (self.scene.initial_state(), self.from.state.as_ref());
-        let unstable = self.instability(rates(self.scene, start.as_ref()), "at the start").or_else(|| {
-            // These rates are already the wreck's: they tell what grew, not which step would have been small enough.
-            let (why, _) = self.instability(rates(self.scene, last), "in the last good state")?;
-            Some((why, format!("use a step of {:.1e} s or smaller{}", 0.1 * self.h, self.or_implicit())))
-        });
-        let (cause, advice) = match unstable {
-            Some((why, advice)) => (format!("{how}; {why}"), advice),
-            None => (format!("{how}; no instability of the step is seen in the tangent"), self.general_advice()),
+    /// A state that cannot be right.
+    pub(super) fn diverged(&self, wreck: &Wreck<'_>) -> Failure {
+        let worst = self.worst_dof(wreck.to);
+        let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        let answer = match wreck.trouble {
+            // Less than everything that was supplied: the motion is real.
+            Trouble::Spread { share, .. } if share < 1.0 => self.question().flight(share),
+            _ => self.question().gain(),
         };
-        self.report(suspect, cause, advice)
+        let how = self.how(wreck, worst, &suspect);
+        let cause = match &*answer.why {
+            "" => format!("{how}; no limit of the step is seen in the tangent"),
+            why => format!("{how}; {why}"),
+        };
+        let triangle = self.fastest_triangle(wreck.to, &suspect);
+        let failure = self.report(suspect, cause, answer.advice);
+        let (grew, growth) = (Some(self.grew(wreck)), wreck.gain.growth);
+        Failure { triangle, grew, growth, critical_step: answer.critical, ..failure }
+    }
+
+    /// A warning about energy that the scheme has made.
+    pub(super) fn doubt(&self, gain: Gain) -> String {
+        let Answer { why, advice, .. } = self.question().gain();
+        let joint = if why.is_empty() { "" } else { ": " };
+        format!(
+            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, {} % of all that was there or was put in{joint}{why}; {advice}",
+            figures(self.t, 4),
+            self.step,
+            self.method.name,
+            figures(gain.made, 3),
+            figures(100.0 * gain.made / gain.supplied, 2),
+        )
     }
 
     /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual.
@@ -68,79 +107,109 @@ impl Scenery<'_> {
                           range of a double, which a smaller step seldom mends";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
+        let (why, step) = self.question().unsolved(worst);
+        let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(
-            "use a smaller step, {:.1e} s or less, or more solver.newton.max_iterations; a net that buckles or goes slack in \
+            "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
              large steps may need \"slack\": \"tension-only\" springs or some damping",
-            0.5 * self.h
+            figures(step, 2)
         );
-        self.report(suspect, error.to_string(), advice)
+        self.report(suspect, cause, advice)
+    }
+
+    fn question(&self) -> Question<'_> {
+        Question { scene: self.scene, method: self.method, last: &self.from.state, h: self.h, end: self.end }
     }
 
     fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
         let Suspect { node, spring, term } = suspect;
         let term = term.map(str::to_owned);
-        Failure { time: self.t, step: self.step, node, spring, term, cause, advice, blow_up_time: None }
+        Failure { time: self.t, step: self.step, node, spring, term, cause, advice, ..Failure::default() }
     }
 
-    /// The step against the fastest rates of the tangent, for schemes with a limit: what is wrong and what to do.
-    fn instability(&self, rates: Rates, when: &str) -> Option<(String, String)> {
-        let node = |dof: usize| self.scene.name_of(dof).0;
-        let (c, w) = (self.h * rates.damping, self.h * rates.frequency);
-        let advise = || self.advice_for(rates);
-        if c > 1.0 && c >= w {
-            let why = format!(
-                "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {}, and the step is {:.1e} s",
-                1.0 / rates.damping,
-                node(rates.damping_dof),
-                self.h
-            );
-            return Some((why, advise()));
+    fn how(&self, wreck: &Wreck<'_>, worst: usize, suspect: &Suspect) -> String {
+        let grows = |gain: Gain| match gain.growth {
+            Some(growth) if growth > 1.0 => format!(", {} times more with every step", figures(growth, 3)),
+            _ => String::new(),
+        };
+        match wreck.trouble {
+            Trouble::NotFinite => "a value is not finite".to_owned(),
+            Trouble::Spread { times, .. } => format!("the nodes have spread beyond {times:.0e} times the scene's size"),
+            Trouble::Gain(gain) => format!(
+                "{} itself has made {} J of energy{}, where {} J were there or were put in{}",
+                self.method.name,
+                figures(gain.made, 3),
+                grows(gain),
+                figures(gain.supplied, 3),
+                self.speed(wreck, worst, gain)
+            ),
+            Trouble::Strain { elastic, gain } => format!(
+                "the springs{} hold {} J{}, where {} J were there or were put in",
+                suspect.spring.map_or(String::new(), |spring| format!(", above all those like spring {spring},")),
+                figures(elastic, 3),
+                grows(gain),
+                figures(gain.supplied, 3)
+            ),
         }
-        (w > 1.0).then(|| {
-            let why = format!(
-                "{when} the stiffest oscillation has w = {:.3e} rad/s around node {}, so w h = {w:.3e} where explicit schemes \
-                 allow 1 to 3, less with damping",
-                rates.frequency,
-                node(rates.frequency_dof)
-            );
-            (why, advise())
-        })
     }
 
-    /// Nine tenths of the method's own limit on an oscillator with these rates.
-    fn advice_for(&self, rates: Rates) -> String {
-        let limit = MethodChoice::new(self.method.name, &BTreeMap::new()).map_or(0.0, |m| critical_step(&m, rates));
-        if limit == 0.0 {
-            return format!(
-                "{} grows at every step on undamped oscillations: use velocity-verlet, rk4 or an implicit method such as \
-                 newmark",
-                self.method.name
-            );
+    /// A speed that all energy there is could not give.
+    fn speed(&self, wreck: &Wreck<'_>, worst: usize, gain: Gain) -> String {
+        let inverse = self.scene.inverse_mass().get(worst).copied().unwrap_or(0.0);
+        let speed = wreck.to.state.v.get(worst).map_or(0.0, |v| v.abs());
+        let possible = (2.0 * gain.supplied * inverse).sqrt();
+        if !(possible > 0.0 && speed > possible && speed.is_finite()) {
+            return String::new();
         }
-        if limit.is_infinite() {
-            return self.general_advice();
-        }
-        format!("use a step of {:.1e} s or smaller{}", 0.9 * limit, self.or_implicit())
+        let (node, axis) = self.scene.name_of(worst);
+        format!(
+            "; all of these would give node {node} alone a speed of {}, and its {axis} changes at {}",
+            figures(possible, 3),
+            figures(speed, 3)
+        )
     }
 
-    fn or_implicit(&self) -> &'static str {
-        if self.method.family == Family::Implicit { "" } else { ", or an implicit method such as newmark" }
+    /// What changed most in energy in the step; the first that is not finite.
+    fn grew(&self, wreck: &Wreck<'_>) -> String {
+        let changes = self.scene.terms().iter().zip(&self.from.forces.tallies).zip(&wreck.to.forces.tallies);
+        let changes = changes.map(|((term, from), to)| match term.role {
+            Role::Elastic | Role::Gravity => (term.name, (to.energy - from.energy).abs()),
+            Role::External | Role::Dissipative => (term.name, (to.power * self.h).abs()),
+        });
+        let inertia = ("inertia", (wreck.after.kinetic - wreck.before.kinetic).abs());
+        let size = |change: f64| if change.is_finite() { change } else { f64::INFINITY };
+        let largest = changes.fold(inertia, |most, next| if size(next.1) > size(most.1) { next } else { most });
+        largest.0.to_owned()
     }
 
-    fn general_advice(&self) -> String {
-        format!("use a smaller step than {:.1e} s, or check the loads: the motion itself may be this fast", self.h)
+    /// The triangle at the suspected node whose nodes move fastest, if what acts on triangles is under suspicion.
+    fn fastest_triangle(&self, to: &Point, suspect: &Suspect) -> Option<u32> {
+        let node = suspect.node?;
+        let loaded = |term: &&'static str| *term == "air" || term.contains("pressure");
+        suspect.term.as_ref().filter(|term| loaded(term))?;
+        let n = self.scene.reference().len();
+        let (mut x, mut v) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        self.scene.trace(to.state.as_ref(), &mut x, &mut v);
+        let speed = |t: &[u32; 3]| -> f64 {
+            t.iter().filter_map(|&i| v.get(i as usize)).flatten().map(|v| v.abs()).fold(0.0, f64::max)
+        };
+        let here = (0u32..).zip(self.scene.triangles()).filter(|(_, t)| t.contains(&node));
+        here.max_by(|a, b| speed(a.1).total_cmp(&speed(b.1))).map(|(i, _)| i)
     }
 
-    /// The degree of freedom that is not finite (the fastest of them), else the one that moved farthest.
+    /// The degree of freedom that is not finite (the fastest of them), else the one whose kinetic energy grew most, else the one
+    /// that moved farthest.
     fn worst_dof(&self, to: &Point) -> usize {
         let (x0, v0, x, v) = (&self.from.state.x, &self.from.state.v, &to.state.x, &to.state.v);
+        let inverse = self.scene.inverse_mass();
         let size = |i: usize| {
             let finite = x[i].is_finite() && v[i].is_finite();
-            (!finite, if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
+            let gained = if finite && inverse[i] > 0.0 { (v[i] * v[i] - v0[i] * v0[i]) / inverse[i] } else { 0.0 };
+            (!finite, gained.max(0.0), if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
         };
         let larger = |a: &usize, b: &usize| {
             let (a, b) = (size(*a), size(*b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2))
         };
         (0..x.len()).max_by(larger).unwrap_or(0)
     }

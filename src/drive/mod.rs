@@ -3,6 +3,7 @@
 //! [`run`] owns the two points a step goes between; a scheme computes, the ledger accounts, observers watch. A
 //! step that is not finite or has blown up is never shown to an observer as good.
 
+mod cause;
 pub mod clock;
 mod error;
 pub mod failure;
@@ -10,6 +11,7 @@ pub mod ledger;
 pub mod observer;
 mod run;
 pub mod snapshot;
+pub mod watch;
 
 pub use error::RunError;
 pub use failure::Failure;

@@ -2,10 +2,11 @@
 
 use super::clock::{FixedSteps, Tick};
 use super::error::RunError;
-use super::failure::{Failure, Scenery};
+use super::failure::{Failure, Scenery, Wreck};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
 use super::snapshot::Snapshot;
+use super::watch::{Sight, Trouble, Watch, Watched};
 use crate::integrate::registry::MethodInfo;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
@@ -59,6 +60,10 @@ pub struct Outcome {
     pub counters: Counters,
     /// [-] largest numerical energy over the largest energy exchanged
     pub energy_error: f64,
+    /// [-] largest energy made by the scheme over all energy that was there or was put in
+    pub energy_made: f64,
+    /// warning that the run gave on its way
+    pub doubt: Option<String>,
     /// the account at the last good state
     pub ledger: LedgerRow,
     /// what went wrong, if anything did
@@ -138,9 +143,14 @@ fn go_on(
                     newton_iterations: report.newton_iterations,
                     residual: report.residual,
                 };
+                let doubt = run.new_doubt.take();
                 for o in observers.iter_mut() {
                     o.accepted(view)?;
+                    if let Some(doubt) = &doubt {
+                        o.doubted(doubt);
+                    }
                 }
+                run.doubt = doubt.or(run.doubt);
             }
             Err(stopped) => {
                 status = stopped;
@@ -165,11 +175,14 @@ struct Run<'a> {
     to: Point,
     counters: Counters,
     ledger: Ledger,
+    watch: Watch,
     row: LedgerRow,
     steps: u64,
     /// [m] extent beyond which the scene counts as blown up
     limit: f64,
     failure: Option<Failure>,
+    new_doubt: Option<String>,
+    doubt: Option<String>,
 }
 
 impl<'a> Run<'a> {
@@ -179,8 +192,24 @@ impl<'a> Run<'a> {
         counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
+        let watch = Watch::open(scene, spec.method, &row);
         let to = from.clone();
-        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: 0, limit: limit(scene), failure: None })
+        let (limit, new_doubt, doubt) = (limit(scene), None, None);
+        Ok(Run {
+            scene,
+            spec,
+            from,
+            to,
+            counters,
+            ledger,
+            watch,
+            row,
+            steps: 0,
+            limit,
+            failure: None,
+            new_doubt,
+            doubt,
+        })
     }
 
     fn restore(
@@ -190,20 +219,22 @@ impl<'a> Run<'a> {
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.passes(scene, &snapshot)?;
-        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure } = snapshot;
+        let Snapshot { step, t, x, v, carried, counters, ledger, row, watch, failure } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         scene.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         stepper.restore(&carried)?;
+        let watch = Watch::restore(scene, spec.method, watch);
         let to = from.clone();
-        Ok(Run { scene, spec, from, to, counters, ledger, row, steps: step, limit: limit(scene), failure })
+        let (limit, new_doubt, doubt) = (limit(scene), None, None);
+        Ok(Run { scene, spec, from, to, counters, ledger, watch, row, steps: step, limit, failure, new_doubt, doubt })
     }
 
     fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
         let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
         let (row, counters, failure) = (*row, *counters, failure.as_ref());
-        Resumable { occasion, step: *steps, at, row, counters, ledger, failure, stepper }
+        Resumable { occasion, step: *steps, at, row, counters, ledger, watch: self.watch.account(), failure, stepper }
     }
 
     /// Attempts step `k`; on success the points have changed places.
@@ -224,15 +255,20 @@ impl<'a> Run<'a> {
             // The ledger and observers want them; the scheme does not, so they are not counted.
             self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
         }
-        let before = self.ledger;
+        let before = (self.ledger, self.watch);
         let row = self.ledger.step(self.scene, &self.from, &self.to, &report);
         let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
         let extent = self.scene.extent(self.to.state.as_ref());
-        if !finite || extent.is_nan() || extent > self.limit {
-            self.blown_up(k, Tick { h, t }, finite);
-            if !finite || !self.spec.keep_going {
-                self.ledger = before;
-                return Err(Status::Diverged);
+        let left = !finite || extent.is_nan() || extent > self.limit;
+        match self.look(Tick { h, t }, k, &row, &report, if left { Some(finite) } else { None }) {
+            Sight::Calm => {}
+            Sight::Doubt(gain) => self.new_doubt = Some(self.scenery(k, h, t).doubt(gain)),
+            Sight::Trouble(trouble) => {
+                self.diverged(k, Tick { h, t }, trouble, row, left);
+                if !finite || !self.spec.keep_going {
+                    (self.ledger, self.watch) = before;
+                    return Err(Status::Diverged);
+                }
             }
         }
         stepper.accept();
@@ -242,22 +278,42 @@ impl<'a> Run<'a> {
         Ok(report)
     }
 
-    fn blown_up(&mut self, k: u64, Tick { h, t }: Tick, finite: bool) {
-        if self.failure.is_some() {
-            return;
+    /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
+    fn look(
+        &mut self,
+        Tick { h, .. }: Tick,
+        step: u64,
+        after: &LedgerRow,
+        report: &StepReport,
+        left: Option<bool>,
+    ) -> Sight {
+        if left == Some(false) {
+            return Sight::Trouble(Trouble::NotFinite);
         }
-        let how = if finite {
-            format!("the nodes have spread beyond {BLOW_UP:.0e} times the scene's size")
-        } else {
-            "a value is not finite".to_owned()
-        };
-        let mut failure = self.scenery(k, h, t).diverged(&self.to, &how);
-        failure.blow_up_time = Some(t);
-        self.failure = Some(failure);
+        let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
+        let sight = self.watch.step(Watched { scene, from, to, before, after, report, step, h });
+        match (sight, left) {
+            (Sight::Calm | Sight::Doubt(_), Some(_)) => {
+                let share = self.watch.share(to, after, step);
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share })
+            }
+            _ => sight,
+        }
+    }
+
+    fn diverged(&mut self, k: u64, Tick { h, t }: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
+        if self.failure.is_none() {
+            let wreck = Wreck { trouble, to: &self.to, before: self.row, after, gain: self.watch.gain() };
+            self.failure = Some(self.scenery(k, h, t).diverged(&wreck));
+        }
+        if let Some(failure) = self.failure.as_mut().filter(|_| left) {
+            failure.blow_up_time.get_or_insert(t);
+        }
     }
 
     fn scenery(&self, step: u64, h: f64, t: f64) -> Scenery<'_> {
-        Scenery { scene: self.scene, method: self.spec.method, from: &self.from, step, h, t }
+        let Run { scene, from, .. } = self;
+        Scenery { scene: *scene, method: self.spec.method, from, step, h, t, end: self.spec.end }
     }
 
     fn outcome(self, status: Status, stepper: &Stepper<'_>) -> Outcome {
@@ -267,6 +323,8 @@ impl<'a> Run<'a> {
             t_end: self.from.state.t,
             counters: self.counters,
             energy_error: self.ledger.energy_error(),
+            energy_made: self.watch.share(&self.from, &self.row, self.steps),
+            doubt: self.doubt,
             ledger: self.row,
             failure: self.failure,
             linear: stepper.linear_stats(),

@@ -155,7 +155,7 @@ impl Ran {
             return Err(format!("completed at {} s, the end is {end} s", self.outcome.t_end));
         }
         let allowed = GAIN * self.otherwise + self.rounding();
-        if self.gain > allowed && self.outcome.energy_error > WARNED && self.outcome.ledger.numerical < 0.0 {
+        if self.gain > allowed && self.outcome.energy_made > WARNED {
             return Ok(Kind::Doubted);
         }
         if self.gain > allowed {

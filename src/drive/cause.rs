@@ -1,0 +1,327 @@
+//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
+
+use crate::analysis::buckling;
+use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit};
+use crate::analysis::limit::{critical_step, growth};
+use crate::analysis::rates::Rates;
+use crate::figures::figures;
+use crate::integrate::registry::{Family, MethodChoice, MethodInfo};
+use crate::model::state::State;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+
+/// [m/s] speed of light
+const LIGHT: f64 = 299_792_458.0;
+/// Steps that nobody means to make.
+const ENDLESS: f64 = 1e12;
+/// Share of a critical step that is advised: bounds are certified or estimated within a few percent, and scenes stiffen.
+const SAFE: f64 = 0.9;
+/// [rad] w h of a step that resolves an oscillation well
+const RESOLVED: f64 = 0.3;
+/// A step above this share of the critical one is near enough to be the cause: velocity Verlet swells an oscillation's energy by
+/// 1/(1 - (wh/2)^2), tenfold at 0.95.
+const NEAR: f64 = 0.9;
+
+/// What is asked about.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub scene: &'a dyn Scene,
+    pub method: &'static MethodInfo,
+    /// last good state
+    pub last: &'a State,
+    /// [s] step size
+    pub h: f64,
+    /// [s] end of the run
+    pub end: f64,
+}
+
+/// What was found, and what to do about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Answer {
+    /// why, in words; empty if nothing was seen
+    pub why: String,
+    pub advice: String,
+    /// [s] critical step, where one was found
+    pub critical: Option<f64>,
+    /// degree of freedom that sets it
+    pub dof: Option<usize>,
+}
+
+/// The limit of a method at a state.
+struct Limit {
+    critical: CriticalStep,
+    /// [s] velocity Verlet's limit there
+    verlet: f64,
+    when: &'static str,
+}
+
+impl Question<'_> {
+    /// Why the scheme has made energy.
+    pub fn gain(&self) -> Answer {
+        let start = self.scene.initial_state();
+        let mut answer = self.explicit(&start).or_else(|| self.unresolved(&start)).unwrap_or_default();
+        if answer.advice.is_empty() {
+            answer.advice = format!(
+                "take a step of {} s or smaller, some damping, or a method that damps: --method backward-euler",
+                figures(0.1 * self.h, 2)
+            );
+        }
+        let steps = answer.critical.map_or(0.0, |critical| self.end / critical);
+        if let Some((why, check)) = self.units(&start, steps) {
+            let joint = if answer.why.is_empty() { "" } else { "; " };
+            answer.why = format!("{}{joint}{why}", answer.why);
+            answer.advice = format!("check {check} for a wrong unit; with these numbers {}", answer.advice);
+        }
+        answer
+    }
+
+    /// Why nodes have left the scene although no energy was made.
+    pub fn flight(&self, share: f64) -> Answer {
+        let unheld = self.unheld(0).map_or(String::new(), |words| format!("; {words}"));
+        Answer {
+            why: format!(
+                "the energy account is right to {} %, so loads or speeds carry the nodes away: no equilibrium is in reach{unheld}",
+                figures(100.0 * share, 2)
+            ),
+            advice: format!(
+                "check loads, wind, speeds and supports; or end the run before t = {} s, or use --keep-going",
+                figures(self.last.t, 3)
+            ),
+            ..Answer::default()
+        }
+    }
+
+    /// The step against the limit of the scheme on the tangent at the start, else in the last good state.
+    fn explicit(&self, start: &State) -> Option<Answer> {
+        let method = MethodChoice::new(self.method.name, &BTreeMap::new()).ok()?;
+        if self.method.family == Family::MatrixFree {
+            return self.outside_filter(start).or_else(|| self.outside_filter(self.last));
+        }
+        if !has_limit(&method) {
+            return None;
+        }
+        let first = self.limit(&method, start, "at the start");
+        let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
+        let later = self.limit(&method, self.last, "in the last good state").filter(over);
+        let found = first.filter(over).or_else(|| later.as_ref().map(Limit::copy))?;
+        let least = later.map_or(found.critical.step, |later| later.critical.step.min(found.critical.step));
+        Some(if found.critical.step > 0.0 { self.too_long(&found, least) } else { self.always_grows(&method, &found) })
+    }
+
+    fn limit(&self, method: &MethodChoice, at: &State, when: &'static str) -> Option<Limit> {
+        let mut spectrum = Spectrum::of(self.scene, at.as_ref());
+        let mut critical = spectrum.critical_step(method);
+        let Rates { frequency, damping, .. } = spectrum.rates();
+        if !(critical.step.is_finite() && (frequency > 0.0 || damping > 0.0)) {
+            critical = self.row_sums(method)?;
+        }
+        let verlet = MethodChoice::new("velocity-verlet", &BTreeMap::new()).ok()?;
+        Some(Limit { critical, verlet: critical_step(&verlet, critical.rates), when })
+    }
+
+    /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
+    fn row_sums(&self, method: &MethodChoice) -> Option<CriticalStep> {
+        let stiffness = self.scene.nodal_stiffness();
+        let squares = stiffness.iter().zip(self.scene.inverse_mass()).map(|(k, m)| 2.0 * k * m);
+        let (dof, square) = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, ..Rates::default() };
+        let step = critical_step(method, rates);
+        let found = rates.frequency > 0.0 && rates.frequency.is_finite() && step.is_finite();
+        found.then_some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates })
+    }
+
+    fn too_long(&self, found: &Limit, least: f64) -> Answer {
+        let &Limit { critical: CriticalStep { step, confidence, dof, rates }, when, .. } = found;
+        let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
+        let motion = self.motion(dof, rates);
+        let why = format!(
+            "the step of {} s is {about}{} times the critical step of {} {when}, {} s, set by {motion}",
+            figures(self.h, 4),
+            figures(self.h / step, 3),
+            self.method.name,
+            figures(step, 3),
+        );
+        let advice = format!("take a step of {} s or smaller, or --method newmark", figures(SAFE * least, 2));
+        Answer { why, advice, critical: Some(step), dof: Some(dof) }
+    }
+
+    /// An oscillation, or a force that follows a velocity at once.
+    fn motion(&self, dof: usize, rates: Rates) -> String {
+        let place = self.place(dof);
+        if rates.damping > 2.0 * rates.frequency {
+            let viscous: Vec<_> = self.scene.terms().iter().filter(|t| is_viscous(t.name)).map(|t| t.name).collect();
+            return format!(
+                "forces that depend on velocity ({}), which act within m/(dF/dv) = {} s {place}",
+                viscous.join(", "),
+                figures(1.0 / rates.damping, 3)
+            );
+        }
+        format!("the fastest oscillation, {} rad/s {place}", figures(rates.frequency, 4))
+    }
+
+    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
+        let CriticalStep { dof, rates, .. } = found.critical;
+        let factor = growth(method, rates, self.h).map_or(1.0, |r| r * r);
+        let swells = if factor > 2.0 {
+            format!("{} times a step", figures(factor, 3))
+        } else {
+            format!("{} % a step", figures(100.0 * (factor - 1.0), 3))
+        };
+        let why = format!(
+            "{} has no stable step where nothing damps: its spectrum predicts that {} grows in energy by {swells}",
+            self.method.name,
+            self.motion(dof, rates)
+        );
+        let advice = format!(
+            "take --method velocity-verlet with a step of {} s or smaller, or --method newmark",
+            figures(SAFE * found.verlet, 2)
+        );
+        Answer { why, advice, critical: Some(0.0), dof: Some(dof) }
+    }
+
+    /// What acts outside Kang's filter is explicit: the air.
+    fn outside_filter(&self, at: &State) -> Option<Answer> {
+        let air = self.scene.terms().iter().any(|t| t.name == "air");
+        let rates = Spectrum::of(self.scene, at.as_ref()).rates();
+        let critical = 2.0 / rates.damping;
+        if !air || self.h <= NEAR * critical {
+            return None;
+        }
+        let dof = rates.damping_dof;
+        let why = format!(
+            "the step of {} s is about {} times what {} allows forces outside its filter: they act within m/(dF/dv) = {} s {}",
+            figures(self.h, 4),
+            figures(self.h / critical, 3),
+            self.method.name,
+            figures(1.0 / rates.damping, 3),
+            self.place(dof)
+        );
+        let advice = format!("take a step of {} s or smaller, or --method newmark", figures(0.5 * SAFE * critical, 2));
+        Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
+    }
+
+    /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
+    fn unresolved(&self, start: &State) -> Option<Answer> {
+        let rates = |at: &State| Spectrum::of(self.scene, at.as_ref()).rates();
+        let (first, last) = (rates(start), rates(self.last));
+        let found = if last.frequency > first.frequency { last } else { first };
+        let wh = self.h * found.frequency;
+        if wh.is_nan() || wh <= RESOLVED {
+            return None;
+        }
+        let why = format!(
+            "the step of {} s jumps over motions of this scene (w h = {} for the fastest, {} rad/s {}), where {} keeps energy \
+             on linear scenes at best",
+            figures(self.h, 4),
+            figures(wh, 3),
+            figures(found.frequency, 4),
+            self.place(found.frequency_dof),
+            self.method.name
+        );
+        let damping = if self.method.name == "backward-euler" { "" } else { ", or --method backward-euler" };
+        let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
+        Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
+    }
+
+    /// Numbers that no scene has: what is absurd, and what to check.
+    fn units(&self, start: &State, steps: f64) -> Option<(String, &'static str)> {
+        let mut f = vec![0.0; self.scene.n_dof()];
+        self.scene.load(start.as_ref(), &mut f);
+        let speeds = f.iter().zip(self.scene.inverse_mass()).map(|(f, m)| (f * m * self.h).abs());
+        let (dof, speed) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let already = self.scene.max_speed(start.as_ref());
+        if speed > LIGHT {
+            let why = format!(
+                "the loads at the start bring node {} to {} m/s in one step, {} times the speed of light",
+                self.scene.name_of(dof).0,
+                figures(speed, 3),
+                figures(speed / LIGHT, 3)
+            );
+            return Some((why, "loads, wind, masses and the step"));
+        }
+        if already > LIGHT {
+            let why = format!(
+                "nodes start with up to {} m/s, {} times the speed of light",
+                figures(already, 3),
+                figures(already / LIGHT, 3)
+            );
+            return Some((why, "the initial velocities"));
+        }
+        (steps > ENDLESS && steps.is_finite()).then(|| {
+            let why = format!("a run of {} s would take {} such steps", figures(self.end, 4), figures(steps, 2));
+            (why, "stiffness, damping and masses")
+        })
+    }
+
+    /// What can be said of a step that Newton could not solve: words, and a step [s] that might be solved.
+    pub fn unsolved(&self, worst: usize) -> (String, f64) {
+        let mut words = Vec::new();
+        let mut step = 0.5 * self.h;
+        if let Some(buckles) = buckling::fastest(self.scene, self.last.as_ref()) {
+            words.push(format!(
+                "compressed springs buckle in the last good state, at a rate of {} 1/s {}",
+                figures(buckles.rate, 3),
+                self.place(buckles.dof)
+            ));
+            step = step.min(1.0 / buckles.rate);
+        }
+        words.extend(self.unheld(worst));
+        (words.join("; "), step)
+    }
+
+    /// Says so when nothing holds the part of the net that a degree of freedom belongs to.
+    fn unheld(&self, dof: usize) -> Option<String> {
+        let n = self.scene.reference().len();
+        if 3 * n != self.scene.n_dof() {
+            return None;
+        }
+        let node = self.scene.name_of(dof).0 as usize;
+        let held = self.held();
+        let mut parent: Vec<usize> = (0..n).collect();
+        fn root(parent: &mut [usize], mut i: usize) -> usize {
+            while parent[i] != i {
+                parent[i] = parent[parent[i]];
+                i = parent[i];
+            }
+            i
+        }
+        for [a, b] in self.scene.edges() {
+            let (a, b) = (root(&mut parent, *a as usize), root(&mut parent, *b as usize));
+            parent[a] = b;
+        }
+        let part = root(&mut parent, node);
+        let members: Vec<usize> = (0..n).filter(|&i| root(&mut parent, i) == part).collect();
+        let free = members.iter().all(|&i| !held.get(i).copied().unwrap_or(true));
+        free.then(|| format!("nothing holds the {} nodes connected to node {node}", members.len()))
+    }
+
+    /// Whether a node (user's number) is held in any direction.
+    fn held(&self) -> Vec<bool> {
+        let mut held = vec![false; self.scene.reference().len()];
+        for (dof, inverse) in self.scene.inverse_mass().iter().enumerate() {
+            if let Some(held) = held.get_mut(self.scene.name_of(dof).0 as usize) {
+                *held |= *inverse == 0.0;
+            }
+        }
+        held
+    }
+
+    fn place(&self, dof: usize) -> String {
+        let node = self.scene.name_of(dof).0;
+        match self.scene.fastest_spring(dof) {
+            Some(spring) => format!("around node {node} (spring {spring})"),
+            None => format!("around node {node}"),
+        }
+    }
+}
+
+impl Limit {
+    fn copy(&self) -> Limit {
+        Limit { critical: self.critical, verlet: self.verlet, when: self.when }
+    }
+}
+
+/// Whether a term's force depends on velocity, by its name.
+fn is_viscous(name: &str) -> bool {
+    name == "air" || name.contains("damping") || name.contains("dashpots")
+}
