@@ -71,7 +71,7 @@ impl Scenery<'_> {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
         let answer = match wreck.trouble {
             // Less than everything that was supplied: the motion is real.
-            Trouble::Spread { share, .. } if share < 1.0 => self.question().flight(share),
+            Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
             _ => self.question().gain(),
         };
         let how = self.how(wreck, worst, &suspect);
@@ -90,12 +90,12 @@ impl Scenery<'_> {
         let Answer { why, advice, .. } = self.question().gain();
         let joint = if why.is_empty() { "" } else { ": " };
         format!(
-            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, {} % of all that was there or was put in{joint}{why}; {advice}",
+            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in{joint}{why}; {advice}",
             figures(self.t, 4),
             self.step,
             self.method.name,
             figures(gain.made, 3),
-            figures(100.0 * gain.made / gain.supplied, 2),
+            figures(gain.supplied, 3),
         )
     }
 
@@ -129,26 +129,28 @@ impl Scenery<'_> {
 
     fn how(&self, wreck: &Wreck<'_>, worst: usize, suspect: &Suspect) -> String {
         let grows = |gain: Gain| match gain.growth {
-            Some(growth) if growth > 1.0 => format!(", {} times more with every step", figures(growth, 3)),
+            Some(growth) if growth > 1.0 => {
+                format!("; what the scheme makes grows {}-fold a step", figures(growth, 3))
+            }
             _ => String::new(),
         };
         match wreck.trouble {
             Trouble::NotFinite => "a value is not finite".to_owned(),
             Trouble::Spread { times, .. } => format!("the nodes have spread beyond {times:.0e} times the scene's size"),
             Trouble::Gain(gain) => format!(
-                "{} itself has made {} J of energy{}, where {} J were there or were put in{}",
+                "{} itself has made {} J of energy, where {} J were there or were put in{}{}",
                 self.method.name,
                 figures(gain.made, 3),
-                grows(gain),
                 figures(gain.supplied, 3),
-                self.speed(wreck, worst, gain)
+                self.speed(wreck, worst, gain),
+                grows(gain)
             ),
             Trouble::Strain { elastic, gain } => format!(
-                "the springs{} hold {} J{}, where {} J were there or were put in",
-                suspect.spring.map_or(String::new(), |spring| format!(", above all those like spring {spring},")),
+                "the springs hold {} J, where {} J were there or were put in{}{}",
                 figures(elastic, 3),
-                grows(gain),
-                figures(gain.supplied, 3)
+                figures(gain.supplied, 3),
+                self.strain(wreck, suspect),
+                grows(gain)
             ),
         }
     }
@@ -162,11 +164,24 @@ impl Scenery<'_> {
             return String::new();
         }
         let (node, axis) = self.scene.name_of(worst);
+        let unit = if axis == "angle" { "rad/s" } else { "m/s" };
         format!(
-            "; all of these would give node {node} alone a speed of {}, and its {axis} changes at {}",
+            "; all of it would give node {node} alone a speed of {} {unit}, and its {axis} changes at {} {unit}",
             figures(possible, 3),
             figures(speed, 3)
         )
+    }
+
+    /// The strain of the suspected spring in the state that is wrong.
+    fn strain(&self, wreck: &Wreck<'_>, suspect: &Suspect) -> String {
+        let n = self.scene.edges().len();
+        let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
+        self.scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        let of = |spring: u32| strain.get(spring as usize).map(|strain| (spring, *strain));
+        let strained = suspect.spring.and_then(of).filter(|(_, strain)| strain.is_finite());
+        strained.map_or(String::new(), |(spring, strain)| {
+            format!("; spring {spring} is strained by {} %", figures(100.0 * strain, 3))
+        })
     }
 
     /// What changed most in energy in the step; the first that is not finite.

@@ -295,7 +295,7 @@ impl<'a> Run<'a> {
         match (sight, left) {
             (Sight::Calm | Sight::Doubt(_), Some(_)) => {
                 let share = self.watch.share(to, after, step);
-                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share })
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error() })
             }
             _ => sight,
         }
