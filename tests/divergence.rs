@@ -93,35 +93,35 @@ fn is_complete(failure: &Failure, what: &str) {
 
 /// What an advice offers: a method, a step, or both together.
 fn offers(advice: &str) -> Vec<(Option<&str>, Option<f64>)> {
-    let after =
-        |part: &'static str, text: &'static str| part.split_once(text).and_then(|(_, rest)| rest.split(' ').next());
-    let leaked: &'static str = Box::leak(advice.to_owned().into_boxed_str());
-    let parts = leaked.split(", or ").map(|part| {
-        let step = after(part, "step of ").map(|h| h.parse().expect("a number"));
-        (after(part, "--method "), step)
-    });
-    let offers: Vec<_> = parts.filter(|o| *o != (None, None)).collect();
+    fn after<'a>(part: &'a str, text: &str) -> Option<&'a str> {
+        part.split_once(text).and_then(|(_, rest)| rest.split(' ').next())
+    }
+    let part = |part| (after(part, "--method "), after(part, "step of ").map(|h| h.parse().expect("a number")));
+    let offers: Vec<_> = advice.split(", or ").map(part).filter(|o| *o != (None, None)).collect();
     assert!(!offers.is_empty(), "{advice} offers nothing");
     offers
 }
 
-/// Does what the advice says, all of it, and sees the run through.
-fn advice_works(case: &Case, failure: &Failure, what: &str) {
+/// Does what the advice says, one after the other, and sees the run through.
+fn follow_advice(case: &Case, failure: &Failure) -> Result<(), String> {
     let time = &case.problem().time;
     for (method, step) in offers(&failure.advice) {
         let method = method.unwrap_or(case.problem().method.info.name);
         let h = step.unwrap_or(time.step);
         let outcome = follow(&with(case, method, h, time.end), |_| {});
-        assert_eq!(outcome.status, Status::Completed, "{what}: {}: {:?}", failure.advice, outcome.failure);
-        assert!(outcome.energy_made < 1.0, "{what}: {}: made {}", failure.advice, outcome.energy_made);
+        if outcome.status != Status::Completed || outcome.energy_made > 1.0 {
+            let Outcome { status, energy_made, failure: again, .. } = outcome;
+            return Err(format!("{}: {method}, {h} s: {status:?}, made {energy_made}, {again:?}", failure.advice));
+        }
     }
+    Ok(())
 }
 
 /// Steps beyond the limit, from a hair to a lot: found at most six steps after the picture is wrong by all its motion, with no node
 /// ten sizes away, and mended by following the advice. A run that gets through is right, or says that it is not.
 #[test]
 fn explicit_steps_beyond_the_limit_are_found_and_the_advice_works() {
-    let mut found = 0;
+    let (mut found, mut wrong) = (0, Vec::new());
     for (name, case, limit) in scenes() {
         for method in GROWING.into_iter().chain(["euler-cromer", "velocity-verlet", "rk4"]) {
             for over in [1.01, 1.1, 2.0, 10.0] {
@@ -141,21 +141,20 @@ fn explicit_steps_beyond_the_limit_are_found_and_the_advice_works() {
                     assert_eq!(outcome.status, Status::Diverged, "{what}: {failure:?}");
                     is_complete(failure, &what);
                     let first_wrong = first_wrong.unwrap_or(failure.step);
-                    assert!(
-                        failure.step <= first_wrong + 6,
-                        "{what}: wrong at {first_wrong}, found at {}",
-                        failure.step
-                    );
-                    let ruined = shown.iter().any(|x| apart(x, &shown[0]) > 10.0);
-                    assert!(!ruined, "{what}: a node ten sizes away was shown as good");
-                    advice_works(&run, failure, &what);
-                } else {
-                    let warned = outcome.doubt.is_some() || outcome.energy_made > 0.1;
-                    assert!(warned || first_wrong.is_none(), "{what}: silently wrong at step {first_wrong:?}");
+                    if failure.step > first_wrong + 6 {
+                        wrong.push(format!("{what}: wrong at {first_wrong}, found at {}", failure.step));
+                    }
+                    if shown.iter().any(|x| apart(x, &shown[0]) > 10.0) {
+                        wrong.push(format!("{what}: a node ten sizes away was shown as good"));
+                    }
+                    wrong.extend(follow_advice(&run, failure).err().map(|why| format!("{what}: {why}")));
+                } else if outcome.doubt.is_none() && outcome.energy_made <= 0.1 && first_wrong.is_some() {
+                    wrong.push(format!("{what}: silently wrong at step {first_wrong:?}"));
                 }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(found > 70, "{found} of 112 were found");
 }
 
@@ -179,7 +178,7 @@ fn predicted_growth_warns_before_it_stops() {
     let doubt = ended.doubt.expect("a warning first");
     assert!(doubt.contains("(step 10)"), "ten percent after ln(1.1)/ln(1.01) = 9.6 steps: {doubt}");
     assert!(doubt.contains("grows in energy by 1 % a step"), "{doubt}");
-    advice_works(&with(&case, "explicit-euler", wh / 10.0, 10.0), &failure, "spiral");
+    follow_advice(&with(&case, "explicit-euler", wh / 10.0, 10.0), &failure).expect("it works");
     let short = follow(&with(&case, "explicit-euler", wh / 10.0, 1.0), |_| {});
     assert_eq!(short.status, Status::Completed);
     assert!((1.6..1.8).contains(&short.energy_made), "1.01^100 - 1 = 1.70: {}", short.energy_made);
@@ -188,32 +187,32 @@ fn predicted_growth_warns_before_it_stops() {
 /// Steps far beyond a period with methods that no step makes unstable on a linear scene.
 #[test]
 fn energy_made_in_long_steps_is_found_or_doubted() {
-    let mut found = 0;
+    let (mut found, mut wrong) = (0, Vec::new());
     for (name, case, limit) in scenes() {
         for method in IMPLICIT.into_iter().chain(["kang"]) {
             for over in [2.0, 10.0, 1e3, 1e5] {
                 let what = format!("{name}, {method}, {over} x");
                 let h = over * limit;
                 let run = with(&case, method, h, 100.0 * h);
-                let outcome = follow(&run, |_| {});
+                let (shown, outcome) = trace(&run);
+                if name != "thrown" && shown.iter().any(|x| apart(x, &shown[0]) > 10.0) {
+                    wrong.push(format!("{what}: a node ten sizes away was shown as good"));
+                }
                 match &outcome.failure {
                     Some(failure) if outcome.status == Status::Diverged => {
                         found += 1;
                         is_complete(failure, &what);
                         if over < 100.0 {
-                            advice_works(&run, failure, &what);
+                            wrong.extend(follow_advice(&run, failure).err().map(|why| format!("{what}: {why}")));
                         }
                     }
                     Some(failure) => assert!(failure.cause.contains("Newton"), "{what}: {failure:?}"),
-                    None if outcome.energy_made > 10.0 => {
-                        let loads = outcome.ledger.gravity != 0.0 || outcome.ledger.external_work != 0.0;
-                        assert!(loads && outcome.energy_made > 0.1, "{what}: {}", outcome.energy_made);
-                    }
                     None => {}
                 }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(found >= 8, "{found} were found");
 }
 
@@ -260,16 +259,23 @@ fn late_loads_are_no_divergence() {
 /// The air: what acts, where, within which time.
 #[test]
 fn air_that_is_too_stiff_is_named() {
+    // dp = e a v: 1.6e4 Pa for 1 m/s through the cloth, so that it follows the air within some 1e-5 s.
+    let law = r#"{"permeable": {"a": 1.6e8, "b": 0.0, "thickness": 1e-4}}"#;
+    let dense = changed(&sail(), &[("system.network.aero.wind", "[0, 0, 0.5]"), ("system.network.aero.law", law)]);
     for method in ["explicit-euler", "euler-cromer", "velocity-verlet", "rk4", "improved-euler", "kang"] {
-        let gale = changed(&sail(), &[("system.network.aero.wind", "[0, 0, 3e4]")]);
-        let run = with(&gale, method, 2e-4, 0.02);
+        let run = with(&dense, method, 5e-4, 0.02);
         let (shown, outcome) = trace(&run);
         let failure = outcome.failure.unwrap_or_else(|| panic!("{method} must fail"));
         is_complete(&failure, method);
         assert!(failure.cause.contains("m/(dF/dv)"), "{method}: {}", failure.cause);
         assert!(failure.triangle.is_some() && failure.term.as_deref() == Some("air"), "{method}: {failure:?}");
-        assert!(shown.iter().all(|x| apart(x, &shown[0]) < 100.0), "{method}");
+        assert!(shown.iter().all(|x| apart(x, &shown[0]) < 10.0), "{method}");
+        follow_advice(&run, &failure).unwrap_or_else(|why| panic!("{method}: {why}"));
     }
+    // A gale stiffens the cloth far beyond its springs.
+    let gale = changed(&sail(), &[("system.network.aero.wind", "[0, 0, 3e4]")]);
+    let failure = follow(&with(&gale, "velocity-verlet", 2e-4, 0.02), |_| {}).failure.expect("it must fail");
+    assert!(failure.cause.contains("loads that turn with the cloth (air)"), "{}", failure.cause);
 }
 
 /// Numbers that no scene has are said to be wrong, and the cause is still true.

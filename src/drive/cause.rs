@@ -14,14 +14,14 @@ use std::collections::BTreeMap;
 const LIGHT: f64 = 299_792_458.0;
 /// Steps that nobody means to make.
 const ENDLESS: f64 = 1e12;
-/// Share of a critical step that is advised: bounds are certified or estimated within a few percent, and scenes stiffen.
-const SAFE: f64 = 0.9;
+/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity Verlet
+/// makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, twofold at 0.7).
+const SAFE: f64 = 0.7;
 /// [rad] w h of a step that resolves an oscillation well
 const RESOLVED: f64 = 0.3;
 /// [rad] w h from which a step is called long for methods that damp nothing
 const JUMPS: f64 = 3.0;
-/// A step above this share of the critical one is near enough to be the cause: velocity Verlet swells an oscillation's energy by
-/// 1/(1 - (wh/2)^2), tenfold at 0.95.
+/// A step above this share of the critical one is near enough to be the cause.
 const NEAR: f64 = 0.9;
 
 /// What is asked about.
@@ -134,9 +134,7 @@ impl Question<'_> {
 
     /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
     fn row_sums(&self, method: &MethodChoice) -> Option<CriticalStep> {
-        let stiffness = self.scene.nodal_stiffness();
-        let squares = stiffness.iter().zip(self.scene.inverse_mass()).map(|(k, m)| 2.0 * k * m);
-        let (dof, square) = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (dof, square) = self.stiffest_row()?;
         let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, ..Rates::default() };
         let step = critical_step(method, rates);
         let found = rates.frequency > 0.0 && rates.frequency.is_finite() && step.is_finite();
@@ -174,7 +172,29 @@ impl Question<'_> {
                 figures(1.0 / rates.damping, 3)
             );
         }
-        format!("the fastest oscillation, {} rad/s {place}", figures(rates.frequency, 4))
+        let follows = |name: &str| name == "air" || name == "follower pressure";
+        let turning: Vec<_> = self.scene.terms().iter().filter(|t| follows(t.name)).map(|t| t.name).collect();
+        let why = match self.springs_alone() {
+            Some(springs) if rates.frequency > springs && !turning.is_empty() => {
+                format!(
+                    ", more than the springs alone could have: loads that turn with the cloth ({})",
+                    turning.join(", ")
+                )
+            }
+            _ => String::new(),
+        };
+        format!("the fastest oscillation, {} rad/s {place}{why}", figures(rates.frequency, 4))
+    }
+
+    /// [rad/s] what no oscillation on the springs exceeds, by row sums of their stiffness (Gershgorin).
+    fn springs_alone(&self) -> Option<f64> {
+        self.stiffest_row().map(|(_, square)| square.sqrt()).filter(|w| *w > 0.0 && w.is_finite())
+    }
+
+    fn stiffest_row(&self) -> Option<(usize, f64)> {
+        let stiffness = self.scene.nodal_stiffness();
+        let squares = stiffness.iter().zip(self.scene.inverse_mass()).map(|(k, m)| 2.0 * k * m);
+        squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
@@ -202,6 +222,7 @@ impl Question<'_> {
     fn outside_filter(&self, at: &State) -> Option<Answer> {
         let air = self.scene.terms().iter().any(|t| t.name == "air");
         let rates = Spectrum::of(self.scene, at.as_ref()).rates();
+        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that resolves.
         let critical = 2.0 / rates.damping;
         if !air || self.h <= NEAR * critical {
             return None;
@@ -215,7 +236,8 @@ impl Question<'_> {
             figures(1.0 / rates.damping, 3),
             self.place(dof)
         );
-        let advice = format!("take a step of {} s or smaller, or --method newmark", figures(0.5 * SAFE * critical, 2));
+        let step = (0.5 * SAFE * critical).min(RESOLVED / rates.frequency);
+        let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), self.implicit(rates));
         Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
     }
 

@@ -67,8 +67,15 @@ pub(super) struct Wreck<'a> {
 impl Scenery<'_> {
     /// A state that cannot be right.
     pub(super) fn diverged(&self, wreck: &Wreck<'_>) -> Failure {
-        let worst = self.worst_dof(wreck.to);
-        let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        let mut worst = self.worst_dof(wreck.to);
+        let fullest = self.fullest_spring(wreck);
+        if let Some((_, dof)) = fullest {
+            worst = dof;
+        }
+        let mut suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        if let Some((spring, _)) = fullest {
+            suspect.spring = Some(spring);
+        }
         let answer = match wreck.trouble {
             // Less than everything that was supplied: the motion is real.
             Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
@@ -170,6 +177,29 @@ impl Scenery<'_> {
             figures(possible, 3),
             figures(speed, 3)
         )
+    }
+
+    /// The spring with the most energy where the springs are at fault, and a degree of freedom at its end.
+    fn fullest_spring(&self, wreck: &Wreck<'_>) -> Option<(u32, usize)> {
+        let Trouble::Strain { .. } = wreck.trouble else { return None };
+        let (scene, reference) = (self.scene, self.scene.reference());
+        let (mut tension, mut strain) = (vec![0.0; scene.edges().len()], vec![0.0; scene.edges().len()]);
+        scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        let length = |[a, b]: [u32; 2]| -> Option<f64> {
+            let (a, b) = (reference.get(a as usize)?, reference.get(b as usize)?);
+            Some(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt())
+        };
+        let energy = |((tension, strain), edge): ((&f64, &f64), &[u32; 2])| {
+            let energy = tension * strain * length(*edge).unwrap_or(0.0);
+            if energy.is_nan() { 0.0 } else { energy }
+        };
+        let energies = tension.iter().zip(&strain).zip(scene.edges()).map(energy);
+        let (spring, _) = energies.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ends = scene.edges().get(spring)?;
+        let free = |dof: &usize| {
+            ends.contains(&scene.name_of(*dof).0) && scene.inverse_mass().get(*dof).is_some_and(|m| *m > 0.0)
+        };
+        Some((spring as u32, (0..scene.n_dof()).find(free)?))
     }
 
     /// The strain of the suspected spring in the state that is wrong.
