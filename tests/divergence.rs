@@ -131,11 +131,11 @@ fn explicit_steps_beyond_the_limit_are_found_and_the_advice_works() {
                 let (shown, outcome) = trace(&run);
                 let fine = 40 * (1 + over as usize);
                 let (good, _) = trace(&with(&case, "rk4", h / fine as f64, shown.len() as f64 * h));
-                let wrong = shown.iter().zip(good.iter().step_by(fine)).scan(0.0_f64, |moved, (x, good)| {
+                let off = shown.iter().zip(good.iter().step_by(fine)).scan(0.0_f64, |moved, (x, good)| {
                     *moved = moved.max(apart(good, &shown[0]));
                     Some(apart(x, good) > *moved && apart(x, good) > 1e-9)
                 });
-                let first_wrong = wrong.skip(2).position(|wrong| wrong).map(|i| i as u64 + 2);
+                let first_wrong = off.skip(2).position(|off| off).map(|i| i as u64 + 2);
                 if let Some(failure) = &outcome.failure {
                     found += 1;
                     assert_eq!(outcome.status, Status::Diverged, "{what}: {failure:?}");

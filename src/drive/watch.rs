@@ -48,6 +48,8 @@ pub struct Account {
     supplied: f64,
     /// [J] work of the wrong sign so far
     contrary: f64,
+    /// [J] work of the air by its power beyond that of the account so far
+    missed: f64,
     /// [J] lowest of all energy made so far
     least: f64,
     /// [J] the last gains, the newest last
@@ -170,11 +172,12 @@ impl Watch {
     /// Accounts for a step whose account is finite.
     pub fn step(&mut self, step: Watched<'_>) -> Sight {
         let Watched { after, .. } = step;
-        let contrary = self.contrary(step);
+        let (contrary, missed) = (self.contrary(step), self.missed(step));
         let a = &mut self.account;
         a.contrary += contrary;
+        a.missed += missed;
         a.longest = a.longest.max(step.h);
-        a.supplied = a.supplied.max(a.base - after.gravity + after.external_work - a.contrary);
+        a.supplied = a.supplied.max(a.base - after.gravity + after.external_work + a.missed - a.contrary);
         let made = a.contrary - after.numerical;
         a.least = a.least.min(made);
         let calm = a.gains[KEPT - 1] <= a.supplied;
@@ -247,6 +250,17 @@ impl Watch {
         }
         let most = power(step.scene, step.from).max(power(step.scene, step.to)).max(0.0);
         given + (external - 2.0 * step.h * most).max(0.0)
+    }
+
+    /// [J] Work that the air does by its power at the ends of a step, and not in the account: stages that overshoot in a stiff
+    /// force say that it takes energy where it gives some. Bounded, because the power is below zero where all moves faster than the air.
+    fn missed(&self, step: Watched<'_>) -> f64 {
+        if !self.overshoots || !step.scene.velocity_dependent() {
+            return 0.0;
+        }
+        let external = step.after.external_work - step.before.external_work;
+        let ends = power(step.scene, step.from).max(0.0) + power(step.scene, step.to).max(0.0);
+        (0.5 * step.h * ends - external).max(0.0)
     }
 
     /// [J] What rounded positions, forces and sums may leave in the account after a number of steps.
