@@ -201,7 +201,9 @@ impl Question<'_> {
     fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
         let CriticalStep { dof, rates, .. } = found.critical;
         let factor = growth(method, rates, self.h).map_or(1.0, |r| r * r);
-        let swells = if factor > 2.0 {
+        let swells = if !factor.is_finite() {
+            "more than a number can hold".to_owned()
+        } else if factor > 2.0 {
             format!("{} times a step", figures(factor, 3))
         } else {
             format!("{} % a step", figures(100.0 * (factor - 1.0), 3))
@@ -275,6 +277,13 @@ impl Question<'_> {
         let speeds = f.iter().zip(self.scene.inverse_mass()).map(|(f, m)| (f * m * self.h).abs());
         let (dof, speed) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let already = self.scene.max_speed(start.as_ref());
+        if !speed.is_finite() {
+            let why = format!(
+                "the loads at the start would bring node {} to more speed in one step than a number can hold",
+                self.scene.name_of(dof).0
+            );
+            return Some((why, "loads, wind, masses and the step"));
+        }
         if speed > LIGHT {
             let why = format!(
                 "the loads at the start bring node {} to {} m/s in one step, {} times the speed of light",
@@ -284,7 +293,7 @@ impl Question<'_> {
             );
             return Some((why, "loads, wind, masses and the step"));
         }
-        if already > LIGHT {
+        if already > LIGHT && already.is_finite() {
             let why = format!(
                 "nodes start with up to {} m/s, {} times the speed of light",
                 figures(already, 3),
