@@ -269,9 +269,10 @@ impl Watch {
         let forces = [&at.forces.total, &at.forces.external, &at.forces.dissipative];
         let force: f64 = forces.into_iter().flatten().map(|f| f.abs()).sum();
         // Cauchy and Schwarz: sum |f| is at most the root of sum f^2/m times all mass; likewise for the springs' forces.
-        let load = (2.0 * self.push * self.mass).sqrt();
+        let load = (2.0 * self.push).sqrt() * self.mass.sqrt();
         let moved = f64::EPSILON * reach;
-        let springs = (2.0 * row.elastic.max(0.0) * self.stiffness).sqrt() * moved + self.stiffness * moved * moved;
+        let springs =
+            (2.0 * row.elastic.max(0.0)).sqrt() * self.stiffness.sqrt() * moved + self.stiffness * moved * moved;
         let energies = [row.kinetic, row.elastic, row.gravity, row.external_work, row.dissipated];
         let sums: f64 = energies.iter().map(|e| e.abs()).sum();
         ROUNDINGS * (steps + 1) as f64 * ((force + load) * moved + springs) + SUMS * sums
