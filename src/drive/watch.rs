@@ -161,7 +161,7 @@ impl Watch {
         let start = scene.initial_state();
         let mass = scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum();
         let (push, reach) = (push(scene, &start), farthest(&start.x));
-        Watch { account, push, stiffness, mass, reach, overshoots: method.family != Family::Implicit }
+        Watch { account, push, stiffness, mass, reach, overshoots: method.family == Family::Explicit }
     }
 
     /// What a snapshot keeps.

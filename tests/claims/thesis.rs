@@ -1,20 +1,19 @@
 //! What the thesis' parachute and its remarks come to (`examples/thesis` shows the same with figures).
 
 use crate::claim::Claim;
-use crate::common::run::{asset, changed, follow};
+use crate::common::run::{asset, changed, follow, follow_on};
 use canopy_fem::analysis::limit::critical_step;
 use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::Case;
 use canopy_fem::drive::{Outcome, Status};
-use canopy_fem::simulation::{self, FollowSpec, build_scene};
+use canopy_fem::simulation::build_scene;
 
 /// Table 4: step 1e-12 s, V = 1e12 m/s. A time of divergence is known to the step.
 pub fn table_4() -> Vec<Claim> {
     let base = asset("parachute-original", &[]);
     let end = |method: &str, step: &str| -> Outcome {
         let case = changed(&base, &[("time.method", method), ("time.step", step)]);
-        simulation::follow(case.problem(), FollowSpec { keep_going: true, ..FollowSpec::default() }, |_| {})
-            .expect("it starts")
+        follow_on(&case, |_| {})
     };
     let mut claims = Vec::new();
     let printed =
@@ -99,7 +98,7 @@ pub fn remarks() -> Vec<Claim> {
             ("time.method", "explicit-euler"),
             ("system.network.springs.0.dashpot", r#"{"relative": "step"}"#),
         ];
-        follow(&asset("oscillator", &sets), |seen| x.push(seen.positions[1][0] - seen.reference[1][0]));
+        follow_on(&asset("oscillator", &sets), |seen| x.push(seen.positions[1][0] - seen.reference[1][0]));
         let determinant = (x[2] * x[2] - x[1] * x[3]) / (x[1] * x[1] - x[0] * x[2]);
         let trace = (x[2] + determinant * x[0]) / x[1];
         claims.push(Claim::absolute(
