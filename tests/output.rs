@@ -400,7 +400,20 @@ fn summary_keeps_the_contract() {
     let mut found: Vec<&String> = json.as_object().expect("an object").keys().collect();
     found.sort_unstable();
     assert_eq!(found, expected);
-    let failure_keys = ["advice", "blow_up_time", "cause", "node", "spring", "step", "term", "time"];
+    let failure_keys = [
+        "advice",
+        "blow_up_time",
+        "cause",
+        "critical_step",
+        "grew",
+        "growth",
+        "node",
+        "spring",
+        "step",
+        "term",
+        "time",
+        "triangle",
+    ];
     let mut found: Vec<&String> = json["failure"].as_object().expect("an object").keys().collect();
     found.sort_unstable();
     assert_eq!(found, failure_keys);

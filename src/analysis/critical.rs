@@ -251,6 +251,10 @@ impl<'a> Spectrum<'a> {
 
     /// Rayleigh quotients of a shape.
     fn quotients(&self, shape: &[f64]) -> Option<Rates> {
+        // There is none where products with the tangent overflow.
+        if shape.is_empty() {
+            return None;
+        }
         let (mut p, mut y) = (vec![0.0; shape.len()], vec![0.0; shape.len()]);
         let mut quotient = |w: Weights| {
             self.linear.times(w, shape, &mut p, &mut y);

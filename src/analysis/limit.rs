@@ -52,6 +52,13 @@ pub(super) fn stable(method: &MethodChoice, rates: Rates, h: f64) -> bool {
     unit == 0.0 || spectral_radius(method, oscillator, h * unit).is_some_and(|r| r <= 1.0 + ROUNDING)
 }
 
+/// [-] Growth of the oscillation of `rates` in one step of `h` [s]; below 1 it dies out. `None` when a step cannot be made.
+pub fn growth(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
+    let unit = rates.frequency.max(rates.damping);
+    let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
+    if unit > 0.0 { spectral_radius(method, oscillator, h * unit) } else { Some(1.0) }
+}
+
 /// Spectral radius of one step; `None` when a step cannot be made at all.
 fn spectral_radius(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<f64> {
     let mut map = step_map(method, oscillator, h)?;

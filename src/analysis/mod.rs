@@ -1,6 +1,7 @@
 //! What can be said of a scene and a method without running them: fastest rates, largest stable steps.
 
 mod arnoldi;
+pub mod buckling;
 mod certificate;
 pub mod critical;
 mod lanczos;

@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
@@ -30,6 +31,7 @@ pub enum Display {
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
+    display: Display,
     end: f64,
     clock: Option<Clock>,
     /// steps until the clock is read next
@@ -86,7 +88,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, end, clock: None, countdown: 1, stride: 1, since: Since::default() }
+        Self { bar, display, end, clock: None, countdown: 1, stride: 1, since: Since::default() }
     }
 
     /// Reads the clock: adapts the stride so that this happens several times an update, and draws when due.
@@ -149,6 +151,12 @@ impl Observer for Progress {
             }
         }
         Ok(())
+    }
+
+    fn doubted(&mut self, warning: &str) {
+        if self.display != Display::Quiet {
+            self.bar.suspend(|| complain(&format!("warning: {warning}")));
+        }
     }
 
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {

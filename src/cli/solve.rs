@@ -10,6 +10,7 @@ use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::observer::Observer;
+use crate::drive::watch::DOUBTFUL;
 use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
@@ -129,19 +130,13 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Energy made by the scheme, as a share of the energy exchanged, that makes a finished run doubtful.
-const DOUBTFUL_GAIN: f64 = 0.1;
-
 /// A word on a run that reached its end on energy its scheme made itself (Kuhl & Crisfield 1999 show it for Newmark).
 fn energy_doubt(outcome: &Outcome) -> Option<String> {
-    let doubtful =
-        outcome.status == Status::Completed && outcome.energy_error > DOUBTFUL_GAIN && outcome.ledger.numerical < 0.0;
-    doubtful.then(|| {
+    (outcome.status == Status::Completed && outcome.energy_made > DOUBTFUL).then(|| {
         format!(
-            "warning: the scheme itself has made energy, up to {:.0} % of what was exchanged ({:.3e} J at the end); do not trust \
+            "warning: the scheme itself has made energy, at worst {} % of all that was there or was put in; do not trust \
              this run: use a smaller step, some damping, or a method that damps, such as backward-euler",
-            100.0 * outcome.energy_error,
-            -outcome.ledger.numerical
+            figures(100.0 * outcome.energy_made, 2)
         )
     })
 }
@@ -246,10 +241,13 @@ fn describe(failure: &Failure, status: Status) -> String {
     let mut text = format!("error: step {} ending at t = {:.6e} s {what}\n", failure.step, failure.time);
     let named = |what: &str, number: Option<u32>| number.map(|n| format!("{what} {n}"));
     let term = failure.term.as_ref().map(|t| format!("most force from {t}"));
-    let place: Vec<String> =
-        [named("node", failure.node), named("spring", failure.spring), term].into_iter().flatten().collect();
+    let elements = [named("node", failure.node), named("spring", failure.spring), named("triangle", failure.triangle)];
+    let place: Vec<String> = elements.into_iter().chain([term]).flatten().collect();
     if !place.is_empty() {
         let _ = writeln!(text, "  where   {}", place.join(", "));
+    }
+    if let Some(grew) = &failure.grew {
+        let _ = writeln!(text, "  grew    {grew}, most of all energies in this step");
     }
     let _ = writeln!(text, "  cause   {}", failure.cause);
     let _ = writeln!(text, "  advice  {}", failure.advice);

@@ -1,9 +1,12 @@
 //! Why a run was stopped, in words a person can act on.
 
-use crate::analysis::limit::critical_step;
-use crate::analysis::rates::{Rates, rates};
+use super::cause::{Answer, Question};
+use super::observer::LedgerRow;
+use super::watch::{Gain, Trouble};
+use crate::figures::figures;
 use crate::integrate::StepError;
-use crate::integrate::registry::{Family, MethodChoice};
+use crate::integrate::registry::MethodChoice;
+use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::scene::{Scene, Suspect};
 use crate::solve::newton::NewtonFailure;
@@ -19,8 +22,16 @@ pub struct Failure {
     pub node: Option<u32>,
     /// most strained spring at that node
     pub spring: Option<u32>,
+    /// fastest triangle at that node, where the air or a pressure acts
+    pub triangle: Option<u32>,
     /// force term with the largest force on that node
     pub term: Option<String>,
+    /// what changed most in energy in that step: `inertia` or a force term
+    pub grew: Option<String>,
+    /// [-] growth a step of the energy the scheme has made, over the last steps
+    pub growth: Option<f64>,
+    /// [s] critical step of the method, where one was found; 0 for a method without stable step
+    pub critical_step: Option<f64>,
     /// what happened
     pub cause: String,
     /// what to do
@@ -40,23 +51,59 @@ pub(super) struct Scenery<'a> {
     pub h: f64,
     /// [s] time the failed step ends at
     pub t: f64,
+    /// [s] end of the run
+    pub end: f64,
+}
+
+/// The state that is wrong, and its account.
+pub(super) struct Wreck<'a> {
+    pub trouble: Trouble,
+    pub to: &'a Point,
+    pub before: LedgerRow,
+    pub after: LedgerRow,
+    pub gain: Gain,
 }
 
 impl Scenery<'_> {
-    /// A state that is not finite, or has left the scene.
-    pub(super) fn diverged(&self, to: &Point, how: &str) -> Failure {
-        let suspect = self.scene.suspect(self.from.state.as_ref(), self.worst_dof(to));
-        let (start, last) = (self.scene.initial_state(), self.from.state.as_ref());
-        let unstable = self.instability(rates(self.scene, start.as_ref()), "at the start").or_else(|| {
-            // These rates are already the wreck's: they tell what grew, not which step would have been small enough.
-            let (why, _) = self.instability(rates(self.scene, last), "in the last good state")?;
-            Some((why, format!("use a step of {:.1e} s or smaller{}", 0.1 * self.h, self.or_implicit())))
-        });
-        let (cause, advice) = match unstable {
-            Some((why, advice)) => (format!("{how}; {why}"), advice),
-            None => (format!("{how}; no instability of the step is seen in the tangent"), self.general_advice()),
+    /// A state that cannot be right.
+    pub(super) fn diverged(&self, wreck: &Wreck<'_>) -> Failure {
+        let mut worst = self.worst_dof(wreck.to);
+        let fullest = self.fullest_spring(wreck);
+        if let Some((_, dof)) = fullest {
+            worst = dof;
+        }
+        let mut suspect = self.scene.suspect(self.from.state.as_ref(), worst);
+        if let Some((spring, _)) = fullest {
+            suspect.spring = Some(spring);
+        }
+        let answer = match wreck.trouble {
+            // Less than everything that was supplied: the motion is real.
+            Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
+            _ => self.question().gain(),
         };
-        self.report(suspect, cause, advice)
+        let how = self.how(wreck, worst, &suspect);
+        let cause = match &*answer.why {
+            "" => format!("{how}; no limit of the step is seen in the tangent"),
+            why => format!("{how}; {why}"),
+        };
+        let triangle = self.fastest_triangle(wreck.to, &suspect);
+        let failure = self.report(suspect, cause, answer.advice);
+        let (grew, growth) = (Some(self.grew(wreck)), wreck.gain.growth);
+        Failure { triangle, grew, growth, critical_step: answer.critical, ..failure }
+    }
+
+    /// A warning about energy that the scheme has made.
+    pub(super) fn doubt(&self, gain: Gain) -> String {
+        let Answer { why, advice, .. } = self.question().gain();
+        let joint = if why.is_empty() { "" } else { ": " };
+        format!(
+            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in{joint}{why}; {advice}",
+            figures(self.t, 4),
+            self.step,
+            self.method.info.name,
+            figures(gain.made, 3),
+            figures(gain.supplied, 3),
+        )
     }
 
     /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual.
@@ -67,79 +114,147 @@ impl Scenery<'_> {
                           range of a double, which a smaller step seldom mends";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
+        let (why, step) = self.question().unsolved(worst);
+        let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(
-            "use a smaller step, {:.1e} s or less, or more solver.newton.max_iterations; a net that buckles or goes slack in \
+            "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
              large steps may need \"slack\": \"tension-only\" springs or some damping",
-            0.5 * self.h
+            figures(step, 2)
         );
-        self.report(suspect, error.to_string(), advice)
+        self.report(suspect, cause, advice)
+    }
+
+    fn question(&self) -> Question<'_> {
+        Question { scene: self.scene, method: self.method, last: &self.from.state, h: self.h, end: self.end }
     }
 
     pub(super) fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
         let Suspect { node, spring, term } = suspect;
         let term = term.map(str::to_owned);
-        Failure { time: self.t, step: self.step, node, spring, term, cause, advice, blow_up_time: None }
+        Failure { time: self.t, step: self.step, node, spring, term, cause, advice, ..Failure::default() }
     }
 
-    /// The step against the fastest rates of the tangent, for schemes with a limit: what is wrong and what to do.
-    fn instability(&self, rates: Rates, when: &str) -> Option<(String, String)> {
-        let node = |dof: usize| self.scene.name_of(dof).0;
-        let (c, w) = (self.h * rates.damping, self.h * rates.frequency);
-        let advise = || self.advice_for(rates);
-        if c > 1.0 && c >= w {
-            let why = format!(
-                "{when} velocity-dependent forces act within {:.1e} s (m/(dF/dv)) around node {}, and the step is {:.1e} s",
-                1.0 / rates.damping,
-                node(rates.damping_dof),
-                self.h
-            );
-            return Some((why, advise()));
+    fn how(&self, wreck: &Wreck<'_>, worst: usize, suspect: &Suspect) -> String {
+        let grows = |gain: Gain| match gain.growth {
+            Some(growth) if growth > 1.0 => {
+                format!("; what the scheme makes grows {}-fold a step", figures(growth, 3))
+            }
+            _ => String::new(),
+        };
+        match wreck.trouble {
+            Trouble::NotFinite => "a value is not finite".to_owned(),
+            Trouble::Spread { times, .. } => format!("the nodes have spread beyond {times:.0e} times the scene's size"),
+            Trouble::Gain(gain) => format!(
+                "{} itself has made {} J of energy, where {} J were there or were put in{}{}",
+                self.method.info.name,
+                figures(gain.made, 3),
+                figures(gain.supplied, 3),
+                self.speed(wreck, worst, gain),
+                grows(gain)
+            ),
+            Trouble::Strain { elastic, gain } => format!(
+                "the springs hold {} J, where {} J were there or were put in{}{}",
+                figures(elastic, 3),
+                figures(gain.supplied, 3),
+                self.strain(wreck, suspect),
+                grows(gain)
+            ),
         }
-        (w > 1.0).then(|| {
-            let why = format!(
-                "{when} the stiffest oscillation has w = {:.3e} rad/s around node {}, so w h = {w:.3e} where explicit schemes \
-                 allow 1 to 3, less with damping",
-                rates.frequency,
-                node(rates.frequency_dof)
-            );
-            (why, advise())
+    }
+
+    /// A speed that all energy there is could not give.
+    fn speed(&self, wreck: &Wreck<'_>, worst: usize, gain: Gain) -> String {
+        let inverse = self.scene.inverse_mass().get(worst).copied().unwrap_or(0.0);
+        let speed = wreck.to.state.v.get(worst).map_or(0.0, |v| v.abs());
+        let possible = (2.0 * gain.supplied * inverse).sqrt();
+        if !(possible > 0.0 && speed > possible && speed.is_finite()) {
+            return String::new();
+        }
+        let (node, axis) = self.scene.name_of(worst);
+        let unit = if axis == "angle" { "rad/s" } else { "m/s" };
+        format!(
+            "; all of it would give node {node} alone a speed of {} {unit}, and its {axis} changes at {} {unit}",
+            figures(possible, 3),
+            figures(speed, 3)
+        )
+    }
+
+    /// The spring with the most energy where the springs are at fault, and a degree of freedom at its end.
+    fn fullest_spring(&self, wreck: &Wreck<'_>) -> Option<(u32, usize)> {
+        let Trouble::Strain { .. } = wreck.trouble else { return None };
+        let (scene, reference) = (self.scene, self.scene.reference());
+        let (mut tension, mut strain) = (vec![0.0; scene.edges().len()], vec![0.0; scene.edges().len()]);
+        scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        let length = |[a, b]: [u32; 2]| -> Option<f64> {
+            let (a, b) = (reference.get(a as usize)?, reference.get(b as usize)?);
+            Some(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt())
+        };
+        let energy = |((tension, strain), edge): ((&f64, &f64), &[u32; 2])| {
+            let energy = tension * strain * length(*edge).unwrap_or(0.0);
+            if energy.is_nan() { 0.0 } else { energy }
+        };
+        let energies = tension.iter().zip(&strain).zip(scene.edges()).map(energy);
+        let (spring, _) = energies.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ends = scene.edges().get(spring)?;
+        let free = |dof: &usize| {
+            ends.contains(&scene.name_of(*dof).0) && scene.inverse_mass().get(*dof).is_some_and(|m| *m > 0.0)
+        };
+        Some((spring as u32, (0..scene.n_dof()).find(free)?))
+    }
+
+    /// The strain of the suspected spring in the state that is wrong.
+    fn strain(&self, wreck: &Wreck<'_>, suspect: &Suspect) -> String {
+        let n = self.scene.edges().len();
+        let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
+        self.scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        let of = |spring: u32| strain.get(spring as usize).map(|strain| (spring, *strain));
+        let strained = suspect.spring.and_then(of).filter(|(_, strain)| strain.is_finite());
+        strained.map_or(String::new(), |(spring, strain)| {
+            format!("; spring {spring} is strained by {} %", figures(100.0 * strain, 3))
         })
     }
 
-    /// Nine tenths of the method's own limit on an oscillator with these rates.
-    fn advice_for(&self, rates: Rates) -> String {
-        let limit = critical_step(self.method, rates);
-        if limit == 0.0 {
-            return format!(
-                "{} grows at every step on undamped oscillations: use velocity-verlet, rk4 or an implicit method such as \
-                 newmark",
-                self.method.info.name
-            );
-        }
-        if limit.is_infinite() {
-            return self.general_advice();
-        }
-        format!("use a step of {:.1e} s or smaller{}", 0.9 * limit, self.or_implicit())
+    /// What changed most in energy in the step; the first that is not finite.
+    fn grew(&self, wreck: &Wreck<'_>) -> String {
+        let changes = self.scene.terms().iter().zip(&self.from.forces.tallies).zip(&wreck.to.forces.tallies);
+        let changes = changes.map(|((term, from), to)| match term.role {
+            Role::Elastic | Role::Gravity => (term.name, (to.energy - from.energy).abs()),
+            Role::External | Role::Dissipative => (term.name, (to.power * self.h).abs()),
+        });
+        let inertia = ("inertia", (wreck.after.kinetic - wreck.before.kinetic).abs());
+        let size = |change: f64| if change.is_finite() { change } else { f64::INFINITY };
+        let largest = changes.fold(inertia, |most, next| if size(next.1) > size(most.1) { next } else { most });
+        largest.0.to_owned()
     }
 
-    fn or_implicit(&self) -> &'static str {
-        if self.method.info.family == Family::Implicit { "" } else { ", or an implicit method such as newmark" }
+    /// The triangle at the suspected node whose nodes move fastest, if what acts on triangles is under suspicion.
+    fn fastest_triangle(&self, to: &Point, suspect: &Suspect) -> Option<u32> {
+        let node = suspect.node?;
+        let loaded = |term: &&'static str| *term == "air" || term.contains("pressure");
+        suspect.term.as_ref().filter(|term| loaded(term))?;
+        let n = self.scene.reference().len();
+        let (mut x, mut v) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        self.scene.trace(to.state.as_ref(), &mut x, &mut v);
+        let speed = |t: &[u32; 3]| -> f64 {
+            t.iter().filter_map(|&i| v.get(i as usize)).flatten().map(|v| v.abs()).fold(0.0, f64::max)
+        };
+        let here = (0u32..).zip(self.scene.triangles()).filter(|(_, t)| t.contains(&node));
+        here.max_by(|a, b| speed(a.1).total_cmp(&speed(b.1))).map(|(i, _)| i)
     }
 
-    fn general_advice(&self) -> String {
-        format!("use a smaller step than {:.1e} s, or check the loads: the motion itself may be this fast", self.h)
-    }
-
-    /// The degree of freedom that is not finite (the fastest of them), else the one that moved farthest.
+    /// The degree of freedom that is not finite (the fastest of them), else the one whose kinetic energy grew most, else the one
+    /// that moved farthest.
     fn worst_dof(&self, to: &Point) -> usize {
         let (x0, v0, x, v) = (&self.from.state.x, &self.from.state.v, &to.state.x, &to.state.v);
+        let inverse = self.scene.inverse_mass();
         let size = |i: usize| {
             let finite = x[i].is_finite() && v[i].is_finite();
-            (!finite, if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
+            let gained = if finite && inverse[i] > 0.0 { (v[i] * v[i] - v0[i] * v0[i]) / inverse[i] } else { 0.0 };
+            (!finite, gained.max(0.0), if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
         };
         let larger = |a: &usize, b: &usize| {
             let (a, b) = (size(*a), size(*b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2))
         };
         (0..x.len()).max_by(larger).unwrap_or(0)
     }

@@ -4,6 +4,7 @@
 //! step that is not finite or has blown up is never shown to an observer as good.
 
 pub mod adaptive;
+mod cause;
 pub mod clock;
 mod error;
 pub mod failure;
@@ -11,6 +12,7 @@ pub mod ledger;
 pub mod observer;
 mod run;
 pub mod snapshot;
+pub mod watch;
 
 pub use error::RunError;
 pub use failure::Failure;

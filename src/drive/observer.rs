@@ -84,6 +84,9 @@ pub trait Observer {
     /// When results cannot be written.
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError>;
 
+    /// Once, when the scheme has made energy worth a warning; the run goes on.
+    fn doubted(&mut self, _warning: &str) {}
+
     /// After the last step, however the run ended; `last` is the last good point.
     ///
     /// # Errors

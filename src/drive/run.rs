@@ -3,10 +3,11 @@
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Bench, Dropped, Kept, Trial};
 use super::clock::{FixedSteps, Step, Tick};
 use super::error::RunError;
-use super::failure::{Failure, Scenery};
+use super::failure::{Failure, Scenery, Wreck};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
 use super::snapshot::Snapshot;
+use super::watch::{Sight, Trouble, Watch, Watched};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
@@ -62,6 +63,10 @@ pub struct Outcome {
     pub counters: Counters,
     /// [-] largest numerical energy over the largest energy exchanged
     pub energy_error: f64,
+    /// [-] largest energy made by the scheme over all energy that was there or was put in
+    pub energy_made: f64,
+    /// warning that the run gave on its way
+    pub doubt: Option<String>,
     /// the account at the last good state
     pub ledger: LedgerRow,
     /// what went wrong, if anything did
@@ -176,11 +181,14 @@ struct Run<'a> {
     to: Point,
     counters: Counters,
     ledger: Ledger,
+    watch: Watch,
     row: LedgerRow,
     steps: u64,
     /// [m] extent beyond which the scene counts as blown up
     limit: f64,
     failure: Option<Failure>,
+    new_doubt: Option<String>,
+    doubt: Option<String>,
 }
 
 impl<'a> Run<'a> {
@@ -190,8 +198,25 @@ impl<'a> Run<'a> {
         counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
+        let watch = Watch::open(scene, spec.method.info, &row);
         let (to, pace) = (from.clone(), Pace::of(scene, spec, None));
-        Ok(Run { scene, spec, pace, from, to, counters, ledger, row, steps: 0, limit: limit(scene), failure: None })
+        let (limit, new_doubt, doubt) = (limit(scene), None, None);
+        Ok(Run {
+            scene,
+            spec,
+            pace,
+            from,
+            to,
+            counters,
+            ledger,
+            watch,
+            row,
+            steps: 0,
+            limit,
+            failure: None,
+            new_doubt,
+            doubt,
+        })
     }
 
     fn restore(
@@ -201,24 +226,27 @@ impl<'a> Run<'a> {
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.passes(scene, &snapshot)?;
-        let Snapshot { step, t, x, v, carried, counters, ledger, row, failure, adaptive } = snapshot;
+        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, adaptive } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         scene.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;
         stepper.restore(&carried)?;
+        let watch = Watch::restore(scene, spec.method.info, watch);
         let (to, pace) = (from.clone(), Pace::of(scene, spec, adaptive));
-        Ok(Run { scene, spec, pace, from, to, counters, ledger, row, steps: step, limit: limit(scene), failure })
+        let (limit, new_doubt, doubt) = (limit(scene), None, None);
+        Ok(Run { scene, spec, pace, from, to, counters, ledger, watch, row, steps, limit, failure, new_doubt, doubt })
     }
 
     fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
         let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
         let (row, counters, failure) = (*row, *counters, failure.as_ref());
+        let watch = self.watch.account();
         let adaptive = match &self.pace {
             Pace::Fixed(_) => None,
             Pace::Adaptive(pace) => Some(pace.state()),
         };
-        Resumable { occasion, step: *steps, at, row, counters, ledger, failure, stepper, adaptive }
+        Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, stepper, adaptive }
     }
 
     /// The next step, or the next to try; `None` at the end.
@@ -320,15 +348,20 @@ impl<'a> Run<'a> {
         observers: &mut [&mut dyn Observer],
     ) -> Result<Result<(), Status>, RunError> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
-        let before = self.ledger;
+        let before = (self.ledger, self.watch);
         let row = self.ledger.step(self.scene, &self.from, &self.to, report);
         let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
         let extent = self.scene.extent(self.to.state.as_ref());
-        if !finite || extent.is_nan() || extent > self.limit {
-            self.blown_up(tick, finite);
-            if !finite || !self.spec.keep_going {
-                self.ledger = before;
-                return Ok(Err(Status::Diverged));
+        let left = !finite || extent.is_nan() || extent > self.limit;
+        match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
+            Sight::Calm => {}
+            Sight::Doubt(gain) => self.new_doubt = Some(self.scenery(tick).doubt(gain)),
+            Sight::Trouble(trouble) => {
+                self.diverged(tick, trouble, row, left);
+                if !finite || !self.spec.keep_going {
+                    (self.ledger, self.watch) = before;
+                    return Ok(Err(Status::Diverged));
+                }
             }
         }
         if let Some(stepper) = stepper {
@@ -345,28 +378,47 @@ impl<'a> Run<'a> {
             newton_iterations: report.newton_iterations,
             residual: report.residual,
         };
+        let doubt = self.new_doubt.take();
         for o in observers.iter_mut() {
             o.accepted(view)?;
+            if let Some(doubt) = &doubt {
+                o.doubted(doubt);
+            }
         }
+        self.doubt = doubt.or(self.doubt.take());
         Ok(Ok(()))
     }
 
-    fn blown_up(&mut self, tick: Tick, finite: bool) {
-        if self.failure.is_some() {
-            return;
+    /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
+    fn look(&mut self, tick: Tick, after: &LedgerRow, report: &StepReport, left: Option<bool>) -> Sight {
+        if left == Some(false) {
+            return Sight::Trouble(Trouble::NotFinite);
         }
-        let how = if finite {
-            format!("the nodes have spread beyond {BLOW_UP:.0e} times the scene's size")
-        } else {
-            "a value is not finite".to_owned()
-        };
-        let mut failure = self.scenery(tick).diverged(&self.to, &how);
-        failure.blow_up_time = Some(tick.t);
-        self.failure = Some(failure);
+        let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
+        let step = self.steps + 1;
+        let sight = self.watch.step(Watched { scene, from, to, before, after, report, step, h: tick.h });
+        match (sight, left) {
+            (Sight::Calm | Sight::Doubt(_), Some(_)) => {
+                let share = self.watch.share(to, after, step);
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error() })
+            }
+            _ => sight,
+        }
+    }
+
+    fn diverged(&mut self, tick: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
+        if self.failure.is_none() {
+            let wreck = Wreck { trouble, to: &self.to, before: self.row, after, gain: self.watch.gain() };
+            self.failure = Some(self.scenery(tick).diverged(&wreck));
+        }
+        if let Some(failure) = self.failure.as_mut().filter(|_| left) {
+            failure.blow_up_time.get_or_insert(tick.t);
+        }
     }
 
     fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
-        Scenery { scene: self.scene, method: self.spec.method, from: &self.from, step: self.steps + 1, h, t }
+        let Run { scene, from, .. } = self;
+        Scenery { scene: *scene, method: self.spec.method, from, step: self.steps + 1, h, t, end: self.spec.end }
     }
 
     fn outcome(self, status: Status, stepper: &Stepper<'_>) -> Outcome {
@@ -380,6 +432,8 @@ impl<'a> Run<'a> {
             t_end: self.from.state.t,
             counters: self.counters,
             energy_error: self.ledger.energy_error(),
+            energy_made: self.watch.share(&self.from, &self.row, self.steps),
+            doubt: self.doubt,
             ledger: self.row,
             failure: self.failure,
             linear: stepper.linear_stats(),

@@ -7,6 +7,7 @@ use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::LedgerRow;
 use super::run::RunSpec;
+use super::watch::Account;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{Carried, Counters};
 use crate::model::point::Point;
@@ -35,6 +36,8 @@ pub struct Snapshot {
     pub ledger: Ledger,
     /// the account at this state
     pub row: LedgerRow,
+    /// what the watch remembers
+    pub watch: Account,
     /// first trouble of a run that was let go on past it
     pub failure: Option<Failure>,
     /// where adaptive steps stand
@@ -91,6 +94,7 @@ pub struct Resumable<'a> {
     pub(super) row: LedgerRow,
     pub(super) counters: Counters,
     pub(super) ledger: &'a Ledger,
+    pub(super) watch: &'a Account,
     pub(super) failure: Option<&'a Failure>,
     pub(super) stepper: &'a Stepper<'a>,
     pub(super) adaptive: Option<&'a AdaptiveState>,
@@ -109,6 +113,7 @@ impl Resumable<'_> {
             counters: self.counters,
             ledger: *self.ledger,
             row: self.row,
+            watch: *self.watch,
             failure: self.failure.cloned(),
             adaptive: self.adaptive.cloned(),
         }

@@ -52,6 +52,13 @@ pub trait Scene: TangentSystem + Picture {
         None
     }
 
+    /// [N] f = the loads in a state: gravity, pressure, air, without springs and dampers. Allocates.
+    fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
+        let mut forces = self.new_forces();
+        self.evaluate(at, &mut forces);
+        f.copy_from_slice(&forces.total);
+    }
+
     /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 }

@@ -3,6 +3,7 @@
 use super::network::{Network, by_node, node_state};
 use super::{Scene, Suspect};
 use crate::force::TangentSink;
+use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
 use glam::{DMat3, DVec3};
@@ -61,6 +62,18 @@ impl Scene for Network {
             }
         }
         fastest.map(|(_, edge)| edge)
+    }
+
+    fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
+        f.fill(0.0);
+        for term in self.terms.iter().filter(|t| matches!(t.info().role, Role::Gravity | Role::External)) {
+            term.add(node_state(at), &self.threads, bytemuck::cast_slice_mut(f));
+        }
+        for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
+            if fixed {
+                *f = 0.0;
+            }
+        }
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

@@ -2,7 +2,7 @@
 //! account against the closed forms of the schemes (Hairer, Lubich & Wanner 2006, chapters I and IX; Hughes 1987, chapter 9).
 
 use crate::claim::Claim;
-use crate::common::run::{case_of, follow};
+use crate::common::run::{case_of, follow_on};
 use crate::linear_theory::{Named, generalized_alpha, hht, newmark};
 use crate::one_mass::{Row, frequency, rows};
 use faer::c64;
@@ -171,7 +171,7 @@ fn chain() -> f64 {
         "time": {"end": 20_000.0, "method": "newmark", "step": 2.0}
     });
     let (mut first, mut off) = (None, 0.0_f64);
-    follow(&case_of(&case, &[]), |seen| {
+    follow_on(&case_of(&case, &[]), |seen| {
         let energy = seen.ledger.kinetic + seen.ledger.elastic;
         let first: f64 = *first.get_or_insert(energy);
         off = off.max((energy / first - 1.0).abs());

@@ -1,9 +1,8 @@
 //! One mass on one spring from an anchor, free along the spring only: m x'' = -k x, with x the distance from rest. The spring's
 //! length at rest is 16 times the displacement, so few digits are lost in l - l0 and the mass stays on its side of the anchor.
 
-use crate::common::run::{case_of, follow};
+use crate::common::run::{case_of, follow_on};
 use canopy_fem::case::Case;
-use canopy_fem::drive::Status;
 use canopy_fem::drive::observer::LedgerRow;
 use serde_json::{Value, json};
 
@@ -59,10 +58,11 @@ pub fn case(method: &Value, step: f64, steps: usize) -> Case {
 /// The start and `steps` steps of w h = `wh`.
 pub fn rows(method: &Value, wh: f64, steps: usize) -> Vec<Row> {
     let mut rows = Vec::with_capacity(steps + 2);
-    let outcome = follow(&case(method, wh / frequency(), steps), |seen| {
+    let case = case(method, wh / frequency(), steps);
+    let outcome = follow_on(&case, |seen| {
         rows.push(Row { x: seen.positions[1][0], v: seen.velocities[1][0], ledger: seen.ledger });
     });
-    assert_eq!(outcome.status, Status::Completed, "{method}, w h = {wh}");
+    assert_eq!(outcome.t_end, case.problem().time.end, "{method}, w h = {wh}");
     rows.truncate(steps + 1);
     assert_eq!(rows.len(), steps + 1, "{method}, w h = {wh}");
     rows

@@ -1,8 +1,7 @@
 //! A scalar motion followed through a run: when it crosses zero, how fast it oscillates, by what angle a step turns it.
 
-use crate::common::run::follow;
+use crate::common::run::follow_on;
 use canopy_fem::case::Case;
-use canopy_fem::drive::Status;
 use canopy_fem::simulation::Seen;
 use std::f64::consts::PI;
 
@@ -20,13 +19,13 @@ impl Signal {
     /// Runs a case to its end and reads a motion and its rate off every step.
     pub fn of(case: &Case, read: impl Fn(&Seen<'_>) -> (f64, f64)) -> Self {
         let mut signal = Signal::default();
-        let outcome = follow(case, |seen| {
+        let outcome = follow_on(case, |seen| {
             let (x, v) = read(seen);
             signal.t.push(seen.t);
             signal.x.push(x);
             signal.v.push(v);
         });
-        assert_eq!(outcome.status, Status::Completed);
+        assert_eq!(outcome.t_end, case.problem().time.end);
         signal
     }
 

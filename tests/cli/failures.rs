@@ -33,7 +33,7 @@ fn a_diverging_run_is_reported() {
     let summary = results.summary();
     assert_eq!(summary["status"], json!("diverged"));
     let failure = &summary["failure"];
-    is_filled(failure, &["time", "step", "node", "spring", "term", "cause", "advice", "blow_up_time"]);
+    is_filled(failure, &["time", "step", "node", "spring", "term", "grew", "critical_step", "cause", "advice"]);
     let good = last_good_frame(&results);
     let found = failure["time"].as_f64().expect("a time");
     assert!((found - good - 0.3).abs() < 1e-9, "found in the step after the last good state: {found} after {good}");

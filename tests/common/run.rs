@@ -54,6 +54,12 @@ pub fn follow(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Outcome {
     simulation::follow(case.problem(), FollowSpec::default(), watch).expect("it starts")
 }
 
+/// The same past a divergence: what a method does there can be known, too.
+pub fn follow_on(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Outcome {
+    simulation::follow(case.problem(), FollowSpec { keep_going: true, ..FollowSpec::default() }, watch)
+        .expect("it starts")
+}
+
 /// What a run left.
 pub struct Run {
     pub outcome: Outcome,

@@ -155,7 +155,7 @@ impl Ran {
             return Err(format!("completed at {} s, the end is {end} s", self.outcome.t_end));
         }
         let allowed = GAIN * self.otherwise + self.rounding();
-        if self.gain > allowed && self.outcome.energy_error > WARNED && self.outcome.ledger.numerical < 0.0 {
+        if self.gain > allowed && self.outcome.energy_made > WARNED {
             return Ok(Kind::Doubted);
         }
         if self.gain > allowed {
@@ -173,7 +173,14 @@ impl Ran {
 
     /// [J] Energy that positions rounded to their last digits put into the springs, and sums of energies lose.
     fn rounding(&self) -> f64 {
-        let SystemSpec::Network(spec) = &self.problem.system else { return 0.0 };
+        let spec = match &self.problem.system {
+            SystemSpec::Network(spec) => spec,
+            SystemSpec::Pendulum(p) => {
+                // An angle that moves by less than its last digit is not moved by its weight, which is then at work in the account.
+                let moment = p.mass * p.gravity * p.length;
+                return 8.0 * f64::EPSILON * moment * p.angle.abs().max(1.0) * (1 + self.outcome.steps) as f64;
+            }
+        };
         let largest = self.positions.iter().chain(&self.reference).flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
         let off = 4.0 * f64::EPSILON * largest;
         let springs = spec.springs.iter().flat_map(|g| &g.stiffness).map(|k| k * off * off).sum::<f64>();

@@ -137,7 +137,11 @@ fn assert_resumes(case: &Case, stops: [u64; 2], what: &str) {
     let found = solve(case, parts.path(), Part { resume: true, ..WHOLE });
     assert_eq!((found.status, found.steps, found.t_end), (expected.status, expected.steps, expected.t_end), "{what}");
     assert_eq!(found.counters, expected.counters, "{what}");
-    assert_eq!((found.ledger, found.energy_error), (expected.ledger, expected.energy_error), "{what}");
+    assert_eq!(
+        (found.ledger, found.energy_error, found.energy_made),
+        (expected.ledger, expected.energy_error, expected.energy_made),
+        "{what}"
+    );
     if case.problem().output.checkpoint_every.is_none() {
         std::fs::remove_file(parts.path().join("checkpoint.bin")).expect("the interrupt's");
     }

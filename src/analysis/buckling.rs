@@ -1,0 +1,37 @@
+//! Whether a scene buckles: a negative root of its stiffness, and where.
+
+use super::lanczos;
+use super::linearised::Linearised;
+use crate::model::state::StateRef;
+use crate::model::system::Weights;
+use crate::scene::Scene;
+
+/// Share of the largest root below which a negative one is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A shape that compression drives away from where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Buckling {
+    /// [1/s] rate at which it grows
+    pub rate: f64,
+    /// degree of freedom that moves most in it
+    pub dof: usize,
+}
+
+/// The shape that grows fastest at a state, if the stiffness has a negative root there. Costs some tens to hundreds of tangent
+/// products (Lanczos); exact for symmetric scenes, of the others the symmetric part is looked at.
+pub fn fastest(scene: &dyn Scene, at: StateRef<'_>) -> Option<Buckling> {
+    let linear = Linearised::of(scene, at);
+    let mut p = vec![0.0; linear.root.len()];
+    let mut along = |sign: f64| {
+        let w = Weights { m: 0.0, c: 0.0, k: sign };
+        lanczos::largest(linear.start(), |q, y| linear.times(w, q, &mut p, y))
+    };
+    let (stiffest, softest) = (along(1.0)?, along(-1.0)?);
+    if !(softest.value > ROUNDING * stiffest.value.abs() && softest.value.is_finite()) {
+        return None;
+    }
+    let moves = |i: usize| (softest.vector[i] * linear.root[i]).abs();
+    let dof = (0..softest.vector.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b)))?;
+    Some(Buckling { rate: softest.value.sqrt(), dof })
+}

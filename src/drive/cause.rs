@@ -1,0 +1,381 @@
+//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
+
+use crate::analysis::buckling;
+use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit};
+use crate::analysis::limit::{critical_step, growth};
+use crate::analysis::rates::Rates;
+use crate::figures::figures;
+use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::state::State;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+
+/// [m/s] speed of light
+const LIGHT: f64 = 299_792_458.0;
+/// Steps that nobody means to make.
+const ENDLESS: f64 = 1e12;
+/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity Verlet
+/// makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
+const SAFE: f64 = 0.5;
+/// [rad] w h of a step that resolves an oscillation well
+const RESOLVED: f64 = 0.3;
+/// [rad] w h from which a step is called long for methods that damp nothing
+const JUMPS: f64 = 3.0;
+/// A step above this share of the critical one is near enough to be the cause.
+const NEAR: f64 = 0.9;
+
+/// What is asked about.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub scene: &'a dyn Scene,
+    pub method: &'a MethodChoice,
+    /// last good state
+    pub last: &'a State,
+    /// [s] step size
+    pub h: f64,
+    /// [s] end of the run
+    pub end: f64,
+}
+
+/// What was found, and what to do about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Answer {
+    /// why, in words; empty if nothing was seen
+    pub why: String,
+    pub advice: String,
+    /// [s] critical step, where one was found
+    pub critical: Option<f64>,
+    /// degree of freedom that sets it
+    pub dof: Option<usize>,
+}
+
+/// The limit of a method at a state.
+struct Limit {
+    critical: CriticalStep,
+    /// [s] velocity Verlet's limit there
+    verlet: f64,
+    when: &'static str,
+}
+
+impl Question<'_> {
+    /// Why the scheme has made energy.
+    pub fn gain(&self) -> Answer {
+        let start = self.scene.initial_state();
+        let mut answer = self.explicit(&start).or_else(|| self.unresolved(&start)).unwrap_or_default();
+        if answer.advice.is_empty() {
+            answer.advice = format!(
+                "take a step of {} s or smaller, some damping, or a method that damps: --method backward-euler",
+                figures(0.1 * self.h, 2)
+            );
+        }
+        self.with_units(answer)
+    }
+
+    fn with_units(&self, mut answer: Answer) -> Answer {
+        let start = self.scene.initial_state();
+        let steps = answer.critical.map_or(0.0, |critical| self.end / critical);
+        if let Some((why, check)) = self.units(&start, steps) {
+            let joint = if answer.why.is_empty() { "" } else { "; " };
+            answer.why = format!("{}{joint}{why}", answer.why);
+            answer.advice = format!("check {check} for a wrong unit; with these numbers {}", answer.advice);
+        }
+        answer
+    }
+
+    /// Why nodes have left the scene although no energy was made: `error` is that of the account.
+    pub fn flight(&self, error: f64) -> Answer {
+        if let Some(answer) = self.explicit(&self.scene.initial_state()) {
+            return self.with_units(answer);
+        }
+        if error > 0.1 {
+            return self.gain();
+        }
+        let unheld = self.unheld(0).map_or(String::new(), |words| format!("; {words}"));
+        Answer {
+            why: format!(
+                "the energy account is right to {} %, so loads or speeds carry the nodes away: no equilibrium is in reach{unheld}",
+                figures(100.0 * error, 2)
+            ),
+            advice: format!(
+                "check loads, wind, speeds and supports; or end the run before t = {} s, or use --keep-going",
+                figures(self.last.t, 3)
+            ),
+            ..Answer::default()
+        }
+    }
+
+    /// The step against the limit of the scheme on the tangent at the start, else in the last good state.
+    fn explicit(&self, start: &State) -> Option<Answer> {
+        let method = self.method;
+        if self.method.info.family == Family::MatrixFree {
+            return self.outside_filter(start).or_else(|| self.outside_filter(self.last));
+        }
+        if !has_limit(method) {
+            return None;
+        }
+        let first = self.limit(method, start, "at the start");
+        let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
+        let later = self.limit(method, self.last, "in the last good state").filter(over);
+        let found = first.filter(over).or_else(|| later.as_ref().map(Limit::copy))?;
+        let least = later.map_or(found.critical.step, |later| later.critical.step.min(found.critical.step));
+        Some(if found.critical.step > 0.0 { self.too_long(&found, least) } else { self.always_grows(method, &found) })
+    }
+
+    fn limit(&self, method: &MethodChoice, at: &State, when: &'static str) -> Option<Limit> {
+        let mut spectrum = Spectrum::of(self.scene, at.as_ref());
+        let mut critical = spectrum.critical_step(method);
+        let Rates { frequency, damping, .. } = spectrum.rates();
+        if !(critical.step.is_finite() && (frequency > 0.0 || damping > 0.0)) {
+            critical = self.row_sums(method)?;
+        }
+        let verlet = MethodChoice::new("velocity-verlet", &BTreeMap::new()).ok()?;
+        Some(Limit { critical, verlet: critical_step(&verlet, critical.rates), when })
+    }
+
+    /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
+    fn row_sums(&self, method: &MethodChoice) -> Option<CriticalStep> {
+        let (dof, square) = self.stiffest_row()?;
+        let rates = Rates { frequency: square.sqrt(), frequency_dof: dof, ..Rates::default() };
+        let step = critical_step(method, rates);
+        let found = rates.frequency > 0.0 && rates.frequency.is_finite() && step.is_finite();
+        found.then_some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates })
+    }
+
+    fn too_long(&self, found: &Limit, least: f64) -> Answer {
+        let &Limit { critical: CriticalStep { step, confidence, dof, rates }, when, .. } = found;
+        let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
+        let motion = self.motion(dof, rates);
+        let why = format!(
+            "the step of {} s is {about}{} times the critical step of {} {when}, {} s, set by {motion}",
+            figures(self.h, 4),
+            figures(self.h / step, 3),
+            self.method.info.name,
+            figures(step, 3),
+        );
+        let advice = format!("take a step of {} s or smaller, or {}", figures(SAFE * least, 2), self.implicit(rates));
+        Answer { why, advice, critical: Some(step), dof: Some(dof) }
+    }
+
+    /// A method for which the step is not too long: Newmark's may make energy where a step jumps over motions.
+    fn implicit(&self, rates: Rates) -> &'static str {
+        if self.h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
+    }
+
+    /// An oscillation, or a force that follows a velocity at once.
+    fn motion(&self, dof: usize, rates: Rates) -> String {
+        let place = self.place(dof);
+        if rates.damping > 2.0 * rates.frequency {
+            let viscous: Vec<_> = self.scene.terms().iter().filter(|t| is_viscous(t.name)).map(|t| t.name).collect();
+            return format!(
+                "forces that depend on velocity ({}), which act within m/(dF/dv) = {} s {place}",
+                viscous.join(", "),
+                figures(1.0 / rates.damping, 3)
+            );
+        }
+        let follows = |name: &str| name == "air" || name == "follower pressure";
+        let turning: Vec<_> = self.scene.terms().iter().filter(|t| follows(t.name)).map(|t| t.name).collect();
+        let why = match self.springs_alone() {
+            Some(springs) if rates.frequency > springs && !turning.is_empty() => {
+                format!(
+                    ", more than the springs alone could have: loads that turn with the cloth ({})",
+                    turning.join(", ")
+                )
+            }
+            _ => String::new(),
+        };
+        // A weakly damped slow one may set the limit of a scheme that makes energy.
+        format!("the oscillation of {} rad/s {place}{why}", figures(rates.frequency, 4))
+    }
+
+    /// [rad/s] what no oscillation on the springs exceeds, by row sums of their stiffness (Gershgorin).
+    fn springs_alone(&self) -> Option<f64> {
+        self.stiffest_row().map(|(_, square)| square.sqrt()).filter(|w| *w > 0.0 && w.is_finite())
+    }
+
+    fn stiffest_row(&self) -> Option<(usize, f64)> {
+        let stiffness = self.scene.nodal_stiffness();
+        let squares = stiffness.iter().zip(self.scene.inverse_mass()).map(|(k, m)| 2.0 * k * m);
+        squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
+        let CriticalStep { dof, rates, .. } = found.critical;
+        let factor = growth(method, rates, self.h).map_or(1.0, |r| r * r);
+        let swells = if !factor.is_finite() {
+            "more than a number can hold".to_owned()
+        } else if factor > 2.0 {
+            format!("{} times a step", figures(factor, 3))
+        } else {
+            format!("{} % a step", figures(100.0 * (factor - 1.0), 3))
+        };
+        let why = format!(
+            "{} has no stable step where nothing damps: its spectrum predicts that {} grows in energy by {swells}",
+            self.method.info.name,
+            self.motion(dof, rates)
+        );
+        let advice = format!(
+            "take --method velocity-verlet with a step of {} s or smaller, or {}",
+            figures(SAFE * found.verlet, 2),
+            self.implicit(rates)
+        );
+        Answer { why, advice, critical: Some(0.0), dof: Some(dof) }
+    }
+
+    /// What acts outside Kang's filter is explicit: the air.
+    fn outside_filter(&self, at: &State) -> Option<Answer> {
+        let air = self.scene.terms().iter().any(|t| t.name == "air");
+        let rates = Spectrum::of(self.scene, at.as_ref()).rates();
+        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that resolves.
+        let critical = 2.0 / rates.damping;
+        if !air || self.h <= NEAR * critical {
+            return None;
+        }
+        let dof = rates.damping_dof;
+        let why = format!(
+            "the step of {} s is about {} times what {} allows forces outside its filter: they act within m/(dF/dv) = {} s {}",
+            figures(self.h, 4),
+            figures(self.h / critical, 3),
+            self.method.info.name,
+            figures(1.0 / rates.damping, 3),
+            self.place(dof)
+        );
+        let step = (SAFE * critical).min(RESOLVED / rates.frequency);
+        let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), self.implicit(rates));
+        Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
+    }
+
+    /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
+    fn unresolved(&self, start: &State) -> Option<Answer> {
+        let rates = |at: &State| Spectrum::of(self.scene, at.as_ref()).rates();
+        let (first, last) = (rates(start), rates(self.last));
+        let found = if last.frequency > first.frequency { last } else { first };
+        let wh = self.h * found.frequency;
+        if wh.is_nan() || wh <= RESOLVED {
+            return None;
+        }
+        let weak = if self.method.info.family == Family::MatrixFree {
+            "the filter, two sweeps of an iteration, is then far from what it stands for"
+        } else {
+            "that this method is stable holds on linear scenes at best"
+        };
+        let why = format!(
+            "the step of {} s jumps over motions of this scene (w h = {} for the fastest, {} rad/s {}): {weak}",
+            figures(self.h, 4),
+            figures(wh, 3),
+            figures(found.frequency, 4),
+            self.place(found.frequency_dof),
+        );
+        let damping = if self.method.info.name == "backward-euler" { "" } else { ", or --method backward-euler" };
+        let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
+        Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
+    }
+
+    /// Numbers that no scene has: what is absurd, and what to check.
+    fn units(&self, start: &State, steps: f64) -> Option<(String, &'static str)> {
+        let mut f = vec![0.0; self.scene.n_dof()];
+        self.scene.load(start.as_ref(), &mut f);
+        let speeds = f.iter().zip(self.scene.inverse_mass()).map(|(f, m)| (f * m * self.h).abs());
+        let (dof, speed) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let already = self.scene.max_speed(start.as_ref());
+        if !speed.is_finite() {
+            let why = format!(
+                "the loads at the start would bring node {} to more speed in one step than a number can hold",
+                self.scene.name_of(dof).0
+            );
+            return Some((why, "loads, wind, masses and the step"));
+        }
+        if speed > LIGHT {
+            let why = format!(
+                "the loads at the start bring node {} to {} m/s in one step, {} times the speed of light",
+                self.scene.name_of(dof).0,
+                figures(speed, 3),
+                figures(speed / LIGHT, 3)
+            );
+            return Some((why, "loads, wind, masses and the step"));
+        }
+        if already > LIGHT && already.is_finite() {
+            let why = format!(
+                "nodes start with up to {} m/s, {} times the speed of light",
+                figures(already, 3),
+                figures(already / LIGHT, 3)
+            );
+            return Some((why, "the initial velocities"));
+        }
+        (steps > ENDLESS && steps.is_finite()).then(|| {
+            let why = format!("a run of {} s would take {} such steps", figures(self.end, 4), figures(steps, 2));
+            (why, "stiffness, damping and masses")
+        })
+    }
+
+    /// What can be said of a step that Newton could not solve: words, and a step [s] that might be solved.
+    pub fn unsolved(&self, worst: usize) -> (String, f64) {
+        let mut words = Vec::new();
+        let mut step = 0.5 * self.h;
+        if let Some(buckles) = buckling::fastest(self.scene, self.last.as_ref()) {
+            words.push(format!(
+                "compressed springs buckle in the last good state, at a rate of {} 1/s {}",
+                figures(buckles.rate, 3),
+                self.place(buckles.dof)
+            ));
+            step = step.min(1.0 / buckles.rate);
+        }
+        words.extend(self.unheld(worst));
+        (words.join("; "), step)
+    }
+
+    /// Says so when nothing holds the part of the net that a degree of freedom belongs to.
+    fn unheld(&self, dof: usize) -> Option<String> {
+        let n = self.scene.reference().len();
+        if 3 * n != self.scene.n_dof() {
+            return None;
+        }
+        let node = self.scene.name_of(dof).0 as usize;
+        let held = self.held();
+        let mut parent: Vec<usize> = (0..n).collect();
+        fn root(parent: &mut [usize], mut i: usize) -> usize {
+            while parent[i] != i {
+                parent[i] = parent[parent[i]];
+                i = parent[i];
+            }
+            i
+        }
+        for [a, b] in self.scene.edges() {
+            let (a, b) = (root(&mut parent, *a as usize), root(&mut parent, *b as usize));
+            parent[a] = b;
+        }
+        let part = root(&mut parent, node);
+        let members: Vec<usize> = (0..n).filter(|&i| root(&mut parent, i) == part).collect();
+        let free = members.iter().all(|&i| !held.get(i).copied().unwrap_or(true));
+        free.then(|| format!("nothing holds the {} nodes connected to node {node}", members.len()))
+    }
+
+    /// Whether a node (user's number) is held in any direction.
+    fn held(&self) -> Vec<bool> {
+        let mut held = vec![false; self.scene.reference().len()];
+        for (dof, inverse) in self.scene.inverse_mass().iter().enumerate() {
+            if let Some(held) = held.get_mut(self.scene.name_of(dof).0 as usize) {
+                *held |= *inverse == 0.0;
+            }
+        }
+        held
+    }
+
+    fn place(&self, dof: usize) -> String {
+        let node = self.scene.name_of(dof).0;
+        match self.scene.fastest_spring(dof) {
+            Some(spring) => format!("around node {node} (spring {spring})"),
+            None => format!("around node {node}"),
+        }
+    }
+}
+
+impl Limit {
+    fn copy(&self) -> Limit {
+        Limit { critical: self.critical, verlet: self.verlet, when: self.when }
+    }
+}
+
+/// Whether a term's force depends on velocity, by its name.
+fn is_viscous(name: &str) -> bool {
+    name == "air" || name.contains("damping") || name.contains("dashpots")
+}
