@@ -32,6 +32,8 @@ const PRODUCTS: usize = 80;
 const GROWTH: f64 = 1e-3;
 /// Relative width at which the search for a step that does not grow ends.
 const WIDTH: f64 = 0.01;
+/// Steps outwards from a guess.
+const OUTWARDS: usize = 20;
 /// Degrees of freedom above which stepping the map takes many seconds; the roots of L alone then give the estimate.
 const MOST_STEPPED: usize = 20_000;
 /// Schemes whose linear step is no function of L.
@@ -125,7 +127,6 @@ pub struct Spectrum<'a> {
     motions: Option<Vec<Motion>>,
     /// [1/s] largest real part among their eigenvalues
     growth: f64,
-    stepped: Option<LinearScene>,
 }
 
 impl<'a> Spectrum<'a> {
@@ -146,7 +147,6 @@ impl<'a> Spectrum<'a> {
             bound: None,
             motions: None,
             growth: 0.0,
-            stepped: None,
         };
         if spectrum.symmetric {
             spectrum.certifier = Certifier::of(scene);
@@ -334,15 +334,13 @@ impl<'a> Spectrum<'a> {
     }
 
     /// The largest step whose map does not grow, searched about `guess`.
-    fn stepped_limit(&mut self, method: &MethodChoice, guess: f64) -> Option<(f64, usize)> {
+    fn stepped_limit(&self, method: &MethodChoice, guess: f64) -> Option<(f64, usize)> {
         if self.linear.root.len() > MOST_STEPPED {
             return None;
         }
-        if self.stepped.is_none() {
-            self.stepped = LinearScene::of(self.linear.scene, self.linear.at);
-        }
-        let (stepped, unit) = (self.stepped.as_ref()?, self.unit());
         let growth = self.natural_growth();
+        let unit = self.unit();
+        let stepped = LinearScene::of(&self.linear)?;
         let grows = |h: f64| {
             let (radius, dof) = stepped.radius(method, h, unit)?;
             Some((radius > (1.0 + GROWTH) * (h * growth).exp(), dof))
@@ -350,8 +348,8 @@ impl<'a> Spectrum<'a> {
         let (mut stable, mut unstable) = (0.0, guess);
         let (mut up, mut dof) = grows(unstable)?;
         // Outwards from the guess until it lies between a stable and a growing step.
-        let mut factor = 0.9;
-        for _ in 0..40 {
+        let mut factor = 0.97;
+        for _ in 0..OUTWARDS {
             if up {
                 let below = factor * unstable;
                 let (yes, at) = grows(below)?;
@@ -368,6 +366,10 @@ impl<'a> Spectrum<'a> {
                 }
             }
             factor *= 0.9;
+            if unstable * growth > 1.0 {
+                // The motion grows by itself before a step could show.
+                return None;
+            }
         }
         if !up || stable == 0.0 {
             return None;

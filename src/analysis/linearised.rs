@@ -1,8 +1,13 @@
 //! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
 
+use super::matrices::Matrices;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::scene::Scene;
+use std::sync::Arc;
+
+/// Degrees of freedom above which matrices would take more memory than a run with an explicit method.
+const MOST_ASSEMBLED: usize = 400_000;
 
 /// M^-1/2 (c C + k K) M^-1/2 at a state, as products.
 pub(super) struct Linearised<'a> {
@@ -10,11 +15,16 @@ pub(super) struct Linearised<'a> {
     pub at: StateRef<'a>,
     /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
     pub root: Vec<f64>,
+    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are not.
+    pub matrices: Option<Arc<Matrices>>,
 }
 
 impl<'a> Linearised<'a> {
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        Linearised { scene, at, root: scene.inverse_mass().iter().map(|m| m.sqrt()).collect() }
+        let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
+        let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
+        let matrices = if worth { Matrices::of(scene, at).map(Arc::new) } else { None };
+        Linearised { scene, at, root, matrices }
     }
 
     /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.
@@ -27,7 +37,10 @@ impl<'a> Linearised<'a> {
         for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
             *p = r * q;
         }
-        self.scene.tangent_times(self.at, w, p, y);
+        match &self.matrices {
+            Some(matrices) => matrices.times([w.k, w.c], [p, p], y),
+            None => self.scene.tangent_times(self.at, w, p, y),
+        }
         for (y, r) in y.iter_mut().zip(&self.root) {
             *y *= r;
         }
@@ -40,8 +53,17 @@ pub(super) fn rough(i: usize) -> f64 {
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }
 
+/// In eight lanes, which a processor can add side by side.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a, a_rest) = a.as_chunks::<8>();
+    let (b, b_rest) = b.as_chunks::<8>();
+    let mut lanes = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a * b;
+        }
+    }
+    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 pub(super) fn norm(a: &[f64]) -> f64 {

@@ -6,6 +6,7 @@ pub mod critical;
 mod lanczos;
 pub mod limit;
 mod linearised;
+mod matrices;
 mod oscillator;
 pub mod rates;
 mod step_map;
