@@ -1,6 +1,8 @@
 //! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
 
+use super::critical::{DAMPING, STIFFNESS};
 use super::matrices::Matrices;
+use super::rates::Rates;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::scene::Scene;
@@ -45,6 +47,24 @@ impl<'a> Linearised<'a> {
             *y *= r;
         }
     }
+
+    /// Rayleigh quotients of K and C of a shape, as rates; none where they are not finite.
+    pub fn quotients(&self, shape: &[f64]) -> Option<Rates> {
+        let (mut p, mut y) = (vec![0.0; shape.len()], vec![0.0; shape.len()]);
+        let mut quotient = |w: Weights| {
+            self.times(w, shape, &mut p, &mut y);
+            dot(shape, &y) / dot(shape, shape)
+        };
+        let (k, c) = (quotient(STIFFNESS), quotient(DAMPING));
+        let rates = Rates { frequency: k.max(0.0).sqrt(), damping: c.max(0.0), ..Rates::default() };
+        (k.is_finite() && c.is_finite()).then_some(rates)
+    }
+
+    /// The degree of freedom that moves most.
+    pub fn place(&self, shape: &[f64]) -> usize {
+        let moves = |i: usize| (shape[i] * self.root[i]).abs();
+        (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
+    }
 }
 
 /// A fixed number in [-1, 1] of alternating sign, from a multiplicative hash.
@@ -77,8 +97,27 @@ pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
     }
 }
 
+/// Takes the parts along an orthonormal basis out of q, and says how large they were and what is left. A second pass is made
+/// where the first took most of q away and so left rounding (Daniel, Gragg, Kaufman & Stewart 1976).
+pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: impl FnMut(usize, f64)) -> f64 {
+    let mut before = norm(q);
+    loop {
+        for (i, v) in basis.iter().enumerate() {
+            let part = dot(v, q);
+            part_was(i, part);
+            add(q, -part, v);
+        }
+        let left = norm(q);
+        if left > 0.5 * before || before == 0.0 || !left.is_finite() || left < f64::EPSILON * before {
+            return left;
+        }
+        // What is left of the second pass is as good as its own size.
+        before = left;
+    }
+}
+
 /// Vectors of length `n` that fit into the memory an analysis may take, at least `least`, at most `most`.
 pub(super) fn affordable(n: usize, [least, most]: [usize; 2]) -> usize {
-    const NUMBERS: usize = 30_000_000;
+    const NUMBERS: usize = 12_000_000;
     (NUMBERS / n.max(1)).clamp(least, most).min(n)
 }

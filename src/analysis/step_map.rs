@@ -3,7 +3,7 @@
 //! For schemes that treat positions and velocities differently the map is no function of the scene's roots alone once
 //! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
 
-use super::arnoldi::Krylov;
+use super::arnoldi::{Krylov, RitzValue};
 use super::linearised::{Linearised, norm, rough};
 use super::matrices::Matrices;
 use crate::assembly::{Assembler, PatternError};
@@ -19,11 +19,36 @@ use std::sync::Arc;
 
 static TERMS: [TermInfo; 1] = [TermInfo { name: "tangent", role: Role::Elastic }];
 
-/// Ritz values with a larger residual are not yet eigenvalues of the map.
-const CONVERGED: f64 = 0.02;
+/// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
+const CONVERGED: f64 = 0.005;
+/// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that is
+/// stable, so it shows soon.
+const PRODUCTS: [usize; 3] = [40, 70, 120];
+/// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
+const GROWTH: f64 = 1e-3;
+/// Relative width at which the search for a step that does not grow ends.
+const WIDTH: f64 = 0.01;
+/// Steps of the search outwards from a guess, ever longer ones from this share on.
+const OUTWARDS: usize = 20;
+const FIRST: f64 = 0.97;
 
-/// Steps made for one radius; what grows beyond a limit stands far from all that is stable, so it shows soon.
-const PRODUCTS: usize = 40;
+/// What an eigenvalue must not exceed.
+#[derive(Clone, Copy)]
+struct Bound {
+    unit: f64,
+    most: f64,
+}
+
+/// Where to look for a limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// [s]
+    pub guess: f64,
+    /// [1/s] makes positions and velocities comparable
+    pub unit: f64,
+    /// [1/s] growth of the scene itself, which is no fault of the step
+    pub growth: f64,
+}
 
 /// M a = -K x - C v.
 pub(super) struct LinearScene {
@@ -46,9 +71,64 @@ impl LinearScene {
         })
     }
 
-    /// The eigenvalue of the step map that is largest in size, and the degree of freedom that moves most in it. `unit` [1/s]
-    /// makes positions and velocities comparable.
-    pub fn radius(&self, method: &MethodChoice, h: f64, unit: f64) -> Option<(f64, usize)> {
+    /// [s] The largest step whose map does not grow, about a guess, and the degree of freedom that moves most beyond it.
+    pub fn limit(&self, method: &MethodChoice, search: Search) -> Option<(f64, usize)> {
+        let Search { guess, unit, growth } = search;
+        let grows = |h: f64| self.grows(method, h, Bound { unit, most: (1.0 + GROWTH) * (h * growth).exp() });
+        let (mut stable, mut unstable) = (0.0, guess);
+        let mut culprit = grows(unstable)?;
+        // Outwards from the guess until it lies between a stable and a growing step.
+        let mut factor = FIRST;
+        for _ in 0..OUTWARDS {
+            if culprit.is_some() {
+                match grows(factor * unstable)? {
+                    Some(dof) => (unstable, culprit) = (factor * unstable, Some(dof)),
+                    None => {
+                        stable = factor * unstable;
+                        break;
+                    }
+                }
+            } else if unstable * growth > 1.0 {
+                // The motion grows by itself before a step could show.
+                return None;
+            } else {
+                (stable, unstable) = (unstable, unstable / factor);
+                culprit = grows(unstable)?;
+                if culprit.is_some() {
+                    break;
+                }
+            }
+            factor *= 0.9;
+        }
+        let mut dof = culprit.filter(|_| stable > 0.0)?;
+        while unstable - stable > WIDTH * unstable {
+            let middle = 0.5 * (stable + unstable);
+            match grows(middle)? {
+                Some(at) => (unstable, dof) = (middle, at),
+                None => stable = middle,
+            }
+        }
+        Some((stable, dof))
+    }
+
+    /// Whether the step map has an eigenvalue beyond `most` in size, and the degree of freedom that then moves most.
+    fn grows(&self, method: &MethodChoice, h: f64, Bound { unit, most }: Bound) -> Option<Option<usize>> {
+        let size = |z: &RitzValue| z.re.hypot(z.im);
+        for products in PRODUCTS {
+            let krylov = self.krylov(method, h, unit, products)?;
+            let beyond = krylov.values.iter().filter(|&z| size(z) > most);
+            let Some(largest) = beyond.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Some(None) };
+            if largest.residual <= CONVERGED * size(largest) {
+                let (n, parts) = (self.root.len(), krylov.parts(*largest));
+                let moves = |i: usize| (parts[i] + parts[n + i]) * self.root[i].powi(2);
+                return Some((0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))));
+            }
+        }
+        Some(None)
+    }
+
+    /// The step map on a Krylov space; `unit` [1/s] makes positions and velocities comparable.
+    fn krylov(&self, method: &MethodChoice, h: f64, unit: f64, products: usize) -> Option<Krylov> {
         let root = &self.root;
         let n = root.len();
         let abilities = Abilities { system: self, tangent: self, graph: None };
@@ -70,17 +150,8 @@ impl LinearScene {
             }
         };
         let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
-        let krylov = Krylov::of(start, PRODUCTS, times)?;
-        let size = |re: f64, im: f64| norm(&[re, im]);
-        let settled = krylov.values.iter().filter(|z| z.residual <= CONVERGED * size(z.re, z.im));
-        let largest = settled.max_by(|a, b| size(a.re, a.im).total_cmp(&size(b.re, b.im)))?;
-        if failed {
-            return None;
-        }
-        let parts = krylov.parts(*largest);
-        let moves = |i: usize| (parts[i] + parts[n + i]) * root[i].powi(2);
-        let most = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b)))?;
-        Some((size(largest.re, largest.im), most))
+        let krylov = Krylov::of(start, products, times)?;
+        (!failed).then_some(krylov)
     }
 }
 

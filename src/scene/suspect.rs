@@ -1,7 +1,7 @@
 //! Who is at fault: what a failure report says about a node of a network, and its size.
 
 use super::network::{Network, by_node, node_state};
-use super::{Scene, Suspect};
+use super::{BoundRoom, Scene, Suspect};
 use crate::force::TangentSink;
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
@@ -61,6 +61,10 @@ impl Scene for Network {
             }
         }
         fastest.map(|(_, edge)| edge)
+    }
+
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
+        self.node_bound(at, w, room)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
