@@ -100,6 +100,31 @@ impl Effort {
     pub const START: Effort = Effort { factorise: 20_000, step: 6_000 };
 }
 
+/// Degrees of freedom below which the spectrum is cheap enough to be asked always.
+const LARGE: usize = 20_000;
+
+/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is then asked.
+/// Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
+pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
+    if scene.n_dof() <= LARGE {
+        return None;
+    }
+    let mut room = BoundRoom::default();
+    let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
+    let damped = scene.velocity_dependent();
+    let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
+    let both = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
+    let alone = [Rates { damping: 0.0, ..both }, Rates { frequency: 0.0, ..both }];
+    let least =
+        [both, alone[0], alone[1]].map(|rates| critical_step(method, rates)).into_iter().fold(f64::NAN, f64::min);
+    let confidence = match damped || !scene.symmetric() {
+        true => Confidence::Estimate,
+        false => Confidence::Certified { at_most: f64::INFINITY },
+    };
+    let found = CriticalStep { step: least, confidence, dof: frequency_dof, rates: both };
+    (2.0 * step <= least && least.is_finite()).then_some(found)
+}
+
 /// A scene linearised about a state; finds limits of methods, and keeps what several of them need.
 pub struct Spectrum<'a> {
     linear: Linearised<'a>,
