@@ -363,3 +363,26 @@ fn the_stiffest_corner_is_named() {
     assert!(ends.contains(&u64::from(scene.name_of(found.dof).0)), "{found:?} for the spring of {ends:?}");
     assert_eq!(scene.fastest_spring(found.dof), Some(stiff as u32));
 }
+
+/// What the interval says is what runs do: a hundredth below it the motion stays as small as it was, two above it grows without end.
+#[test]
+fn runs_below_the_certified_limit_stay_and_runs_above_diverge() {
+    let mut net = random_net(41, 6, 0.3);
+    // In balance at the start: so small a motion that the tangent stays what it was.
+    net["springs"] = json!([{"on": "all", "stiffness": 120.0}]);
+    net["initial"] = json!({"velocity": (0..36).map(|i| [0.0, 1e-9 * f64::from(i % 5), 1e-9 * f64::from(i % 3)]).collect::<Vec<_>>()});
+    for (name, kept) in [("velocity-verlet", true), ("euler-cromer", true), ("rk4", true)] {
+        let case = network(net.clone());
+        let limit = critical(&*scene(&case), name);
+        let Confidence::Certified { at_most } = limit.confidence else { panic!("{name}: {limit:?}") };
+        for (step, stays) in [(0.99 * limit.step, kept), (1.02 * at_most, false)] {
+            let (step, end) = (step.to_string(), (600.0 * step).to_string());
+            let case = common::run::changed(&case, &[("time.step", &step), ("time.end", &end), ("time.method", name)]);
+            let mut fastest = 0.0_f64;
+            common::run::follow(&case, |seen| {
+                fastest = seen.at.state.v.iter().fold(fastest, |m, v| m.max(v.abs()));
+            });
+            assert_eq!(fastest < 1e-7, stays, "{name} with {step} s: speeds up to {fastest} m/s");
+        }
+    }
+}

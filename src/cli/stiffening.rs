@@ -17,6 +17,8 @@ use std::io::IsTerminal;
 const PASSES: u32 = 5;
 /// Share of a run, one over this, that is spent.
 const SHARE: u32 = 100;
+/// At first a look follows the last after one part in so many of the steps made.
+const EARLY: u64 = 4;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;
 /// It is asked again where the measure has fallen below this share since.
@@ -50,6 +52,8 @@ pub(super) struct Least {
 pub(super) struct Stiffening<'a> {
     watched: Watched<'a>,
     every: u64,
+    /// step after which is looked next
+    next: u64,
     room: BoundRoom,
     /// critical step over measure, where both were last known
     ratio: Option<f64>,
@@ -78,7 +82,17 @@ impl<'a> Stiffening<'a> {
         let ratio = known.then(|| start.step / at_start);
         // The start itself is spoken of before the run.
         let warned = step > start.step;
-        Some(Stiffening { watched, every, room, ratio, ask_below: f64::INFINITY, asked: 0, warned, least: None })
+        Some(Stiffening {
+            watched,
+            every,
+            next: 1,
+            room,
+            ratio,
+            ask_below: f64::INFINITY,
+            asked: 0,
+            warned,
+            least: None,
+        })
     }
 
     /// [s] the least critical step seen after the start, where it is clearly below that at the start.
@@ -145,7 +159,10 @@ impl Observer for Stiffening<'_> {
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         // By number, so that a run does the same work each time; closer together early on, for short runs.
-        if step.step.is_multiple_of(self.every) || step.step.is_power_of_two() {
+        if step.step >= self.next {
+            while self.next <= step.step {
+                self.next += (self.next / EARLY).clamp(1, self.every);
+            }
             self.look(step.to.state.as_ref(), step.to.state.t - step.from.state.t);
         }
         Ok(())
