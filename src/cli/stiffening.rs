@@ -19,6 +19,8 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
+/// Growth of the kinetic energy since the liveliest look at which is looked at once.
+const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;
 /// It is asked again where the measure has fallen below this share since.
@@ -54,6 +56,8 @@ pub(super) struct Stiffening<'a> {
     every: u64,
     /// step after which is looked next
     next: u64,
+    /// [J] largest kinetic energy at a look
+    kinetic: f64,
     room: BoundRoom,
     /// critical step over measure, where both were last known
     ratio: Option<f64>,
@@ -86,6 +90,7 @@ impl<'a> Stiffening<'a> {
             watched,
             every,
             next: 1,
+            kinetic: 0.0,
             room,
             ratio,
             ask_below: f64::INFINITY,
@@ -159,7 +164,10 @@ impl Observer for Stiffening<'_> {
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         // By number, so that a run does the same work each time; closer together early on, for short runs.
-        if step.step >= self.next {
+        // A motion that has become much livelier may be one that has begun to diverge.
+        let livelier = step.ledger.kinetic > LIVELIER * self.kinetic;
+        if livelier || step.step >= self.next {
+            self.kinetic = self.kinetic.max(step.ledger.kinetic);
             while self.next <= step.step {
                 self.next += (self.next / EARLY).clamp(1, self.every);
             }
