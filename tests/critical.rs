@@ -10,7 +10,7 @@ use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::system::Weights;
-use canopy_fem::scene::Scene;
+use canopy_fem::scene::{BoundRoom, Scene};
 use canopy_fem::simulation::build_scene;
 use common::Random;
 use common::run::case_of;
@@ -211,6 +211,10 @@ fn random_nets_have_certified_intervals_about_the_dense_value() {
     for (seed, side, strain) in [(1, 3, 0.0), (2, 4, 0.4), (3, 5, 0.9), (4, 6, -0.4), (5, 7, 0.2), (6, 8, -0.1)] {
         let scene = scene(&network(random_net(seed, side, strain)));
         let w = dense_frequency(&*scene);
+        let weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
+        let (bound, _) = scene.rate_bound(scene.initial_state().as_ref(), weights, &mut BoundRoom::default());
+        assert!(bound >= w * w * (1.0 - 1e-12), "net {seed}: {bound} is no bound on {}", w * w);
+        assert!(bound <= 4.0 * w * w, "net {seed}: {bound} is far from {}", w * w);
         for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
             assert_certified(critical(&*scene, name), (wh / w, 1e-7), &format!("net {seed}, {name}"));
         }

@@ -29,7 +29,7 @@ fn told(stderr: &str) -> Vec<&str> {
 /// The number after some words.
 fn number(text: &str, words: &str) -> f64 {
     let rest = text.split_once(words).unwrap_or_else(|| panic!("no \"{words}\" in {text}")).1;
-    let end = rest.find(|c: char| c == ' ' || c == ',').unwrap_or(rest.len());
+    let end = rest.find([' ', ',']).unwrap_or(rest.len());
     rest[..end].parse().unwrap_or_else(|_| panic!("no number after \"{words}\" in {text}"))
 }
 
