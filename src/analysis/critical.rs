@@ -91,13 +91,15 @@ pub struct Effort {
     pub factorise: usize,
     /// degrees of freedom up to which a step is made again and again
     pub step: usize,
+    /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
+    pub sharpen_below: f64,
 }
 
 impl Effort {
     /// Fit for a question of its own: seconds on the largest scenes.
-    pub const FULL: Effort = Effort { factorise: 200_000, step: 20_000 };
+    pub const FULL: Effort = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY };
     /// Fit for the start of a run: a small part of it.
-    pub const START: Effort = Effort { factorise: 20_000, step: 6_000 };
+    pub const START: Effort = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY };
 }
 
 /// Degrees of freedom below which the spectrum is cheap enough to be asked always.
@@ -289,7 +291,7 @@ impl<'a> Spectrum<'a> {
         let (mut step, motion) = motions.limit(method)?;
         let mut dof = motion.dof;
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
-        if SPLIT.contains(&method.info.name) && steppable && step.is_finite() && step > 0.0 {
+        if SPLIT.contains(&method.info.name) && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let search = Search { guess: step, unit, growth: self.natural_growth() };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
             (step, dof) = stepped.unwrap_or((step, dof));

@@ -32,7 +32,8 @@ pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene) -> CriticalSt
     }
     let state = scene.initial_state();
     let plain = plainly_stable(scene, state.as_ref(), &problem.method, problem.time.step);
-    plain.unwrap_or_else(|| Spectrum::with(scene, state.as_ref(), Effort::START).critical_step(&problem.method))
+    let effort = Effort { sharpen_below: 2.0 * problem.time.step, ..Effort::START };
+    plain.unwrap_or_else(|| Spectrum::with(scene, state.as_ref(), effort).critical_step(&problem.method))
 }
 
 /// The node, and the fastest spring at it, in words.
