@@ -15,3 +15,5 @@ mod read_vtu;
 mod refusals;
 #[path = "cli/results.rs"]
 mod results;
+#[path = "cli/stiffening.rs"]
+mod stiffening;

@@ -10,7 +10,7 @@ use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::system::Weights;
-use canopy_fem::scene::Scene;
+use canopy_fem::scene::{BoundRoom, Scene};
 use canopy_fem::simulation::build_scene;
 use common::Random;
 use common::run::case_of;
@@ -211,6 +211,10 @@ fn random_nets_have_certified_intervals_about_the_dense_value() {
     for (seed, side, strain) in [(1, 3, 0.0), (2, 4, 0.4), (3, 5, 0.9), (4, 6, -0.4), (5, 7, 0.2), (6, 8, -0.1)] {
         let scene = scene(&network(random_net(seed, side, strain)));
         let w = dense_frequency(&*scene);
+        let weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
+        let (bound, _) = scene.rate_bound(scene.initial_state().as_ref(), weights, &mut BoundRoom::default());
+        assert!(bound >= w * w * (1.0 - 1e-12), "net {seed}: {bound} is no bound on {}", w * w);
+        assert!(bound <= 4.0 * w * w, "net {seed}: {bound} is far from {}", w * w);
         for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {
             assert_certified(critical(&*scene, name), (wh / w, 1e-7), &format!("net {seed}, {name}"));
         }
@@ -362,4 +366,27 @@ fn the_stiffest_corner_is_named() {
     let found = critical(&*scene, "velocity-verlet");
     assert!(ends.contains(&u64::from(scene.name_of(found.dof).0)), "{found:?} for the spring of {ends:?}");
     assert_eq!(scene.fastest_spring(found.dof), Some(stiff as u32));
+}
+
+/// What the interval says is what runs do: a hundredth below it the motion stays as small as it was, two above it grows without end.
+#[test]
+fn runs_below_the_certified_limit_stay_and_runs_above_diverge() {
+    let mut net = random_net(41, 6, 0.3);
+    // In balance at the start: so small a motion that the tangent stays what it was.
+    net["springs"] = json!([{"on": "all", "stiffness": 120.0}]);
+    net["initial"] = json!({"velocity": (0..36).map(|i| [0.0, 1e-9 * f64::from(i % 5), 1e-9 * f64::from(i % 3)]).collect::<Vec<_>>()});
+    for (name, kept) in [("velocity-verlet", true), ("euler-cromer", true), ("rk4", true)] {
+        let case = network(net.clone());
+        let limit = critical(&*scene(&case), name);
+        let Confidence::Certified { at_most } = limit.confidence else { panic!("{name}: {limit:?}") };
+        for (step, stays) in [(0.99 * limit.step, kept), (1.02 * at_most, false)] {
+            let (step, end) = (step.to_string(), (600.0 * step).to_string());
+            let case = common::run::changed(&case, &[("time.step", &step), ("time.end", &end), ("time.method", name)]);
+            let mut fastest = 0.0_f64;
+            common::run::follow(&case, |seen| {
+                fastest = seen.velocities.as_flattened().iter().fold(fastest, |m, v| m.max(v.abs()));
+            });
+            assert_eq!(fastest < 1e-7, stays, "{name} with {step} s: speeds up to {fastest} m/s");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Outer eigenvalues of a real operator that is not symmetric (Arnoldi 1951), reorthogonalised in full. Estimates: a
 //! small residual does not bound the error where eigenvectors are nearly parallel.
 
-use super::linearised::{add, affordable, dot, norm};
+use super::linearised::{add, affordable, norm, orthogonalise};
 use faer::Mat;
 
 /// A remainder of this share of a product is rounding: the space is invariant.
@@ -75,14 +75,7 @@ fn hessenberg(start: Vec<f64>, most: usize, mut times: impl FnMut(&[f64], &mut [
         times(&q, &mut y);
         scale = norm(&y);
         basis.push(std::mem::replace(&mut q, y));
-        for _ in 0..2 {
-            for (i, v) in basis.iter().enumerate() {
-                let part = dot(v, &q);
-                h[(i, j)] += part;
-                add(&mut q, -part, v);
-            }
-        }
-        left = norm(&q);
+        left = orthogonalise(&mut q, &basis, |i, part| h[(i, j)] += part);
         h[(j + 1, j)] = left;
         if !(left.is_finite() && scale.is_finite()) {
             return None;

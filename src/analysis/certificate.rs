@@ -7,9 +7,6 @@ use crate::model::system::Weights;
 use crate::scene::Scene;
 use crate::solve::{Inertia, LinearChoice, LinearSolver, solver_for};
 
-/// Unknowns above which a proof would cost more memory than a run with an explicit method.
-pub(super) const MOST_UNKNOWNS: usize = 200_000;
-
 /// Matrix and factorisation of a symmetric scene.
 pub(super) struct Certifier {
     assembler: Assembler,
@@ -18,9 +15,9 @@ pub(super) struct Certifier {
 }
 
 impl Certifier {
-    /// `None` for scenes that are not symmetric or too large to factorise on the side.
+    /// `None` for scenes that are not symmetric.
     pub fn of(scene: &dyn Scene) -> Option<Self> {
-        if !scene.symmetric() || scene.inverse_mass().len() > MOST_UNKNOWNS {
+        if !scene.symmetric() {
             return None;
         }
         let assembler = scene.assembler().ok()?;

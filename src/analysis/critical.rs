@@ -1,39 +1,35 @@
 //! Critical steps of the methods on a scene, linearised about a state: prestress, dashpots, Rayleigh damping and the air included.
 //!
-//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that a Cholesky
-//! factorisation proves, a fraction of a percent apart; what a scheme does to one oscillator then gives its limit.
+//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over the
+//! elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
 //! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k = 0 with the quotients
 //! k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved in the same way.
 //! Else estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so
 //! outer eigenvalues of L (Arnoldi) tell; schemes that treat x and v differently are stepped.
 //! Motion that grows by itself (buckling, flutter) limits no step: it must grow.
 
-use super::arnoldi::Krylov;
 use super::certificate::Certifier;
 use super::lanczos::{self, Ritz};
-use super::limit::{critical_step, stable};
-use super::linearised::{Linearised, dot};
+use super::limit::critical_step;
+use super::linearised::Linearised;
+use super::motions::{Motion, Motions};
 use super::rates::Rates;
-use super::step_map::LinearScene;
+use super::step_map::{LinearScene, Search};
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
-use crate::scene::Scene;
+use crate::scene::{BoundRoom, Scene};
 
-const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
-const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
+pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
+pub(super) const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
 /// Margins in w^2 (or its like) over the Rayleigh quotient that a proof is tried with.
 const MARGINS: [f64; 3] = [0.003, 0.02, 0.08];
-/// Eigenvalues of L with a larger residual, in units of the fastest rate, are not used.
-const CONVERGED: f64 = 1e-3;
-/// Products for the eigenvalues of L.
-const PRODUCTS: usize = 80;
-/// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
-const GROWTH: f64 = 1e-3;
-/// Relative width at which the search for a step that does not grow ends.
-const WIDTH: f64 = 0.01;
-/// Degrees of freedom above which stepping the map takes many seconds; the roots of L alone then give the estimate.
-const MOST_STEPPED: usize = 20_000;
+/// A bound from the elements this close to the quotient needs no factorisation.
+const CLOSE: f64 = 1.003;
+/// Without a factorisation a bound from the elements this close is still worth its word.
+const USEFUL: f64 = 1.15;
+/// Share by which rounding may lift an element bound.
+const ROUNDING: f64 = 1e-10;
 /// Schemes whose linear step is no function of L.
 const SPLIT: [&str; 2] = ["euler-cromer", "velocity-verlet"];
 
@@ -88,80 +84,98 @@ impl CriticalStep {
     }
 }
 
-/// A motion that may set a limit.
+/// What an analysis may cost.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
-    frequency: f64,
-    damping: f64,
-    dof: usize,
-    /// whether the motion itself grows; a scheme that grows with it at every step is not wrong
-    grows: bool,
+pub struct Effort {
+    /// degrees of freedom up to which a proof may take factorisations
+    pub factorise: usize,
+    /// degrees of freedom up to which a step is made again and again
+    pub step: usize,
+    /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
+    pub sharpen_below: f64,
 }
 
-impl Motion {
-    fn limit(&self, method: &MethodChoice) -> f64 {
-        critical_step(method, self.rates())
-    }
+impl Effort {
+    /// Fit for a question of its own: seconds on the largest scenes.
+    pub const FULL: Effort = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY };
+    /// Fit for the start of a run: a small part of it.
+    pub const START: Effort = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY };
+}
 
-    fn rates(&self) -> Rates {
-        let Motion { frequency, damping, dof, .. } = *self;
-        Rates { frequency, frequency_dof: dof, damping, damping_dof: dof }
+/// Degrees of freedom below which the spectrum is cheap enough to be asked always.
+const LARGE: usize = 20_000;
+
+/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is then asked.
+/// Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
+pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
+    if scene.n_dof() <= LARGE {
+        return None;
     }
+    let mut room = BoundRoom::default();
+    let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
+    let damped = scene.velocity_dependent();
+    let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
+    let both = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
+    let alone = [Rates { damping: 0.0, ..both }, Rates { frequency: 0.0, ..both }];
+    let least =
+        [both, alone[0], alone[1]].map(|rates| critical_step(method, rates)).into_iter().fold(f64::NAN, f64::min);
+    let confidence = match damped || !scene.symmetric() {
+        true => Confidence::Estimate,
+        false => Confidence::Certified { at_most: f64::INFINITY },
+    };
+    let found = CriticalStep { step: least, confidence, dof: frequency_dof, rates: both };
+    (2.0 * step <= least && least.is_finite()).then_some(found)
 }
 
 /// A scene linearised about a state; finds limits of methods, and keeps what several of them need.
 pub struct Spectrum<'a> {
     linear: Linearised<'a>,
-    symmetric: bool,
+    effort: Effort,
     damped: bool,
     /// largest root of the symmetric part of K [1/s^2] and its shape
     stiffest: Ritz,
     /// largest damping rate [1/s] and its shape
     most_damped: Ritz,
     certifier: Option<Certifier>,
+    room: BoundRoom,
     /// [1/s^2] proved to lie above all roots of K
     bound: Option<f64>,
     /// outer motions of a damped or non-symmetric scene, when asked for
-    motions: Option<Vec<Motion>>,
-    /// [1/s] largest real part among their eigenvalues
-    growth: f64,
-    stepped: Option<LinearScene>,
+    motions: Option<Motions>,
 }
 
 impl<'a> Spectrum<'a> {
     /// Linearises a scene and finds its fastest motion; costs some tens to some hundreds of tangent products and, on symmetric
-    /// scenes of up to 200 000 degrees of freedom, one to three factorisations.
+    /// scenes of up to 200 000 degrees of freedom, up to three factorisations.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
+        Self::with(scene, at, Effort::FULL)
+    }
+
+    /// The same within bounds of cost; what is not proved within them is told as an estimate.
+    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort) -> Self {
         let linear = Linearised::of(scene, at);
         let stiffest = largest(&linear, STIFFNESS);
         let most_damped = if scene.velocity_dependent() { largest(&linear, DAMPING) } else { Ritz::default() };
         let damped = scene.velocity_dependent() && most_damped.value != 0.0;
-        let mut spectrum = Spectrum {
-            linear,
-            symmetric: scene.symmetric(),
-            damped,
-            stiffest,
-            most_damped,
-            certifier: None,
-            bound: None,
-            motions: None,
-            growth: 0.0,
-            stepped: None,
-        };
-        if spectrum.symmetric {
-            spectrum.certifier = Certifier::of(scene);
+        let (certifier, room, bound, motions) = (None, BoundRoom::default(), None, None);
+        let mut spectrum = Spectrum { linear, effort, damped, stiffest, most_damped, certifier, room, bound, motions };
+        if spectrum.symmetric() {
             spectrum.bound = spectrum.prove(spectrum.stiffest.value);
         }
         spectrum
+    }
+
+    fn symmetric(&self) -> bool {
+        self.linear.scene.symmetric()
     }
 
     /// The fastest rates: the frequency is a lower bound (a Rayleigh quotient) on symmetric scenes, an estimate else.
     pub fn rates(&self) -> Rates {
         Rates {
             frequency: self.stiffest.value.max(0.0).sqrt(),
-            frequency_dof: self.place(&self.stiffest.vector),
+            frequency_dof: self.linear.place(&self.stiffest.vector),
             damping: self.most_damped.value.max(0.0),
-            damping_dof: self.place(&self.most_damped.vector),
+            damping_dof: self.linear.place(&self.most_damped.vector),
         }
     }
 
@@ -175,10 +189,10 @@ impl<'a> Spectrum<'a> {
         if !has_limit(method) {
             return CriticalStep::none();
         }
-        if self.symmetric && !self.damped {
+        if self.symmetric() && !self.damped {
             return self.undamped(method);
         }
-        if self.symmetric
+        if self.symmetric()
             && method.info.name == "euler-cromer"
             && let Some(found) = self.euler_cromer()
         {
@@ -188,7 +202,8 @@ impl<'a> Spectrum<'a> {
     }
 
     fn undamped(&self, method: &MethodChoice) -> CriticalStep {
-        let dof = self.place(&self.stiffest.vector);
+        let rates = self.rates();
+        let dof = rates.frequency_dof;
         let limit =
             |square: f64| Motion { frequency: square.max(0.0).sqrt(), damping: 0.0, dof, grows: false }.limit(method);
         let at_most = limit(self.stiffest.value);
@@ -196,22 +211,48 @@ impl<'a> Spectrum<'a> {
             Some(bound) => (limit(bound), Confidence::Certified { at_most }),
             None => (at_most, Confidence::Estimate),
         };
-        CriticalStep { step, confidence, dof, rates: self.rates() }
+        CriticalStep { step, confidence, dof, rates }
     }
 
     /// A bound on the roots of K, a small margin above its largest Rayleigh quotient.
     fn prove(&mut self, quotient: f64) -> Option<f64> {
-        let (scene, at) = (self.linear.scene, self.linear.at);
-        let certifier = self.certifier.as_mut()?;
-        let proved = |bound: &f64| certifier.definite(scene, at, Weights { m: *bound, c: 0.0, k: -1.0 });
         if quotient <= 0.0 {
             return None;
         }
-        MARGINS.iter().map(|margin| quotient * (1.0 + margin)).find(proved)
+        let (bound, _) = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.room);
+        let bound = bound * (1.0 + ROUNDING);
+        if bound <= CLOSE * quotient {
+            return Some(bound);
+        }
+        let mut candidates = MARGINS.iter().map(|margin| quotient * (1.0 + margin));
+        let proved = candidates.find(|&bound| self.definite(Weights { m: bound, c: 0.0, k: -1.0 }));
+        proved.or((bound <= USEFUL * quotient).then_some(bound))
+    }
+
+    /// Whether m M + c C + k K is positive definite; false where it is not, or cannot be told within the effort.
+    fn definite(&mut self, w: Weights) -> bool {
+        let (scene, at) = (self.linear.scene, self.linear.at);
+        if self.certifier.is_none() && scene.n_dof() <= self.effort.factorise {
+            self.certifier = Certifier::of(scene);
+        }
+        self.certifier.as_mut().is_some_and(|certifier| certifier.definite(scene, at, w))
     }
 
     /// 4 M - 2 h C - h^2 K; any quotients (k, c) give a step that is too large, so the iteration comes down to the limit.
     fn euler_cromer(&mut self) -> Option<CriticalStep> {
+        let (h, shape) = self.euler_cromer_at_most()?;
+        let dof = self.linear.place(&shape);
+        let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.linear.quotients(&shape)? };
+        let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(|&h| {
+            let (bound, _) =
+                self.linear.scene.rate_bound(self.linear.at, Weights { m: 0.0, c: 2.0 * h, k: h * h }, &mut self.room);
+            bound * (1.0 + ROUNDING) < 4.0 || self.definite(Weights { m: 4.0, c: -2.0 * h, k: -h * h })
+        })?;
+        Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
+    }
+
+    /// [s] A step at which a root has passed -1, close to the first such, and its shape.
+    fn euler_cromer_at_most(&self) -> Option<(f64, Vec<f64>)> {
         let (mut h, mut shape) = (f64::INFINITY, Vec::new());
         for vector in [&self.stiffest.vector, &self.most_damped.vector] {
             let at_most = self.first_step_to_minus_one(vector)?;
@@ -234,176 +275,44 @@ impl<'a> Spectrum<'a> {
                 break;
             }
         }
-        let (scene, at) = (self.linear.scene, self.linear.at);
-        let dof = self.place(&shape);
-        let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.quotients(&shape)? };
-        let certifier = self.certifier.as_mut()?;
-        let proved = |h: &f64| certifier.definite(scene, at, Weights { m: 4.0, c: -2.0 * h, k: -h * h });
-        let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(proved)?;
-        Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
+        Some((h, shape))
     }
 
     /// [s] h with h^2 k + 2 h c = 4 for the Rayleigh quotients of a shape.
     fn first_step_to_minus_one(&self, shape: &[f64]) -> Option<f64> {
-        let Rates { frequency, damping, .. } = self.quotients(shape)?;
+        let Rates { frequency, damping, .. } = self.linear.quotients(shape)?;
         Some(4.0 / (damping + (damping * damping + 4.0 * frequency * frequency).sqrt()))
     }
 
-    /// Rayleigh quotients of a shape.
-    fn quotients(&self, shape: &[f64]) -> Option<Rates> {
-        // There is none where products with the tangent overflow.
-        if shape.is_empty() {
-            return None;
-        }
-        let (mut p, mut y) = (vec![0.0; shape.len()], vec![0.0; shape.len()]);
-        let mut quotient = |w: Weights| {
-            self.linear.times(w, shape, &mut p, &mut y);
-            dot(shape, &y) / dot(shape, shape)
-        };
-        let (k, c) = (quotient(STIFFNESS), quotient(DAMPING));
-        let rates = Rates { frequency: k.max(0.0).sqrt(), damping: c.max(0.0), ..Rates::default() };
-        (k.is_finite() && c.is_finite()).then_some(rates)
-    }
-
     fn estimate(&mut self, method: &MethodChoice) -> Option<CriticalStep> {
-        if self.motions.is_none() {
-            self.motions = Some(self.find_motions());
-        }
-        let motions = self.motions.as_deref().unwrap_or_default();
-        let mut found: Option<(f64, Motion)> = None;
-        for motion in motions {
-            // A motion that is stable at the least limit so far sets none; asking that is forty times cheaper than its limit.
-            let matters = |(least, _): (f64, Motion)| least > 0.0 && !stable(method, motion.rates(), least);
-            if found.is_none_or(matters) {
-                let step = motion.limit(method);
-                if motion.grows && step == 0.0 {
-                    continue;
-                }
-                if found.is_none_or(|(least, _)| step < least) {
-                    found = Some((step, *motion));
-                }
-            }
-        }
-        let (mut step, motion) = found?;
+        let unit = self.unit();
+        let shapes = [&self.stiffest, &self.most_damped];
+        let motions = self.motions.get_or_insert_with(|| Motions::find(&self.linear, shapes, unit));
+        let (mut step, motion) = motions.limit(method)?;
         let mut dof = motion.dof;
-        if SPLIT.contains(&method.info.name) && self.damped && step.is_finite() && step > 0.0 {
-            (step, dof) = self.stepped_limit(method, step).unwrap_or((step, dof));
+        let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
+        if SPLIT.contains(&method.info.name) && steppable && step < self.effort.sharpen_below && step > 0.0 {
+            let search = Search { guess: step, unit, growth: self.natural_growth() };
+            let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
+            (step, dof) = stepped.unwrap_or((step, dof));
         }
         Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: motion.rates() })
     }
 
-    /// Outer motions: converged eigenvalues of L, and the stiffest and the most damped shape by their own quotients.
-    fn find_motions(&mut self) -> Vec<Motion> {
-        let mut motions = Vec::new();
-        for shape in [&self.stiffest.vector, &self.most_damped.vector] {
-            if let Some(Rates { frequency, damping, .. }) = self.quotients(shape).filter(|_| !shape.is_empty()) {
-                motions.push(Motion { frequency, damping, dof: self.place(shape), grows: false });
-            }
-        }
-        let unit = self.unit();
-        let n = self.linear.root.len();
-        let (mut p, mut stiff) = (vec![0.0; n], vec![0.0; n]);
-        let start: Vec<f64> = [self.linear.start(), self.linear.start().into_iter().rev().collect()].concat();
-        let start: Vec<f64> =
-            start.iter().zip(self.linear.root.iter().cycle()).map(|(s, r)| if *r > 0.0 { *s } else { 0.0 }).collect();
-        // On (unit q, q') so that both halves have one size.
-        let krylov = Krylov::of(start, PRODUCTS, |from, to| {
-            let (q, rate) = from.split_at(n);
-            let (to_q, to_rate) = to.split_at_mut(n);
-            self.linear.times(STIFFNESS, q, &mut p, &mut stiff);
-            self.linear.times(DAMPING, rate, &mut p, to_rate);
-            for ((to, to_rate), (rate, stiff)) in to_q.iter_mut().zip(to_rate).zip(rate.iter().zip(&stiff)) {
-                *to = unit * rate;
-                *to_rate = -*to_rate - stiff / unit;
-            }
-        });
-        let Some(krylov) = krylov else { return motions };
-        for value in krylov.values.iter().filter(|v| v.residual <= CONVERGED * unit && v.im >= 0.0) {
-            self.growth = self.growth.max(value.re);
-            let parts = krylov.parts(*value);
-            let moves = |i: usize| (parts[i] + parts[n + i]) * self.linear.root[i].powi(2);
-            let dof = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
-            if value.im > 0.0 {
-                motions.push(Motion {
-                    frequency: value.re.hypot(value.im),
-                    damping: (-2.0 * value.re).max(0.0),
-                    dof,
-                    grows: value.re > 0.0,
-                });
-            } else if value.re < 0.0 {
-                motions.push(Motion { frequency: 0.0, damping: -value.re, dof, grows: false });
-            }
-        }
-        motions
-    }
-
-    /// The largest step whose map does not grow, searched about `guess`.
-    fn stepped_limit(&mut self, method: &MethodChoice, guess: f64) -> Option<(f64, usize)> {
-        if self.linear.root.len() > MOST_STEPPED {
-            return None;
-        }
-        if self.stepped.is_none() {
-            self.stepped = LinearScene::of(self.linear.scene, self.linear.at);
-        }
-        let (stepped, unit) = (self.stepped.as_ref()?, self.unit());
-        let growth = self.natural_growth();
-        let grows = |h: f64| {
-            let (radius, dof) = stepped.radius(method, h, unit)?;
-            Some((radius > (1.0 + GROWTH) * (h * growth).exp(), dof))
-        };
-        let (mut stable, mut unstable) = (0.0, guess);
-        let (mut up, mut dof) = grows(unstable)?;
-        // Outwards from the guess until it lies between a stable and a growing step.
-        let mut factor = 0.9;
-        for _ in 0..40 {
-            if up {
-                let below = factor * unstable;
-                let (yes, at) = grows(below)?;
-                if !yes {
-                    stable = below;
-                    break;
-                }
-                (unstable, dof) = (below, at);
-            } else {
-                (stable, unstable) = (unstable, unstable / factor);
-                (up, dof) = grows(unstable)?;
-                if up {
-                    break;
-                }
-            }
-            factor *= 0.9;
-        }
-        if !up || stable == 0.0 {
-            return None;
-        }
-        while unstable - stable > WIDTH * unstable {
-            let middle = 0.5 * (stable + unstable);
-            let (yes, at) = grows(middle)?;
-            if yes { (unstable, dof) = (middle, at) } else { stable = middle }
-        }
-        Some((stable, dof))
-    }
-
     /// [1/s] how fast the scene itself grows: where compression makes K indefinite, or in the wind.
     fn natural_growth(&self) -> f64 {
-        if !self.symmetric {
-            return self.growth;
+        let growth = self.motions.as_ref().map_or(0.0, |motions| motions.growth);
+        if !self.symmetric() {
+            return growth;
         }
         let softest = largest(&self.linear, Weights { k: -1.0, ..STIFFNESS });
-        self.growth.max(softest.value.max(0.0).sqrt())
+        growth.max(softest.value.max(0.0).sqrt())
     }
 
     /// [1/s] a rate to measure others by.
     fn unit(&self) -> f64 {
-        let Rates { frequency, damping, .. } = self.rates();
-        let unit = frequency.max(damping);
+        let unit = self.stiffest.value.max(0.0).sqrt().max(self.most_damped.value);
         if unit > 0.0 { unit } else { 1.0 }
-    }
-
-    /// The degree of freedom that moves most.
-    fn place(&self, shape: &[f64]) -> usize {
-        let moves = |i: usize| (shape[i] * self.linear.root[i]).abs();
-        (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
     }
 }
 

@@ -1,15 +1,19 @@
 //! The largest eigenvalue of a symmetric operator (Lanczos 1950), reorthogonalised in full, restarted with its best vector.
 
-use super::linearised::{add, affordable, dot, norm};
+use super::linearised::{add, affordable, dot, norm, orthogonalise};
 use faer::{Mat, Side};
 
 /// Residual over value at which no restart is made; the value is then wrong by about its square over the gap.
 const GOOD: f64 = 1e-3;
 const RESTARTS: usize = 4;
+/// Products between two looks at what has been found.
+const LOOK: usize = 8;
+/// Relative gain between two looks at which the value is good, though many modes close to each other may still mix.
+const SETTLED: f64 = 2e-4;
 /// A remainder of this share of the operator's size is rounding: the space is complete.
 const NOTHING_LEFT: f64 = 1e-12;
 
-/// The largest Ritz value: a Rayleigh quotient, so never above the largest eigenvalue; an eigenvalue lies within `residual` of it.
+/// The largest Ritz value: a Rayleigh quotient, so never above the largest eigenvalue.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ritz {
     pub value: f64,
@@ -21,8 +25,7 @@ pub(super) struct Ritz {
 pub(super) fn largest(mut start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Ritz> {
     let mut best = None;
     for _ in 0..RESTARTS {
-        let (ritz, residual) = cycle(start, &mut times)?;
-        let done = residual <= GOOD * ritz.value.abs();
+        let (ritz, done) = cycle(start, &mut times)?;
         start = ritz.vector.clone();
         best = Some(ritz);
         if done {
@@ -32,48 +35,80 @@ pub(super) fn largest(mut start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f
     best
 }
 
-fn cycle(start: Vec<f64>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<(Ritz, f64)> {
+fn cycle(start: Vec<f64>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<(Ritz, bool)> {
     let n = start.len();
     let most = affordable(n, [12, 60]);
-    let (mut alpha, mut beta) = (Vec::new(), Vec::new());
+    let mut t = Tridiagonal::default();
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    let (mut q, mut size, mut scale) = (start, 0.0, 0.0_f64);
+    let (mut q, mut scale) = (start, 0.0_f64);
     let mut remainder = norm(&q);
+    let (mut top, mut before, mut done) = (None, f64::NEG_INFINITY, false);
     while basis.len() < most && remainder > NOTHING_LEFT * scale && remainder > 0.0 {
         if !basis.is_empty() {
-            beta.push(size);
+            t.beta.push(remainder);
         }
         q.iter_mut().for_each(|q| *q /= remainder);
         let mut y = vec![0.0; n];
         times(&q, &mut y);
-        alpha.push(dot(&q, &y));
+        t.alpha.push(dot(&q, &y));
         scale = scale.max(norm(&y));
         basis.push(std::mem::replace(&mut q, y));
-        // Twice is enough (Kahan, in Parlett 1980).
-        for _ in 0..2 {
-            for v in &basis {
-                let part = dot(v, &q);
-                add(&mut q, -part, v);
-            }
-        }
-        remainder = norm(&q);
-        size = remainder;
+        remainder = orthogonalise(&mut q, &basis, |_, _| {});
         if !(remainder.is_finite() && scale.is_finite()) {
             return None;
         }
+        top = None;
+        if basis.len().is_multiple_of(LOOK) {
+            let found = t.top()?;
+            let close = found.residual(remainder) <= GOOD * found.value.abs();
+            done = close || found.value - before <= SETTLED * found.value.abs();
+            before = found.value;
+            top = Some(found);
+            if done {
+                break;
+            }
+        }
     }
-    let m = alpha.len();
-    let top = m.checked_sub(1)?;
-    let t = Mat::from_fn(m, m, |i, j| match i.abs_diff(j) {
-        0 => alpha[i],
-        1 => beta[i.min(j)],
-        _ => 0.0,
-    });
-    let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
-    let value = eigen.S().column_vector()[top];
+    let top = top.or_else(|| t.top())?;
     let mut vector = vec![0.0; n];
-    for (i, v) in basis.iter().enumerate() {
-        add(&mut vector, eigen.U()[(i, top)], v);
+    for (v, share) in basis.iter().zip(&top.shares) {
+        add(&mut vector, *share, v);
     }
-    Some((Ritz { value, vector }, (size * eigen.U()[(top, top)]).abs()))
+    done |= top.residual(remainder) <= GOOD * top.value.abs();
+    Some((Ritz { value: top.value, vector }, done))
+}
+
+/// The operator on its Krylov space.
+#[derive(Default)]
+struct Tridiagonal {
+    alpha: Vec<f64>,
+    beta: Vec<f64>,
+}
+
+/// Its largest eigenvalue and unit eigenvector.
+struct Top {
+    value: f64,
+    shares: Vec<f64>,
+}
+
+impl Tridiagonal {
+    fn top(&self) -> Option<Top> {
+        let m = self.alpha.len();
+        let top = m.checked_sub(1)?;
+        let t = Mat::from_fn(m, m, |i, j| match i.abs_diff(j) {
+            0 => self.alpha[i],
+            1 => self.beta[i.min(j)],
+            _ => 0.0,
+        });
+        let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
+        let shares = (0..m).map(|i| eigen.U()[(i, top)]).collect();
+        Some(Top { value: eigen.S().column_vector()[top], shares })
+    }
+}
+
+impl Top {
+    /// Size of A u - value u, for the size of what the space left over.
+    fn residual(&self, remainder: f64) -> f64 {
+        remainder * self.shares.last().map_or(0.0, |share| share.abs())
+    }
 }

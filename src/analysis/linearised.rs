@@ -1,8 +1,15 @@
 //! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
 
+use super::critical::{DAMPING, STIFFNESS};
+use super::matrices::Matrices;
+use super::rates::Rates;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::scene::Scene;
+use std::sync::Arc;
+
+/// Degrees of freedom above which matrices would take more memory than a run with an explicit method.
+const MOST_ASSEMBLED: usize = 400_000;
 
 /// M^-1/2 (c C + k K) M^-1/2 at a state, as products.
 pub(super) struct Linearised<'a> {
@@ -10,11 +17,16 @@ pub(super) struct Linearised<'a> {
     pub at: StateRef<'a>,
     /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
     pub root: Vec<f64>,
+    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are not.
+    pub matrices: Option<Arc<Matrices>>,
 }
 
 impl<'a> Linearised<'a> {
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        Linearised { scene, at, root: scene.inverse_mass().iter().map(|m| m.sqrt()).collect() }
+        let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
+        let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
+        let matrices = if worth { Matrices::of(scene, at).map(Arc::new) } else { None };
+        Linearised { scene, at, root, matrices }
     }
 
     /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.
@@ -27,10 +39,35 @@ impl<'a> Linearised<'a> {
         for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
             *p = r * q;
         }
-        self.scene.tangent_times(self.at, w, p, y);
+        match &self.matrices {
+            Some(matrices) => matrices.times([w.k, w.c], [p, p], y),
+            None => self.scene.tangent_times(self.at, w, p, y),
+        }
         for (y, r) in y.iter_mut().zip(&self.root) {
             *y *= r;
         }
+    }
+
+    /// Rayleigh quotients of K and C of a shape, as rates; none where they are not finite.
+    pub fn quotients(&self, shape: &[f64]) -> Option<Rates> {
+        // There is none where products with the tangent overflow.
+        if shape.is_empty() {
+            return None;
+        }
+        let (mut p, mut y) = (vec![0.0; shape.len()], vec![0.0; shape.len()]);
+        let mut quotient = |w: Weights| {
+            self.times(w, shape, &mut p, &mut y);
+            dot(shape, &y) / dot(shape, shape)
+        };
+        let (k, c) = (quotient(STIFFNESS), quotient(DAMPING));
+        let rates = Rates { frequency: k.max(0.0).sqrt(), damping: c.max(0.0), ..Rates::default() };
+        (k.is_finite() && c.is_finite()).then_some(rates)
+    }
+
+    /// The degree of freedom that moves most.
+    pub fn place(&self, shape: &[f64]) -> usize {
+        let moves = |i: usize| (shape[i] * self.root[i]).abs();
+        (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
     }
 }
 
@@ -40,8 +77,17 @@ pub(super) fn rough(i: usize) -> f64 {
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }
 
+/// In eight lanes, which a processor can add side by side.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a, a_rest) = a.as_chunks::<8>();
+    let (b, b_rest) = b.as_chunks::<8>();
+    let mut lanes = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a * b;
+        }
+    }
+    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 pub(super) fn norm(a: &[f64]) -> f64 {
@@ -55,8 +101,27 @@ pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
     }
 }
 
+/// Takes the parts along an orthonormal basis out of q, and says how large they were and what is left. A second pass is made
+/// where the first took most of q away and so left rounding (Daniel, Gragg, Kaufman & Stewart 1976).
+pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: impl FnMut(usize, f64)) -> f64 {
+    let mut before = norm(q);
+    loop {
+        for (i, v) in basis.iter().enumerate() {
+            let part = dot(v, q);
+            part_was(i, part);
+            add(q, -part, v);
+        }
+        let left = norm(q);
+        if left > 0.5 * before || before == 0.0 || !left.is_finite() || left < f64::EPSILON * before {
+            return left;
+        }
+        // What is left of the second pass is as good as its own size.
+        before = left;
+    }
+}
+
 /// Vectors of length `n` that fit into the memory an analysis may take, at least `least`, at most `most`.
 pub(super) fn affordable(n: usize, [least, most]: [usize; 2]) -> usize {
-    const NUMBERS: usize = 30_000_000;
+    const NUMBERS: usize = 12_000_000;
     (NUMBERS / n.max(1)).clamp(least, most).min(n)
 }

@@ -7,6 +7,8 @@ pub mod critical;
 mod lanczos;
 pub mod limit;
 mod linearised;
+mod matrices;
+mod motions;
 mod oscillator;
 pub mod rates;
 mod step_map;

@@ -3,9 +3,10 @@
 //! For schemes that treat positions and velocities differently the map is no function of the scene's roots alone once
 //! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
 
-use super::arnoldi::Krylov;
-use super::linearised::{norm, rough};
-use crate::assembly::{Assembler, Pattern, PatternError};
+use super::arnoldi::{Krylov, RitzValue};
+use super::linearised::{Linearised, norm, rough};
+use super::matrices::Matrices;
+use crate::assembly::{Assembler, PatternError};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -14,53 +15,129 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
-use crate::scene::Scene;
 use std::sync::Arc;
 
 static TERMS: [TermInfo; 1] = [TermInfo { name: "tangent", role: Role::Elastic }];
 
-/// Ritz values with a larger residual are not yet eigenvalues of the map.
-const CONVERGED: f64 = 0.02;
+/// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
+const CONVERGED: f64 = 0.005;
+/// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that is
+/// stable, so it shows soon.
+const PRODUCTS: [usize; 3] = [40, 70, 120];
+/// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
+const GROWTH: f64 = 1e-3;
+/// Relative width at which the search for a step that does not grow ends.
+const WIDTH: f64 = 0.01;
+/// Steps of the search outwards from a guess, ever longer ones from this share on.
+const OUTWARDS: usize = 20;
+const FIRST: f64 = 0.97;
 
-/// Steps made for one radius; what grows beyond a limit stands far from all that is stable, so it shows soon.
-const PRODUCTS: usize = 40;
+/// What an eigenvalue must not exceed.
+#[derive(Clone, Copy)]
+struct Bound {
+    unit: f64,
+    most: f64,
+}
 
-/// M a = -K x - C v over the unknowns.
+/// Where to look for a limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// [s]
+    pub guess: f64,
+    /// [1/s] makes positions and velocities comparable
+    pub unit: f64,
+    /// [1/s] growth of the scene itself, which is no fault of the step
+    pub growth: f64,
+}
+
+/// M a = -K x - C v.
 pub(super) struct LinearScene {
+    matrices: Arc<Matrices>,
     assembler: Assembler,
-    pattern: Arc<Pattern>,
-    k: Vec<f64>,
-    c: Vec<f64>,
     inverse_mass: Vec<f64>,
+    root: Vec<f64>,
     damped: bool,
 }
 
 impl LinearScene {
-    /// `None` where the matrix cannot be numbered.
-    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
-        let mut assembler = scene.assembler().ok()?;
-        let mut values = |c: f64, k: f64| {
-            scene.assemble(at, Weights { m: 0.0, c, k }, &mut assembler);
-            assembler.values().to_vec()
-        };
-        let (c, k) = (values(1.0, 0.0), values(0.0, 1.0));
-        let pattern = Arc::clone(&assembler.pattern);
-        let inverse = scene.inverse_mass();
-        let inverse_mass = pattern.dof.iter().map(|&dof| inverse.get(dof as usize).copied().unwrap_or(0.0)).collect();
-        Some(LinearScene { assembler, pattern, k, c, inverse_mass, damped: scene.velocity_dependent() })
+    /// `None` where the scene has no matrices.
+    pub fn of(linear: &Linearised<'_>) -> Option<Self> {
+        Some(LinearScene {
+            matrices: Arc::clone(linear.matrices.as_ref()?),
+            assembler: linear.scene.assembler().ok()?,
+            inverse_mass: linear.scene.inverse_mass().to_vec(),
+            root: linear.root.clone(),
+            damped: linear.scene.velocity_dependent(),
+        })
     }
 
-    /// The eigenvalue of the step map that is largest in size, and the degree of freedom that moves most in it. `unit` [1/s]
-    /// makes positions and velocities comparable.
-    pub fn radius(&self, method: &MethodChoice, h: f64, unit: f64) -> Option<(f64, usize)> {
-        let n = self.inverse_mass.len();
+    /// [s] The largest step whose map does not grow, about a guess, and the degree of freedom that moves most beyond it.
+    pub fn limit(&self, method: &MethodChoice, search: Search) -> Option<(f64, usize)> {
+        let Search { guess, unit, growth } = search;
+        let grows = |h: f64| self.grows(method, h, Bound { unit, most: (1.0 + GROWTH) * (h * growth).exp() });
+        let (mut stable, mut unstable) = (0.0, guess);
+        let mut culprit = grows(unstable)?;
+        // Outwards from the guess until it lies between a stable and a growing step.
+        let mut factor = FIRST;
+        for _ in 0..OUTWARDS {
+            if culprit.is_some() {
+                match grows(factor * unstable)? {
+                    Some(dof) => (unstable, culprit) = (factor * unstable, Some(dof)),
+                    None => {
+                        stable = factor * unstable;
+                        break;
+                    }
+                }
+            } else if unstable * growth > 1.0 {
+                // The motion grows by itself before a step could show.
+                return None;
+            } else {
+                (stable, unstable) = (unstable, unstable / factor);
+                culprit = grows(unstable)?;
+                if culprit.is_some() {
+                    break;
+                }
+            }
+            factor *= 0.9;
+        }
+        let mut dof = culprit.filter(|_| stable > 0.0)?;
+        while unstable - stable > WIDTH * unstable {
+            let middle = 0.5 * (stable + unstable);
+            match grows(middle)? {
+                Some(at) => (unstable, dof) = (middle, at),
+                None => stable = middle,
+            }
+        }
+        Some((stable, dof))
+    }
+
+    /// Whether the step map has an eigenvalue beyond `most` in size, and the degree of freedom that then moves most.
+    fn grows(&self, method: &MethodChoice, h: f64, Bound { unit, most }: Bound) -> Option<Option<usize>> {
+        let size = |z: &RitzValue| z.re.hypot(z.im);
+        for products in PRODUCTS {
+            let krylov = self.krylov(method, h, unit, products)?;
+            let beyond = krylov.values.iter().filter(|&z| size(z) > most);
+            let Some(largest) = beyond.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Some(None) };
+            if largest.residual <= CONVERGED * size(largest) {
+                let (n, parts) = (self.root.len(), krylov.parts(*largest));
+                let moves = |i: usize| (parts[i] + parts[n + i]) * self.root[i].powi(2);
+                return Some((0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))));
+            }
+        }
+        Some(None)
+    }
+
+    /// The step map on a Krylov space; `unit` [1/s] makes positions and velocities comparable.
+    fn krylov(&self, method: &MethodChoice, h: f64, unit: f64, products: usize) -> Option<Krylov> {
+        let root = &self.root;
+        let n = root.len();
         let abilities = Abilities { system: self, tangent: self, graph: None };
         let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
         let mut from = Point { state: self.initial_state(), forces: self.new_forces() };
         let mut to = from.clone();
         stepper.start(&from).ok()?;
         let mut failed = false;
-        let root: Vec<f64> = self.inverse_mass.iter().map(|m| m.sqrt()).collect();
+        let inverse: Vec<f64> = root.iter().map(|&r| if r > 0.0 { 1.0 / r } else { 0.0 }).collect();
         let times = |q: &[f64], y: &mut [f64]| {
             for (i, root) in root.iter().enumerate() {
                 (from.state.x[i], from.state.v[i]) = (q[i] * root / unit, q[n + i] * root);
@@ -68,28 +145,19 @@ impl LinearScene {
             self.evaluate(from.state.as_ref(), &mut from.forces);
             let stepped = stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default());
             failed |= stepped.is_err();
-            for (i, root) in root.iter().enumerate() {
-                (y[i], y[n + i]) = (to.state.x[i] / root * unit, to.state.v[i] / root);
+            for (i, inverse) in inverse.iter().enumerate() {
+                (y[i], y[n + i]) = (to.state.x[i] * inverse * unit, to.state.v[i] * inverse);
             }
         };
-        let start: Vec<f64> = (0..2 * n).map(rough).collect();
-        let krylov = Krylov::of(start, PRODUCTS, times)?;
-        let size = |re: f64, im: f64| norm(&[re, im]);
-        let settled = krylov.values.iter().filter(|z| z.residual <= CONVERGED * size(z.re, z.im));
-        let largest = settled.max_by(|a, b| size(a.re, a.im).total_cmp(&size(b.re, b.im)))?;
-        if failed {
-            return None;
-        }
-        let parts = krylov.parts(*largest);
-        let moves = |i: usize| (parts[i] + parts[n + i]) * self.inverse_mass[i];
-        let most = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b)))?;
-        Some((size(largest.re, largest.im), self.pattern.dof[most] as usize))
+        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
+        let krylov = Krylov::of(start, products, times)?;
+        (!failed).then_some(krylov)
     }
 }
 
 impl System for LinearScene {
     fn n_dof(&self) -> usize {
-        self.inverse_mass.len()
+        self.root.len()
     }
 
     fn initial_state(&self) -> State {
@@ -101,17 +169,11 @@ impl System for LinearScene {
     }
 
     fn new_forces(&self) -> Forces {
-        // The room of the dissipative forces, which this system does not tell apart, holds K x.
-        let n = self.n_dof();
-        Forces { total: vec![0.0; n], dissipative: vec![0.0; n], tallies: vec![Tally::default()], ..Forces::default() }
+        Forces { total: vec![0.0; self.n_dof()], tallies: vec![Tally::default()], ..Forces::default() }
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        self.pattern.multiply(&self.k, at.x, &mut out.dissipative);
-        self.pattern.multiply(&self.c, at.v, &mut out.total);
-        for (f, kx) in out.total.iter_mut().zip(&out.dissipative) {
-            *f = -(*f + kx);
-        }
+        self.matrices.times([-1.0, -1.0], [at.x, at.v], &mut out.total);
     }
 
     fn inverse_mass(&self) -> &[f64] {
@@ -120,12 +182,13 @@ impl System for LinearScene {
 
     fn mass_times(&self, a: &[f64], out: &mut [f64]) {
         for ((out, a), inverse) in out.iter_mut().zip(a).zip(&self.inverse_mass) {
-            *out = a / inverse;
+            *out = if *inverse > 0.0 { a / inverse } else { 0.0 };
         }
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        v.iter().zip(&self.inverse_mass).map(|(v, inverse)| 0.5 * v * v / inverse).sum()
+        let moving = v.iter().zip(&self.inverse_mass).filter(|(_, inverse)| **inverse > 0.0);
+        moving.map(|(v, inverse)| 0.5 * v * v / inverse).sum()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -135,7 +198,7 @@ impl System for LinearScene {
 
 impl TangentSystem for LinearScene {
     fn symmetric(&self) -> bool {
-        self.pattern.symmetric
+        self.assembler.pattern.symmetric
     }
 
     fn assembler(&self) -> Result<Assembler, PatternError> {
@@ -143,13 +206,14 @@ impl TangentSystem for LinearScene {
     }
 
     fn assemble(&self, _at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        let values = assembler.values_mut();
-        for ((value, c), k) in values.iter_mut().zip(&self.c).zip(&self.k) {
-            *value = w.c * c + w.k * k;
-        }
-        for (i, inverse) in (0..).zip(&self.inverse_mass) {
-            if let Some(value) = self.pattern.slot(i, i).and_then(|slot| values.get_mut(slot as usize)) {
-                *value += w.m / inverse;
+        let pattern = Arc::clone(&assembler.pattern);
+        for (j, &column) in pattern.dof.iter().enumerate() {
+            let values = assembler.values_mut().iter_mut().skip(pattern.col_ptr[j] as usize);
+            for (&i, value) in pattern.column(j).iter().zip(values) {
+                let row = pattern.dof[i as usize];
+                let [k, c] = self.matrices.entry(row, column);
+                let mass = if row == column { 1.0 / self.inverse_mass[row as usize] } else { 0.0 };
+                *value = w.m * mass + w.c * c + w.k * k;
             }
         }
     }

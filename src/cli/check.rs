@@ -1,9 +1,8 @@
 //! `canopy-fem check`: all faults, what is modelled, and every method's critical step, without solving anything.
 
-use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
+use super::doubts::{check_solver, disk_doubt, place, step_doubt};
 use super::{CaseArgs, CliError};
-use crate::analysis::limit::critical_step;
-use crate::analysis::rates::{Rates, rates};
+use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
@@ -29,9 +28,9 @@ pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
     describe_terms(&mut text, scene);
     describe_cost(&mut text, &problem, scene);
     let state = scene.initial_state();
-    let rates = rates(scene, state.as_ref());
-    describe_limits(&mut text, &problem, scene, rates);
-    let limit = Limit { step: critical_step(&problem.method, rates), rates };
+    let mut spectrum = Spectrum::of(scene, state.as_ref());
+    describe_limits(&mut text, &problem, scene, &mut spectrum);
+    let limit = spectrum.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
     let doubts = [step_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
     for warning in problem.warnings.iter().chain(doubts.iter().flatten()) {
@@ -120,17 +119,10 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
     let _ = writeln!(text, "  memory          about {:.1} MB without output", bytes as f64 / 1e6);
 }
 
-fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rates: Rates) {
-    let at = |dof: usize| scene.name_of(dof).0;
-    let _ = writeln!(
-        text,
-        "  fastest motion  w = {:.4e} rad/s around node {}, damping rate {:.4e} 1/s around node {} (estimates at t = 0)",
-        rates.frequency,
-        at(rates.frequency_dof),
-        rates.damping,
-        at(rates.damping_dof)
-    );
-    let _ = writeln!(text, "\n  method                critical step [s]   this step / critical");
+fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) {
+    describe_rates(text, scene, spectrum);
+    let _ =
+        writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
     for info in methods() {
         let choice = if info.name == problem.method.info.name {
             Some(problem.method.clone())
@@ -142,28 +134,52 @@ fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, rate
             let _ = writeln!(text, "  {:<20}  needs a network", info.name);
             continue;
         }
-        let limit = critical_step(&choice, rates);
         let mark = if info.name == problem.method.info.name { '*' } else { ' ' };
-        let outside = info.family == Family::MatrixFree && scene.velocity_dependent();
-        if outside {
+        if info.family == Family::MatrixFree && scene.velocity_dependent() {
             let _ = writeln!(
                 text,
                 "{mark} {:<20}  none for springs; air and dashpots outside the filter: not known",
                 info.name
             );
-        } else if limit.is_infinite() {
-            let _ = writeln!(text, "{mark} {:<20}  {:<18}", info.name, "none found");
-        } else if limit == 0.0 {
-            let _ = writeln!(text, "{mark} {:<20}  {:<18}  grows at every step without damping", info.name, "0");
-        } else {
-            let used = problem.time.step.fixed().map_or_else(
-                || "adaptive".to_owned(),
-                |step| format!("{:.3}{}", step / limit, if step > limit { "  too large" } else { "" }),
-            );
-            let _ = writeln!(text, "{mark} {:<20}  {limit:<18.3e}  {used}", info.name);
+            continue;
         }
+        let limit = spectrum.critical_step(&choice);
+        let _ = writeln!(text, "{mark} {:<20}  {}", info.name, describe_limit(limit, problem.time.step, scene));
     }
     text.push_str(
-        "  (* the method of this case; one oscillator with the fastest w and damping rate stands for the scene)\n\n",
+        "  (* the method of this case; all at t = 0; certified: proved to be no more than the width below the true limit, and not \
+         above it)\n\n",
     );
+}
+
+fn describe_rates(text: &mut String, scene: &dyn Scene, spectrum: &Spectrum<'_>) {
+    let rates = spectrum.rates();
+    let bound = match spectrum.frequency_bound() {
+        Some(bound) => format!("to {bound:.4e} rad/s (proved)"),
+        None => "rad/s (an estimate)".to_owned(),
+    };
+    let at = place(scene, rates.frequency_dof);
+    let _ = writeln!(text, "  fastest motion  w = {:.4e} {bound} around {at}, at t = 0", rates.frequency);
+    if rates.damping > 0.0 {
+        let at = place(scene, rates.damping_dof);
+        let _ = writeln!(text, "  most damped     {:.4e} 1/s (an estimate) around {at}", rates.damping);
+    }
+}
+
+fn describe_limit(limit: CriticalStep, step: Step, scene: &dyn Scene) -> String {
+    if limit.step.is_infinite() {
+        return "none found".to_owned();
+    }
+    if limit.step == 0.0 {
+        return format!("{:<18}  grows at every step without damping", "0");
+    }
+    let known = match (limit.confidence, limit.width()) {
+        (Confidence::Certified { .. }, Some(width)) => format!("certified, {:.2} %", 100.0 * width),
+        _ => "estimate".to_owned(),
+    };
+    let used = step.fixed().map_or_else(
+        || "adaptive".to_owned(),
+        |step| format!("{:.3}{}", step / limit.step, if step > limit.step { "  too large" } else { "" }),
+    );
+    format!("{:<18.3e}  {used:<21}  {known:<16}  {}", limit.step, place(scene, limit.dof))
 }

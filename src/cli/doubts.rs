@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use super::fields;
-use crate::analysis::limit::critical_step;
-use crate::analysis::rates::{Rates, rates};
+use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable};
+use crate::analysis::rates::Rates;
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
 use crate::figures::figures;
@@ -24,30 +24,44 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
     Ok(())
 }
 
-/// The largest stable step of a case's method and what sets it, at the start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limit {
-    /// [s] the step; infinite for a method without limit
-    pub step: f64,
-    /// what it was found from; of a method without limit not asked for
-    pub rates: Rates,
+/// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only
+/// those whose step is near it.
+pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene) -> CriticalStep {
+    if !has_limit(&problem.method) {
+        return CriticalStep::none();
+    }
+    let state = scene.initial_state();
+    // Adaptive steps find the limit themselves; it is still a figure of the scene.
+    let step = problem.time.step.fixed().unwrap_or(0.0);
+    let plain = problem.time.step.fixed().and_then(|h| plainly_stable(scene, state.as_ref(), &problem.method, h));
+    let effort = Effort { sharpen_below: 2.0 * step, ..Effort::START };
+    plain.unwrap_or_else(|| Spectrum::with(scene, state.as_ref(), effort).critical_step(&problem.method))
 }
 
-impl Limit {
-    /// Costs a few hundred tangents, so only methods that have a limit pay for it.
-    pub fn of(problem: &Problem, scene: &dyn Scene) -> Self {
-        // A method without limit has none on any oscillator.
-        let some = Rates { frequency: 1.0, ..Rates::default() };
-        if critical_step(&problem.method, some).is_infinite() {
-            return Limit { step: f64::INFINITY, rates: Rates::default() };
-        }
-        let rates = rates(scene, scene.initial_state().as_ref());
-        Limit { step: critical_step(&problem.method, rates), rates }
+/// The node, and the fastest spring at it, in words.
+pub(super) fn place(scene: &dyn Scene, dof: usize) -> String {
+    let node = scene.name_of(dof).0;
+    scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+}
+
+/// What a critical step is worth in a word, and the share of it that is safe: an estimate may lie a few percent above the true
+/// limit, what is proved does not.
+pub(super) fn worth(limit: CriticalStep) -> (&'static str, f64) {
+    match limit.confidence {
+        Confidence::Certified { .. } => ("certified", 0.98),
+        Confidence::Estimate | Confidence::NoLimit => ("an estimate", 0.9),
     }
 }
 
+/// A step to take, two digits, rounded down.
+pub(super) fn below(limit: CriticalStep) -> String {
+    let step = worth(limit).1 * limit.step;
+    let unit = 10_f64.powf(step.log10().floor() - 1.0);
+    figures((step / unit).floor() * unit, 2)
+}
+
 /// A warning for a step that is too large, with both numbers.
-pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: Limit) -> Option<String> {
+pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalStep) -> Option<String> {
     let name = problem.method.info.name;
     // Adaptive steps find the limit themselves.
     let step = problem.time.step.fixed()?.min(problem.time.end);
@@ -58,19 +72,19 @@ pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: Limit) -> 
         ));
     }
     (step > limit.step).then(|| {
-        let node = scene.name_of(limit.rates.frequency_dof).0;
         let Rates { frequency, damping, .. } = limit.rates;
         format!(
             "the step of {} s is {} times the critical step of {name} on this scene, about {} s at the start \
-             (fastest motion {} rad/s around node {node}, damping rate {} 1/s); expect it to diverge: take --step {} or \
+             ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: take --step {} or \
              --method newmark",
             figures(step, 4),
             figures(step / limit.step, 3),
             figures(limit.step, 3),
+            worth(limit).0,
+            place(scene, limit.dof),
             figures(frequency, 4),
             figures(damping, 4),
-            // The estimate lies up to a few percent above the true limit.
-            figures(0.9 * limit.step, 2)
+            below(limit)
         )
     })
 }

@@ -13,6 +13,7 @@ pub mod progress;
 mod resume;
 pub mod schema;
 mod solve;
+mod stiffening;
 
 pub use args::{Args, CaseArgs, Command, SolveArgs};
 pub use error::CliError;

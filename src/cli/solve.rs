@@ -1,10 +1,12 @@
 //! `canopy-fem solve`: the main job.
 
-use super::doubts::{Limit, check_solver, disk_doubt, step_doubt};
+use super::doubts::{check_solver, disk_doubt, limit_at_start, step_doubt, worth};
 use super::farthest::Farthest;
 use super::progress::{Display, Progress};
 use super::resume::{self, Earlier};
+use super::stiffening::{Least, Stiffening, Watched};
 use super::{CliError, Finished, SolveArgs, complain, fields};
+use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
@@ -54,7 +56,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
         _ => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
     };
-    let limit = Limit::of(&problem, &*scene);
+    let limit = limit_at_start(&problem, &*scene);
     if !args.quiet {
         let doubts = [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)];
         doubts.iter().flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
@@ -64,14 +66,14 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
     let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit };
-    let (outcome, summary, farthest) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
+    let (outcome, summary, seen) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
     }
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
     }
-    let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &farthest) };
+    let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
     let code = match outcome.status {
         Status::Completed => 0,
         Status::Diverged | Status::NotConverged => 3,
@@ -86,7 +88,14 @@ struct Job<'a> {
     problem: &'a Problem,
     scene: &'a dyn Scene,
     folder: &'a ResultFolder,
-    limit: Limit,
+    limit: CriticalStep,
+}
+
+/// What was seen of a run besides its results.
+struct Watch<'a> {
+    limit: CriticalStep,
+    least: Option<Least>,
+    farthest: Farthest<'a>,
 }
 
 impl<'a> Job<'a> {
@@ -97,7 +106,7 @@ impl<'a> Job<'a> {
         case: Fingerprint,
         checkpoint: Option<Checkpoint>,
         stop: &AtomicBool,
-    ) -> Result<(Outcome, Summary, Farthest<'a>), CliError> {
+    ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
         let &Job { args, problem, scene, folder, limit } = self;
         let spec = problem.run_spec(args.keep_going);
         let recorded = recorder_spec(problem, folder);
@@ -113,7 +122,14 @@ impl<'a> Job<'a> {
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
         let display = if args.quiet { Display::Quiet } else { Display::Terminal };
         let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
-        let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut progress, &mut farthest];
+        // Adaptive steps shrink by themselves where a scene stiffens.
+        let mut stiffening = spec.step.fixed().and_then(|step| {
+            let watched = Watched { scene, method: &problem.method, start: limit, step, quiet: args.quiet };
+            Stiffening::of(watched, has_limit(&problem.method))
+        });
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];
+        observers.extend(stiffening.as_mut().map(|stiffening| stiffening as &mut dyn Observer));
+        let observers = &mut observers[..];
         let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
         let outcome = match checkpoint {
             Some(Checkpoint { snapshot, .. }) => drive::resume(scene, stepper, spec, snapshot, observers, stop)?,
@@ -126,7 +142,8 @@ impl<'a> Job<'a> {
         if outcome.status == Status::Completed && every.is_none() {
             folder.remove_checkpoint()?;
         }
-        Ok((outcome, summary, farthest))
+        let least = stiffening.and_then(|stiffening| stiffening.least());
+        Ok((outcome, summary, Watch { limit, least, farthest }))
     }
 }
 
@@ -174,13 +191,7 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     stop
 }
 
-fn report(
-    problem: &Problem,
-    outcome: &Outcome,
-    summary: &Summary,
-    folder: &ResultFolder,
-    far: &Farthest<'_>,
-) -> String {
+fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",
         Status::Diverged => "diverged",
@@ -218,10 +229,18 @@ fn report(
         );
     }
     if let Some(critical) = summary.critical_step {
-        let used = step / critical;
-        let _ = writeln!(text, "  critical step   about {critical:.2e} s at the start ({used:.2} of it used)");
+        let later = seen
+            .least
+            .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
+        let (known, used) = (worth(seen.limit).0, step / critical);
+        let _ =
+            writeln!(text, "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}");
     }
-    let _ = writeln!(text, "  displacement    {:.6} m at most at the end, node {}", far.distance, far.node);
+    let _ = writeln!(
+        text,
+        "  displacement    {:.6} m at most at the end, node {}",
+        seen.farthest.distance, seen.farthest.node
+    );
     let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
     if outcome.status == Status::Interrupted {
         let path = folder.file(CHECKPOINT);

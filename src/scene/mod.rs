@@ -3,6 +3,7 @@
 //! Inside a network nodes are renumbered for locality ([`numbering`]); everything a person sees goes through
 //! [`crate::model::picture::Picture`] and is in the user's numbering again.
 
+mod bound;
 mod build;
 pub mod network;
 pub mod numbering;
@@ -10,6 +11,7 @@ mod pendulum;
 mod picture;
 mod suspect;
 
+pub use bound::BoundRoom;
 pub use build::{BuildError, build_network};
 pub use network::Network;
 pub use pendulum::Pendulum;
@@ -61,4 +63,8 @@ pub trait Scene: TangentSystem + Picture {
 
     /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
+
+    /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the degree of
+    /// freedom whose node sets it. Proved for symmetric scenes and weights of at least 0; else a measure that grows as it does.
+    fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, room: &mut BoundRoom) -> (f64, usize);
 }

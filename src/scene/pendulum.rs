@@ -4,7 +4,7 @@
 //! m L^2 theta'' = -m g L sin(theta) - c theta'
 //! ```
 
-use super::{Scene, Suspect};
+use super::{BoundRoom, Scene, Suspect};
 use crate::assembly::{Assembler, PatternError};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::picture::Picture;
@@ -178,6 +178,11 @@ impl Scene for Pendulum {
 
     fn name_of(&self, _dof: usize) -> (u32, &'static str) {
         (0, "angle")
+    }
+
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _room: &mut BoundRoom) -> (f64, usize) {
+        let stiffness = w.k * self.weight_moment() * at.x[0].cos();
+        ((w.c * self.spec.damping + stiffness.max(0.0)) * self.inverse_inertia[0], 0)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

@@ -1,7 +1,7 @@
 //! Who is at fault: what a failure report says about a node of a network, and its size.
 
 use super::network::{Network, by_node, node_state};
-use super::{Scene, Suspect};
+use super::{BoundRoom, Scene, Suspect};
 use crate::force::TangentSink;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
@@ -74,6 +74,10 @@ impl Scene for Network {
                 *f = 0.0;
             }
         }
+    }
+
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
+        self.node_bound(at, w, room)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {

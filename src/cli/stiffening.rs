@@ -1,0 +1,192 @@
+//! Follows the critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its stability long
+//! after the start. One pass over the elements now and then (about a hundredth of the run) gives a measure that falls as
+//! the critical step does; only where that comes close to the step is the spectrum itself asked, and only then is anything said.
+
+use super::complain;
+use super::doubts::{below, place, worth};
+use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::figures::figures;
+use crate::integrate::registry::MethodChoice;
+use crate::model::state::StateRef;
+use crate::model::system::Weights;
+use crate::scene::{BoundRoom, Scene};
+use std::io::IsTerminal;
+
+/// Force passes that a pass over the elements is worth.
+const PASSES: u32 = 5;
+/// Share of a run, one over this, that is spent.
+const SHARE: u32 = 100;
+/// At first a look follows the last after one part in so many of the steps made.
+const EARLY: u64 = 4;
+/// Growth of the kinetic energy since the liveliest look at which is looked at once.
+const LIVELIER: f64 = 4.0;
+/// The spectrum is asked where the measure says that the critical step is below so many steps.
+const NEAR: f64 = 1.05;
+/// It is asked again where the measure has fallen below this share since.
+const FALLEN: f64 = 0.97;
+/// Most questions to the spectrum in a run.
+const MOST_ASKED: u32 = 8;
+
+/// What is watched.
+#[derive(Clone, Copy)]
+pub(super) struct Watched<'a> {
+    pub scene: &'a dyn Scene,
+    pub method: &'a MethodChoice,
+    /// limit at the start
+    pub start: CriticalStep,
+    /// [s] nominal step
+    pub step: f64,
+    /// whether nothing is to be said
+    pub quiet: bool,
+}
+
+/// The least critical step a run has met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Least {
+    /// [s]
+    pub t: f64,
+    /// [s]
+    pub step: f64,
+}
+
+/// An observer that warns once when the critical step falls below the step, and records nothing.
+pub(super) struct Stiffening<'a> {
+    watched: Watched<'a>,
+    every: u64,
+    /// step after which is looked next
+    next: u64,
+    /// [J] largest kinetic energy at a look
+    kinetic: f64,
+    room: BoundRoom,
+    /// critical step over measure, where both were last known
+    ratio: Option<f64>,
+    /// [s] measure at which the spectrum is asked next
+    ask_below: f64,
+    asked: u32,
+    warned: bool,
+    least: Option<Least>,
+}
+
+impl<'a> Stiffening<'a> {
+    /// `None` where there is nothing to follow: a method without limit, or one that grows at every step anyway.
+    pub fn of(watched: Watched<'a>, limited: bool) -> Option<Self> {
+        let Watched { scene, method, start, step, .. } = watched;
+        if !limited || start.step == 0.0 {
+            return None;
+        }
+        let damped = scene.velocity_dependent();
+        // An implicit step is dearer than any number of force passes told for it.
+        let [still, moving] = method.info.evaluations;
+        let evaluations = if damped { moving } else { still }.max(1);
+        let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
+        let mut room = BoundRoom::default();
+        let at_start = measure(scene, scene.initial_state().as_ref(), &mut room);
+        let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
+        let ratio = known.then(|| start.step / at_start);
+        // The start itself is spoken of before the run.
+        let warned = step > start.step;
+        Some(Stiffening {
+            watched,
+            every,
+            next: 1,
+            kinetic: 0.0,
+            room,
+            ratio,
+            ask_below: f64::INFINITY,
+            asked: 0,
+            warned,
+            least: None,
+        })
+    }
+
+    /// [s] the least critical step seen after the start, where it is clearly below that at the start.
+    pub fn least(&self) -> Option<Least> {
+        self.least.filter(|least| least.step < FALLEN * self.watched.start.step)
+    }
+
+    fn look(&mut self, at: StateRef<'_>, h: f64) {
+        let now = measure(self.watched.scene, at, &mut self.room);
+        let estimate = self.ratio.unwrap_or(1.0) * now;
+        if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
+            self.asked += 1;
+            self.ask_below = FALLEN * now;
+            let found = Spectrum::with(self.watched.scene, at, Effort::START).critical_step(self.watched.method);
+            if found.step.is_finite() && found.step > 0.0 {
+                self.ratio = Some(found.step / now);
+                self.remember(at.t, found.step);
+                if found.step < h {
+                    self.warned = true;
+                    self.warn(at.t, h, found);
+                }
+            }
+        } else if self.ratio.is_some() {
+            self.remember(at.t, estimate);
+        }
+    }
+
+    fn remember(&mut self, t: f64, step: f64) {
+        if self.least.is_none_or(|least| step < least.step) {
+            self.least = Some(Least { t, step });
+        }
+    }
+
+    fn warn(&self, t: f64, h: f64, found: CriticalStep) {
+        let Watched { scene, method, quiet, .. } = self.watched;
+        if quiet {
+            return;
+        }
+        // Over what is left of a progress line.
+        let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
+        complain(&format!(
+            "{clear}warning: at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
+             expect it to diverge: take --step {} or --method newmark",
+            figures(t, 4),
+            method.info.name,
+            figures(found.step, 3),
+            worth(found).0,
+            place(scene, found.dof),
+            figures(h, 4),
+            below(found)
+        ));
+    }
+}
+
+impl Observer for Stiffening<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.look(at.state.as_ref(), self.watched.step);
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        // By number, so that a run does the same work each time; closer together early on, for short runs.
+        // A motion that has become much livelier may be one that has begun to diverge.
+        let livelier = step.ledger.kinetic > LIVELIER * self.kinetic;
+        if livelier || step.step >= self.next {
+            self.kinetic = self.kinetic.max(step.ledger.kinetic);
+            while self.next <= step.step {
+                self.next += (self.next / EARLY).clamp(1, self.every);
+            }
+            self.look(step.to.state.as_ref(), step.to.state.t - step.from.state.t);
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+/// [s] h with h^2 k + 2 h c = 4 for bounds k and c on the rates: where Euler-Cromer would have its limit, and a measure for others.
+fn measure(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
+    let (k, _) = scene.rate_bound(at, Weights { m: 0.0, c: 0.0, k: 1.0 }, room);
+    let c = match scene.velocity_dependent() {
+        true => scene.rate_bound(at, Weights { m: 0.0, c: 1.0, k: 0.0 }, room).0,
+        false => 0.0,
+    };
+    4.0 / (c + (c * c + 4.0 * k).sqrt())
+}
