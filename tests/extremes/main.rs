@@ -8,6 +8,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod exact;
+#[path = "../fuzz/oracle/failure.rs"]
+mod failure;
 mod scenes;
 mod states;
 mod table;
