@@ -10,6 +10,10 @@ mod common;
 mod exact;
 #[path = "../fuzz/oracle/failure.rs"]
 mod failure;
+#[path = "../fuzz/oracle/mesh.rs"]
+mod mesh_oracle;
+mod meshes;
+mod program;
 mod scenes;
 mod states;
 mod table;

@@ -144,8 +144,12 @@ impl Ran {
         }
         match (self.outcome.status, &self.outcome.failure) {
             (Status::Completed, None) => self.completed(),
-            (Status::Diverged, Some(failure)) => is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::Diverged),
-            (Status::NotConverged, Some(failure)) => is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::NotConverged),
+            (Status::Diverged, Some(failure)) => {
+                is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::Diverged)
+            }
+            (Status::NotConverged, Some(failure)) => {
+                is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::NotConverged)
+            }
             (status, failure) => Err(format!("{status:?} with {failure:?}")),
         }
     }

@@ -29,7 +29,8 @@ pub struct Imported {
 /// [`MeshError::File`] with the file's name and the reason.
 pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
     let reader = reader(path)?;
-    let fault = |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
+    let fault =
+        |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
     read_with(reader, path, &std::fs::read(path).map_err(fault)?)
 }
 
@@ -52,9 +53,8 @@ fn reader(path: &Path) -> Result<Reader, MeshError> {
         "obj" => Ok(obj::read),
         "stl" => Ok(stl::read),
         _ => {
-            let reason = format!(
-                "the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl"
-            );
+            let reason =
+                format!("the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl");
             Err(MeshError::File { path: path.to_owned(), reason })
         }
     }
