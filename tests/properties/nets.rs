@@ -2,13 +2,14 @@
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// A scene in units of the case: everything that a change of units, place or numbering touches.
 #[derive(Clone, Debug)]
 pub struct Net {
     /// [m]
     pub nodes: Vec<[f64; 3]>,
-    /// pairs that are no triangle's edge
+    /// every edge of the triangles once, and others
     pub springs: Vec<[usize; 2]>,
     pub triangles: Vec<[usize; 3]>,
     /// [kg] one a node
@@ -131,13 +132,16 @@ fn sheet([rows, columns]: [usize; 2], tail: usize, jitter: &[[f64; 3]]) -> Sheet
     let hanging = (1..=tail).map(|i| [-(i as f64), -0.5, -0.5 * i as f64]);
     let nodes = on_grid.chain(hanging).zip(jitter).map(|(p, j)| std::array::from_fn(|c| p[c] + j[c])).collect();
     let cells = (0..rows - 1).flat_map(|r| (0..columns - 1).map(move |c| (r, c)));
-    let triangles = cells
+    let triangles: Vec<[usize; 3]> = cells
         .flat_map(|(r, c)| {
             let [a, b, d, e] = [number(r, c), number(r, c + 1), number(r + 1, c), number(r + 1, c + 1)];
             [[a, b, e], [a, e, d]]
         })
         .collect();
+    let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[a, b]| [a.min(b), a.max(b)]);
+    let sides: BTreeSet<[usize; 2]> = sides.collect();
     let first = rows * columns;
-    let springs = (0..tail).map(|i| [if i == 0 { 0 } else { first + i - 1 }, first + i]).collect();
+    let hung = (0..tail).map(|i| [if i == 0 { 0 } else { first + i - 1 }, first + i]);
+    let springs = sides.into_iter().chain(hung).collect();
     (nodes, triangles, springs)
 }
