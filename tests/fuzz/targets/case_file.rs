@@ -6,8 +6,9 @@ mod case;
 #[path = "../oracle/failure.rs"]
 mod failure;
 mod guard;
+mod mutate;
 
-use libfuzzer_sys::fuzz_target;
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use std::path::Path;
 
 fuzz_target!(init: guard::install(), |data: &[u8]| {
@@ -15,3 +16,5 @@ fuzz_target!(init: guard::install(), |data: &[u8]| {
         panic!("{why}");
     }
 });
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| { mutate::mutate(data, size, max_size, seed) });
