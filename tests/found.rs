@@ -20,7 +20,8 @@ fn folder(below: &str) -> PathBuf {
 
 /// Judges every file of some folders on a thread of its own, and names those that do not hold; how many there were.
 fn replay(folders: &[&str], judge: fn(&[u8]) -> Result<(), String>) -> usize {
-    let listed = folders.iter().flat_map(|f| std::fs::read_dir(folder(f)).expect("the folder is there"));
+    // As long as nothing was found there is no folder for it; the callers count the files.
+    let listed = folders.iter().flat_map(|f| std::fs::read_dir(folder(f)).into_iter().flatten());
     let mut paths: Vec<PathBuf> = listed.map(|entry| entry.expect("an entry").path()).collect();
     paths.sort();
     let judge_file = |path: &PathBuf| {
@@ -43,7 +44,7 @@ fn replay(folders: &[&str], judge: fn(&[u8]) -> Result<(), String>) -> usize {
 #[test]
 fn found_cases_and_seeds_hold() {
     let count = replay(&["found/case", "seeds/case"], |bytes| case::judge(bytes, &folder("seeds/mesh")));
-    assert!(count >= 29, "{count} files are left");
+    assert!(count >= 32, "{count} files are left");
 }
 
 #[test]
