@@ -65,6 +65,19 @@ impl Case {
         Self::from_text(text, &path.display().to_string(), base, overrides)
     }
 
+    /// The same for the bytes of a file that are already in memory.
+    ///
+    /// # Errors
+    /// As [`Case::from_text`], and bytes that are not UTF-8.
+    pub fn from_bytes(
+        bytes: Vec<u8>,
+        name: &str,
+        base: PathBuf,
+        overrides: &[(String, String)],
+    ) -> Result<Self, CaseError> {
+        Self::from_text(text::decode(bytes, name)?, name, base, overrides)
+    }
+
     /// The same for a text that is already in memory; `name` stands for the file's name in messages, and paths count
     /// from `base`.
     ///

@@ -384,6 +384,35 @@ mod tests {
         }
     }
 
+    /// Flat, with its lowest point at z0 = 1, but for a wall at 0.9, where another unknown is thrown out of range.
+    struct Wall;
+
+    impl NonlinearProblem for Wall {
+        fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
+            r.copy_from_slice(&[z[0] - 1.0, if z[0] > 0.9 { 1e200 } else { 0.0 }]);
+            floor.fill(1e-15);
+        }
+        fn conservative(&self) -> bool {
+            true
+        }
+        fn linearise(&mut self, _: Curvature) -> Result<Inertia, LinearError> {
+            Ok(Inertia::Unknown)
+        }
+        fn solve(&mut self, _: &mut [f64]) -> Result<(), LinearError> {
+            Ok(())
+        }
+    }
+
+    /// A search does not step to where the norm of the forces overflows, so that a report has numbers.
+    #[test]
+    fn the_search_stays_where_forces_are_numbers() {
+        let failure = Newton::new(NewtonSpec::default(), 2).solve(&mut Wall, &mut [0.0; 2], SCALES).unwrap_err();
+        let (NewtonFailure::Stuck { residual, .. } | NewtonFailure::MaxIterations { residual, .. }) = failure else {
+            panic!("{failure:?}")
+        };
+        assert!(residual <= 1.0, "{failure:?}");
+    }
+
     #[test]
     fn an_iteration_limit_is_a_refusal_with_its_numbers() {
         let spec = NewtonSpec { max_iterations: 2, ..Default::default() };

@@ -54,7 +54,8 @@ pub(super) fn downhill(
     let mut lambda = 1.0;
     for trial in 0..MAX_TRIALS {
         let landed = newton.look(problem, z, lambda, tolerance);
-        let here = dot(&newton.r_trial, &newton.dz);
+        // Where forces overflow the slope may still be a number, if the direction does not touch them.
+        let here = if norm(&newton.r_trial).is_finite() { dot(&newton.r_trial, &newton.dz) } else { f64::INFINITY };
         let left = if trial == 0 { FULL_SLOPE } else { SLOPE } * slope.abs();
         if landed || here.is_finite() && here.abs() <= left {
             newton.go(z);

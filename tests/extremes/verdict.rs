@@ -1,9 +1,10 @@
 //! Runs a case with a guard against panics and hangs, and judges how it ended.
 
+use crate::failure::is_true;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::case::{Case, CaseError, Problem};
 use canopy_fem::drive::observer::LedgerRow;
-use canopy_fem::drive::{Failure, Outcome, Status};
+use canopy_fem::drive::{Outcome, Status};
 use canopy_fem::simulation::{FollowSpec, follow};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -143,8 +144,12 @@ impl Ran {
         }
         match (self.outcome.status, &self.outcome.failure) {
             (Status::Completed, None) => self.completed(),
-            (Status::Diverged, Some(failure)) => is_true(failure, self).map(|()| Kind::Diverged),
-            (Status::NotConverged, Some(failure)) => is_true(failure, self).map(|()| Kind::NotConverged),
+            (Status::Diverged, Some(failure)) => {
+                is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::Diverged)
+            }
+            (Status::NotConverged, Some(failure)) => {
+                is_true(failure, &self.outcome, self.reference.len()).map(|()| Kind::NotConverged)
+            }
             (status, failure) => Err(format!("{status:?} with {failure:?}")),
         }
     }
@@ -186,27 +191,4 @@ impl Ran {
         let springs = spec.springs.iter().flat_map(|g| &g.stiffness).map(|k| k * off * off).sum::<f64>();
         springs * (1 + self.outcome.steps) as f64 + 1e-12 * self.outcome.ledger.kinetic
     }
-}
-
-/// A report names time, step and node; its sentences are there, and no number in them is nonsense.
-fn is_true(failure: &Failure, ran: &Ran) -> Result<(), String> {
-    let complain = |what: &str| Err(format!("{what}: {failure:?}"));
-    if !(failure.time.is_finite() && failure.time > ran.outcome.t_end && failure.step == ran.outcome.steps + 1) {
-        return complain("the time or step is not that of the failed step");
-    }
-    if failure.node.is_none_or(|node| node as usize >= ran.reference.len()) {
-        return complain("no such node");
-    }
-    for sentence in [&failure.cause, &failure.advice] {
-        if sentence.split_whitespace().count() < 4 {
-            return complain("no sentence");
-        }
-        let words = sentence.split(|c: char| !(c.is_ascii_alphanumeric() || ".-+".contains(c)));
-        for word in words {
-            if ["NaN", "inf", "-inf"].contains(&word) || word == "0.0e0" || word == "0.000e0" {
-                return complain(&format!("\"{word}\" tells nothing"));
-            }
-        }
-    }
-    Ok(())
 }

@@ -13,8 +13,25 @@ const LOST: f64 = 1e-3;
 /// [-] The same from which on strains are doubtful.
 const DOUBTFUL: f64 = 1e-8;
 
-/// Checks the mesh's place against its springs.
-pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
+/// [-] Share of a motion lost to rounding, step by step, from which on it is told.
+const LOST_MOTION: f64 = 0.01;
+
+/// Checks the mesh's place against its springs, and against what a step [s] moves its nodes by.
+pub(super) fn network(
+    at: &Pointer,
+    spec: &NetworkSpec,
+    geometry: &Geometry,
+    step: Option<f64>,
+    faults: &mut Faults<'_>,
+) {
+    lengths(at, spec, geometry, faults);
+    if let Some(step) = step {
+        motion(at, spec, step, faults);
+    }
+}
+
+/// Rounding against the shortest spring.
+fn lengths(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     let edges = spec.springs.iter().flat_map(|g| g.edges.iter().copied());
     let lengths = edges.filter_map(|e| Some((e, geometry.length.get(e as usize).copied()?)));
     let Some((edge, shortest)) = lengths.min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
@@ -32,5 +49,28 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
         faults.add_value(&at.key("mesh"), numbers(), allowed, Some(advice.to_owned()));
     } else if share > DOUBTFUL {
         faults.warn(format!("{}: {}; {advice}", at.key("mesh"), numbers()));
+    }
+}
+
+/// Rounding against the first step of the fastest node: a sum of steps loses up to half a last digit in each.
+fn motion(at: &Pointer, spec: &NetworkSpec, step: f64, faults: &mut Faults<'_>) {
+    let speeds = spec
+        .velocity
+        .iter()
+        .enumerate()
+        .flat_map(|(node, v)| v.iter().enumerate().map(move |(c, v)| (node, c, v.abs())));
+    let Some((node, c, speed)) = speeds.max_by(|a, b| a.2.total_cmp(&b.2)) else { return };
+    let of = |vectors: &[[f64; 3]]| vectors.get(node).map_or(0.0, |v| v[c]);
+    let x = (of(&spec.mesh.nodes) + of(&spec.displacement)).abs();
+    let (rounding, moved) = (x.next_up() - x, speed * step);
+    let lost = 0.5 * rounding / moved;
+    if speed > 0.0 && lost > LOST_MOTION {
+        let [speed, moved, step, x, rounding] = [speed, moved, step, x, rounding].map(|x| figures(x, 3));
+        faults.warn(format!(
+            "{}: node {node} has {speed} m/s, which is {moved} m in a step of {step} s, but its coordinate of {x} m is rounded to \
+             {rounding} m: up to {} % of its motion will be lost; take longer steps, or move the mesh to the origin",
+            at.key("initial").key("velocity"),
+            figures(100.0 * lost.min(1.0), 2)
+        ));
     }
 }

@@ -28,22 +28,42 @@ pub struct Imported {
 /// # Errors
 /// [`MeshError::File`] with the file's name and the reason.
 pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
-    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
+    let reader = reader(path)?;
+    let fault =
+        |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
+    read_with(reader, path, &std::fs::read(path).map_err(fault)?)
+}
+
+/// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.
+///
+/// # Errors
+/// As [`read_mesh`], but for the file itself.
+pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
+    read_with(reader(path)?, path, bytes)
+}
+
+type Reader = fn(&[u8]) -> Result<Cells, String>;
+
+/// The reader of a file's format.
+fn reader(path: &Path) -> Result<Reader, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let read: fn(&[u8]) -> Result<Cells, String> = match extension.as_str() {
-        "vtu" | "vtp" | "vtk" => vtk::read,
-        "msh" => msh::read,
-        "obj" => obj::read,
-        "stl" => stl::read,
+    match extension.as_str() {
+        "vtu" | "vtp" | "vtk" => Ok(vtk::read),
+        "msh" => Ok(msh::read),
+        "obj" => Ok(obj::read),
+        "stl" => Ok(stl::read),
         _ => {
-            return Err(fault(format!(
-                "the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl"
-            )));
+            let reason =
+                format!("the extension \"{extension}\" is not a mesh format; use .vtu, .vtp, .vtk, .msh, .obj or .stl");
+            Err(MeshError::File { path: path.to_owned(), reason })
         }
-    };
-    let bytes = std::fs::read(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
+    }
+}
+
+fn read_with(reader: Reader, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
+    let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     // The parsing libraries are not ours: a panic in one of them on a damaged file must not end the program.
-    let cells = std::panic::catch_unwind(|| read(&bytes))
+    let cells = std::panic::catch_unwind(|| reader(bytes))
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
     let imported = cells.and_then(Cells::into_mesh).map_err(fault)?;
     imported.mesh.check().map_err(|error| fault(error.to_string()))?;
