@@ -63,7 +63,7 @@ pub(super) fn network(
         velocity: start.velocity,
     };
     if faults.count() == before {
-        digits::network(at, &spec, geometry, step, faults);
+        digits::network(at, &spec, geometry, step.and_then(Step::fixed), faults);
         energy::network(at, &spec, geometry, faults);
     }
     plausible::network(at, &spec, geometry, faults);

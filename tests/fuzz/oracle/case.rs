@@ -8,9 +8,12 @@ use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
 use canopy_fem::case::{Case, CaseError, Place};
-use canopy_fem::drive::{Outcome, Status};
-use canopy_fem::simulation::{FollowSpec, bind, build_scene, follow};
+use canopy_fem::drive::clock::Step;
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::{self, Outcome, Status};
+use canopy_fem::simulation::{bind, build_scene};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Counts above this are taken modulo it, so that one input stays quick; those no case may have stay, to be refused.
 const MOST: u64 = 48;
@@ -20,6 +23,8 @@ const NEVER: u64 = 50_000_000;
 const MOST_NODES: usize = 200;
 /// Steps of a run.
 const STEPS: f64 = 6.0;
+/// Adaptive steps after which a run is stopped.
+const MOST_ADAPTIVE: f64 = 12.0;
 /// Newton iterations of a step.
 const MOST_ITERATIONS: u32 = 25;
 
@@ -114,7 +119,9 @@ fn good(case: Case) -> Result<(), String> {
         return Ok(());
     }
     analysed(&problem)?;
-    problem.time.end = problem.time.end.min(STEPS * problem.time.step);
+    if let Step::Fixed(step) = problem.time.step {
+        problem.time.end = problem.time.end.min(STEPS * step);
+    }
     problem.solver.newton.max_iterations = problem.solver.newton.max_iterations.min(MOST_ITERATIONS);
     run(&problem, nodes)
 }
@@ -138,11 +145,12 @@ fn analysed(problem: &Problem) -> Result<(), String> {
 }
 
 fn run(problem: &Problem, nodes: usize) -> Result<(), String> {
-    let mut finite = true;
-    let outcome = follow(problem, FollowSpec::default(), |seen| {
-        finite &= seen.t.is_finite();
-        finite &= seen.positions.iter().chain(seen.velocities).flatten().all(|x| x.is_finite());
-    });
+    let Ok(scene) = build_scene(problem.system.clone(), 1) else { return Ok(()) };
+    let Ok(mut stepper) = bind(problem, &*scene) else { return Ok(()) };
+    let stop = AtomicBool::new(false);
+    let mut look = Look { finite: true, stop: &stop };
+    let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut look], &stop);
+    let finite = look.finite;
     let outcome = match outcome {
         Ok(outcome) => outcome,
         Err(error) if error.to_string().split_whitespace().count() >= 4 => return Ok(()),
@@ -154,8 +162,39 @@ fn run(problem: &Problem, nodes: usize) -> Result<(), String> {
     account(&outcome)?;
     match (outcome.status, &outcome.failure) {
         (Status::Completed, None) if outcome.t_end == problem.time.end => Ok(()),
+        (Status::Interrupted, None) if outcome.steps as f64 >= MOST_ADAPTIVE => Ok(()),
         (Status::Diverged | Status::NotConverged, Some(failure)) => is_true(failure, &outcome, nodes),
         (status, failure) => Err(format!("{status:?} at {} s with {failure:?}", outcome.t_end)),
+    }
+}
+
+/// Looks at every state, and stops a run of many adaptive steps.
+struct Look<'a> {
+    finite: bool,
+    stop: &'a AtomicBool,
+}
+
+impl Look<'_> {
+    fn at(&mut self, at: &Point) {
+        let state = &at.state;
+        self.finite &= state.t.is_finite() && state.x.iter().chain(&state.v).all(|x| x.is_finite());
+    }
+}
+
+impl Observer for Look<'_> {
+    fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.at(at);
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        self.at(step.to);
+        self.stop.store(step.step as f64 >= MOST_ADAPTIVE, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
     }
 }
 
