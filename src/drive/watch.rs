@@ -24,7 +24,7 @@ use crate::integrate::StepReport;
 use crate::integrate::registry::{Family, MethodInfo};
 use crate::model::forces::Role;
 use crate::model::point::Point;
-use crate::model::state::State;
+use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
 
@@ -164,7 +164,7 @@ impl Watch {
         let stiffness = scene.nodal_stiffness().iter().sum::<f64>();
         let start = scene.initial_state();
         let mass = scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum();
-        let (push, reach) = (push(scene, &start), farthest(&start.x));
+        let (push, reach) = (push(scene, start.as_ref()), farthest(&start.x));
         let (overshoots, dissipates) = (method.family == Family::Explicit, method.family != Family::MatrixFree);
         Watch { account, push, stiffness, mass, reach, overshoots, dissipates }
     }
@@ -236,10 +236,12 @@ impl Watch {
         Sight::Calm
     }
 
-    /// Whether a load that has just come on explains a gain, as the loads at the start do.
+    /// Whether a load that has just come on explains a gain, as the loads at the start do. It is evaluated where the step began: at its
+    /// end the air would resist what the scheme itself has made.
     fn pushed(&mut self, step: Watched<'_>, gain: Gain, rounding: f64) -> bool {
-        let late = push(step.scene, &step.to.state) * step.h * step.h;
-        self.account.late_push = self.account.late_push.max(late);
+        let (began, t) = (step.from.state.as_ref(), step.to.state.t);
+        let most = push(step.scene, began).max(push(step.scene, StateRef { t, ..began }));
+        self.account.late_push = self.account.late_push.max(most * step.h * step.h);
         gain.made <= DIVERGED * (gain.supplied + self.account.late_push) + rounding
     }
 
@@ -292,9 +294,9 @@ fn power(scene: &dyn Scene, at: &Point) -> f64 {
 }
 
 /// [J/s^2] 1/2 sum f^2/m of the loads in a state.
-fn push(scene: &dyn Scene, at: &State) -> f64 {
+fn push(scene: &dyn Scene, at: StateRef<'_>) -> f64 {
     let mut f = vec![0.0; scene.n_dof()];
-    scene.load(at.as_ref(), &mut f);
+    scene.load(at, &mut f);
     let push: f64 = f.iter().zip(scene.inverse_mass()).map(|(f, inverse)| 0.5 * f * f * inverse).sum();
     if push.is_finite() { push } else { 0.0 }
 }
