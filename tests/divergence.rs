@@ -6,7 +6,7 @@ use canopy_fem::case::Case;
 use canopy_fem::drive::{Failure, Outcome, Status};
 use canopy_fem::integrate::registry::methods;
 use canopy_fem::simulation::{FollowSpec, follow as follow_with};
-use common::run::{case_of, changed, follow};
+use common::run::{asset, case_of, changed, follow};
 use serde_json::{Value, json};
 
 /// Methods that make energy in undamped oscillations whatever the step.
@@ -276,6 +276,25 @@ fn air_that_is_too_stiff_is_named() {
     let gale = changed(&sail(), &[("system.network.aero.wind", "[0, 0, 3e4]")]);
     let failure = follow(&with(&gale, "explicit-euler", 2e-4, 0.02), |_| {}).failure.expect("it must fail");
     assert!(failure.cause.contains("loads that turn with the cloth (air)"), "{}", failure.cause);
+}
+
+/// The thesis' parachute in a wind of 1e12 m/s: what is shown as good is no faster than a few winds.
+#[test]
+fn the_original_parachute_is_stopped_before_it_is_a_wreck() {
+    for method in ["explicit-euler", "euler-cromer", "velocity-verlet", "rk4", "improved-euler", "kang"] {
+        let mut fastest = 0.0_f64;
+        let case = asset("parachute-original", &[("time.method", method)]);
+        let outcome =
+            follow(&case, |seen| fastest = seen.velocities.iter().flatten().fold(fastest, |m, v| m.max(v.abs())));
+        let failure = outcome.failure.unwrap_or_else(|| panic!("{method} must fail"));
+        assert!(fastest < 1e13, "{method}: {fastest} m/s were shown as good");
+        assert!(
+            ["(air)", "m/(dF/dv)"].iter().any(|w| failure.cause.contains(w))
+                && failure.cause.contains("speed of light"),
+            "{failure:?}"
+        );
+        assert_eq!(failure.term.as_deref(), Some("air"), "{method}");
+    }
 }
 
 /// Numbers that no scene has are said to be wrong, and the cause is still true.

@@ -123,7 +123,8 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
     let word = |key: &str| json.pointer(key).and_then(Value::as_str).map(str::to_owned).ok_or_else(|| missing(key));
     let number = |key: &str| json.pointer(key).and_then(Value::as_f64);
     let status = json.get("status").cloned().and_then(|s| serde_json::from_value(s).ok());
-    let ended = number("/failure/time").or_else(|| number("/t_end"));
+    // A run that was let go on is drawn to where it blew up.
+    let ended = number("/failure/blow_up_time").or_else(|| number("/failure/time")).or_else(|| number("/t_end"));
     Ok(Run {
         folder: folder.to_owned(),
         name: word("/case/name")?,
