@@ -383,7 +383,7 @@ fn runs_below_the_certified_limit_stay_and_runs_above_diverge() {
             let (step, end) = (step.to_string(), (600.0 * step).to_string());
             let case = common::run::changed(&case, &[("time.step", &step), ("time.end", &end), ("time.method", name)]);
             let mut fastest = 0.0_f64;
-            common::run::follow(&case, |seen| {
+            common::run::follow_on(&case, |seen| {
                 fastest = seen.velocities.as_flattened().iter().fold(fastest, |m, v| m.max(v.abs()));
             });
             assert_eq!(fastest < 1e-7, stays, "{name} with {step} s: speeds up to {fastest} m/s");

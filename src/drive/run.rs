@@ -149,6 +149,20 @@ fn go_on(
     Ok(run.outcome(status, stepper))
 }
 
+/// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half, which it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    First,
+    Last,
+}
+
+/// Whether the state is the new one, or an adaptive step was taken back because it cannot be right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Over,
+    Back,
+}
+
 /// Where the next step comes from.
 enum Pace {
     Fixed(FixedSteps),
@@ -274,17 +288,22 @@ impl<'a> Run<'a> {
             };
             return match kept {
                 Err(stopped) => Ok(Err(stopped)),
-                Ok(Kept::Single(report)) => self.take(Some(stepper), &report, observers),
-                Ok(Kept::Halves([first, second])) => match self.take(None, &first, observers)? {
+                Ok(Kept::Single(report)) => match self.take(stepper, Part::Last, &report, observers)? {
+                    Ok(Taken::Back) => continue,
+                    Ok(Taken::Over) => Ok(Ok(())),
                     Err(stopped) => Ok(Err(stopped)),
-                    Ok(()) => {
+                },
+                Ok(Kept::Halves([first, second])) => match self.take(stepper, Part::First, &first, observers)? {
+                    Ok(Taken::Back) => continue,
+                    Ok(Taken::Over) => {
                         if let Pace::Adaptive(pace) = &mut self.pace
                             && let Some(end) = pace.second()
                         {
                             std::mem::swap(&mut self.to, end);
                         }
-                        self.take(Some(stepper), &second, observers)
+                        Ok(self.take(stepper, Part::Last, &second, observers)?.map(|_| ()))
                     }
+                    Err(stopped) => Ok(Err(stopped)),
                 },
             };
         }
@@ -339,14 +358,14 @@ impl<'a> Run<'a> {
         Err(status)
     }
 
-    /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places. `stepper`
-    /// is absent where the scheme has taken it already.
+    /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places.
     fn take(
         &mut self,
-        stepper: Option<&mut Stepper<'_>>,
+        stepper: &mut Stepper<'_>,
+        part: Part,
         report: &StepReport,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Result<(), Status>, RunError> {
+    ) -> Result<Result<Taken, Status>, RunError> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
         let before = (self.ledger, self.watch);
         let row = self.ledger.step(self.scene, &self.from, &self.to, report);
@@ -357,14 +376,22 @@ impl<'a> Run<'a> {
             Sight::Calm => {}
             Sight::Doubt(gain) => self.new_doubt = Some(self.scenery(tick).doubt(gain)),
             Sight::Trouble(trouble) => {
+                let adaptive = matches!(self.pace, Pace::Adaptive(_));
+                if let Pace::Adaptive(pace) = &mut self.pace
+                    && tick.h > 10.0 * pace.floor(self.from.state.t)
+                {
+                    (self.ledger, self.watch) = before;
+                    pace.take_back(tick.h, (part == Part::First).then_some(stepper))?;
+                    return Ok(Ok(Taken::Back));
+                }
                 self.diverged(tick, trouble, row, left);
-                if !finite || !self.spec.keep_going {
+                if !finite || !self.spec.keep_going || adaptive {
                     (self.ledger, self.watch) = before;
                     return Ok(Err(Status::Diverged));
                 }
             }
         }
-        if let Some(stepper) = stepper {
+        if part == Part::Last {
             stepper.accept();
         }
         std::mem::swap(&mut self.from, &mut self.to);
@@ -386,7 +413,7 @@ impl<'a> Run<'a> {
             }
         }
         self.doubt = doubt.or(self.doubt.take());
-        Ok(Ok(()))
+        Ok(Ok(Taken::Over))
     }
 
     /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.

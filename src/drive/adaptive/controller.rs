@@ -84,6 +84,11 @@ impl Controller {
         self.drop_to(h * UNSOLVED);
     }
 
+    /// After a step of `h` [s] that was kept by its error, but is wrong for another reason.
+    pub fn refuse(&mut self, h: f64) {
+        self.drop_to(h * MOST_SHRINK);
+    }
+
     fn drop_to(&mut self, h: f64) {
         self.h = h;
         self.dropped += 1;

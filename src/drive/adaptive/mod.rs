@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Tolerance;
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::integrate::{Counters, StepError, StepReport};
+use crate::integrate::{Carried, Counters, StepError, StepReport};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
@@ -134,14 +134,16 @@ impl Bench<'_, '_> {
         middle: &Point,
         (t_next, end): (f64, &mut Point),
         judge: impl FnOnce(&Point, &Point) -> Result<(), Dropped>,
-    ) -> Result<StepReport, Dropped> {
+    ) -> Result<(StepReport, Carried), Dropped> {
         let carried = self.stepper.save();
         self.stepper.accept();
-        let made = self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report));
-        if made.is_err() {
-            self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
+        match self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report)) {
+            Ok(report) => Ok((report, carried)),
+            Err(dropped) => {
+                self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
+                Err(dropped)
+            }
         }
-        made
     }
 }
 
@@ -157,6 +159,10 @@ pub struct Adaptive {
     error: LocalError,
     /// C e, where there is damping
     product: Vec<f64>,
+    /// the motion without the step that was kept last
+    motion_before: Motion,
+    /// what the scheme carried where the last halves began
+    carried: Carried,
     /// end of the whole step and of its second half, made when first needed
     pair: Option<Box<[Point; 2]>>,
     state: AdaptiveState,
@@ -181,7 +187,8 @@ impl Adaptive {
         let error = LocalError::new(start.len());
         let free = scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64;
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
-        Adaptive { spec, corners, start, free, error, product, pair: None, state }
+        let (motion_before, carried) = (state.motion, Carried::default());
+        Adaptive { spec, corners, start, free, error, product, motion_before, carried, pair: None, state }
     }
 
     /// What carries over to the next step.
@@ -240,6 +247,19 @@ impl Adaptive {
         tried
     }
 
+    /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of it. Whether it was
+    /// the first of two halves decides whether the scheme has gone on already.
+    ///
+    /// # Errors
+    /// When what the scheme carried does not fit, which it does.
+    pub fn take_back(&mut self, h: f64, first_half: Option<&mut Stepper<'_>>) -> Result<(), StepError> {
+        self.state.rejected += 1;
+        self.state.before.forget();
+        self.state.motion = self.motion_before;
+        self.state.controller.refuse(h);
+        first_half.map_or(Ok(()), |stepper| stepper.restore(&self.carried))
+    }
+
     fn single(
         &mut self,
         bench: &mut Bench<'_, '_>,
@@ -277,7 +297,8 @@ impl Adaptive {
                 let bends = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
                 self.judge(trial, (bends, GROWTH[1]), end)
             };
-            let last = bench.second_half(to, (trial.t, second), judge)?;
+            let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
+            self.carried = carried;
             self.state.memory.refresh(bench.scene, second.state.as_ref(), &self.error.v, &mut self.product);
             Ok(Kept::Halves([first, last]))
         });
@@ -307,6 +328,7 @@ impl Adaptive {
             controller.too_large(judged);
             return Err(Dropped::Error(off));
         }
+        self.motion_before = moved;
         *motion = moved.at(&self.start, end.state.as_ref());
         Ok(())
     }

@@ -138,7 +138,7 @@ fn analysed(problem: &Problem) -> Result<(), String> {
         return Err(format!("{rates:?}"));
     }
     let step = critical_step(&problem.method, rates);
-    if !(step >= 0.0) {
+    if step.is_nan() || step < 0.0 {
         return Err(format!("a critical step of {step} s from {rates:?}"));
     }
     Ok(())

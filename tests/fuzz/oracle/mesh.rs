@@ -49,7 +49,8 @@ fn usable(mesh: &Mesh) -> Result<(), String> {
     if !mesh.triangles.is_empty() && !angles.iter().all(|a| (0.0..=180.0).contains(a)) {
         return Err(format!("angles {angles:?}"));
     }
-    if !mesh.edges.is_empty() && !(quality.min_edge >= 0.0 && quality.min_edge <= quality.max_edge) {
+    let ordered = quality.min_edge >= 0.0 && quality.min_edge <= quality.max_edge;
+    if !(mesh.edges.is_empty() || ordered) {
         return Err(format!("edges of {} m to {} m", quality.min_edge, quality.max_edge));
     }
     Ok(())
