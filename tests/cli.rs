@@ -1,5 +1,7 @@
 //! The built program as a user meets it: exit statuses, files, messages.
 
+#[path = "cli/adaptive.rs"]
+mod adaptive;
 #[path = "cli/bench.rs"]
 mod bench;
 #[path = "cli/doubts.rs"]
