@@ -106,7 +106,7 @@ impl CaseArgs {
 /// Both tolerances from the relative one; what is no number is left for the case's own check.
 fn both(relative: &str) -> String {
     match relative.trim().parse::<f64>() {
-        Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", 0.01 * number),
+        Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", number / 100.0),
         Err(_) => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
     }
 }
