@@ -3,7 +3,7 @@
 //! The graph of the *nodes* is ordered, not that of the degrees of freedom: it is nine times smaller and keeps the
 //! three of a node together, which supernodes want. Up to [`AMD_LIMIT`] nodes by approximate minimum degree (Amestoy,
 //! Davis & Duff 1996, from faer), above by nested dissection (George 1973) along the node coordinates: the separator is the
-//! part of one half that touches the other. The elimination tree is then postordered (Liu 1990), because faer
+//! part of one half that touches the other, and hubs are eliminated last. The elimination tree is then postordered (Liu 1990), because faer
 //! takes a given permutation as it is.
 
 use crate::assembly::Pattern;
@@ -15,6 +15,14 @@ use faer::sparse::linalg::amd;
 const AMD_LIMIT: usize = 2000;
 /// Nodes a dissected part may keep undivided.
 const LEAF: usize = 24;
+/// A node with more neighbours than this times the root of the number of nodes, and than [`FEW`], is kept out of the dissection
+/// and eliminated last (the rule of Amestoy, Davis & Duff 2004, Algorithm 837): wherever a hub of lines lies, all its
+/// neighbours on the other side would be a separator.
+const DENSE: f64 = 10.0;
+/// [-] neighbours that no node is called dense for
+const FEW: usize = 64;
+/// How much smaller the other half's separator must be to be taken instead.
+const MUCH_SMALLER: usize = 2;
 const NONE: u32 = u32::MAX;
 
 /// A permutation of the unknowns: `new_to_old[i]` is eliminated as number `i`.
@@ -103,9 +111,10 @@ impl Graph {
     }
 
     fn dissect(&self, position: &[[f64; 3]]) -> Vec<u32> {
-        let mut nodes: Vec<u32> = (0..self.len() as u32).collect();
-        let mut side = vec![0; self.len()];
-        let mut stamp = 0;
+        let most = (DENSE * (self.len() as f64).sqrt()).max(FEW as f64) as usize;
+        let (mut nodes, dense): (Vec<u32>, Vec<u32>) =
+            (0..self.len() as u32).partition(|&g| self.neighbours(g).len() <= most);
+        let mut marks = Marks { of: vec![0; self.len()], last: 0 };
         // Parts still to be divided, as ranges of `nodes`; a part's separator goes to its end.
         let mut open: Vec<std::ops::Range<usize>> = std::iter::once(0..nodes.len()).collect();
         while let Some(range) = open.pop() {
@@ -119,14 +128,7 @@ impl Graph {
                 let coordinate = |g: u32| position[g as usize][axis];
                 coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b))
             });
-            stamp += 1;
-            for &g in &part[middle..] {
-                side[g as usize] = stamp;
-            }
-            // The separator: nodes of the first half that touch the second.
-            let touches = |g: u32| self.neighbours(g).iter().any(|&o| side[o as usize] == stamp);
-            let (left, separator): (Vec<u32>, Vec<u32>) = part[..middle].iter().partition(|&&g| !touches(g));
-            let right = part[middle..].to_vec();
+            let [left, right, separator] = self.cut(part.split_at(middle), &mut marks);
             let reordered = left.iter().chain(&right).chain(&separator);
             for (slot, &g) in part.iter_mut().zip(reordered) {
                 *slot = g;
@@ -135,7 +137,33 @@ impl Graph {
             open.push(range.start..cut);
             open.push(cut..cut + right.len());
         }
+        nodes.extend(dense);
         nodes
+    }
+
+    /// Two halves and what keeps them apart: the nodes of the first that touch the second, or the other way round where those are
+    /// far fewer.
+    fn cut(&self, (first, second): (&[u32], &[u32]), marks: &mut Marks) -> [Vec<u32>; 3] {
+        let (left, separator) = self.apart(first, second, marks);
+        // No set of nodes is smaller than this one by that much.
+        if separator.len() <= MUCH_SMALLER {
+            return [left, second.to_vec(), separator];
+        }
+        let (right, other) = self.apart(second, first, marks);
+        if MUCH_SMALLER * other.len() < separator.len() {
+            [first.to_vec(), right, other]
+        } else {
+            [left, second.to_vec(), separator]
+        }
+    }
+
+    /// The nodes of a part that do not touch another part, and those that do.
+    fn apart(&self, part: &[u32], other: &[u32], marks: &mut Marks) -> (Vec<u32>, Vec<u32>) {
+        marks.last += 1;
+        for &g in other {
+            marks.of[g as usize] = marks.last;
+        }
+        part.iter().partition(|&&g| !self.neighbours(g).iter().any(|&o| marks.of[o as usize] == marks.last))
     }
 
     /// The same elimination in the order of a depth-first walk of the elimination tree.
@@ -173,6 +201,12 @@ impl Graph {
             node = sibling[done as usize];
         }
     }
+}
+
+/// Which nodes belong to the part that was marked last.
+struct Marks {
+    of: Vec<u32>,
+    last: u32,
 }
 
 fn longest_axis(part: &[u32], position: &[[f64; 3]]) -> usize {

@@ -74,6 +74,11 @@ pub struct Ran {
 
 /// Reads and runs a case on a thread of its own.
 pub fn attempt(json: &serde_json::Value, sets: &[(String, String)]) -> End {
+    attempt_within(HANG, json, sets)
+}
+
+/// The same for a case that may take longer than most.
+pub fn attempt_within(patience: Duration, json: &serde_json::Value, sets: &[(String, String)]) -> End {
     let (text, sets) = (json.to_string(), sets.to_vec());
     let (send, receive) = mpsc::channel();
     std::thread::spawn(move || {
@@ -85,7 +90,7 @@ pub fn attempt(json: &serde_json::Value, sets: &[(String, String)]) -> End {
         // Nobody listens any more after a hang.
         let _ = send.send(end);
     });
-    receive.recv_timeout(HANG).unwrap_or(End::Hung)
+    receive.recv_timeout(patience).unwrap_or(End::Hung)
 }
 
 fn run(text: String, sets: &[(String, String)]) -> End {
@@ -122,7 +127,7 @@ fn run(text: String, sets: &[(String, String)]) -> End {
 pub fn judge(end: &End) -> Result<Kind, String> {
     match end {
         End::Panicked(words) => Err(format!("panicked: {words}")),
-        End::Hung => Err(format!("still at it after {HANG:?}")),
+        End::Hung => Err("still at it when patience ended".to_owned()),
         End::Refused(words) if words.trim().is_empty() => Err("refused without a word".to_owned()),
         End::Refused(_) => Ok(Kind::Refused),
         End::Ran(ran) => ran.judge(),
