@@ -107,7 +107,11 @@ fn follows(case: &Case, what: &str, fits: impl Fn(&MethodInfo) -> bool + Sync) -
             Claim::between(row, ratio, 1.0 / FACTOR, FACTOR)
         };
         let rows: Vec<Claim> = found.into_iter().map(row).collect();
-        rows.into_iter().chain([Claim::below(format!("{what}, {name}: most / least over {decades} decades"), spread, FACTOR)])
+        rows.into_iter().chain([Claim::below(
+            format!("{what}, {name}: most / least over {decades} decades"),
+            spread,
+            FACTOR,
+        )])
     });
     rows.collect()
 }

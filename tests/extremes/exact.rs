@@ -3,7 +3,7 @@
 use crate::scenes::{chain, mote, patch};
 use crate::verdict::{End, Ran, attempt, attempt_within};
 use canopy_fem::drive::Status;
-use canopy_fem::integrate::registry::{Family, methods};
+use canopy_fem::integrate::registry::methods;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
