@@ -7,11 +7,11 @@
 //!
 //! The tolerance is on the root mean square over the free degrees of freedom. What errors really come to is not known in a run; local
 //! errors are shared out so that on swinging pendulums and cloths the result lies within a factor of ten of the tolerance (most within
-//! three; `tests/claims/tolerance.rs`): their norms add up to more than they do themselves ([`CANCELLED`]), and damping forgets them
+//! three; `tests/claims/tolerance.rs`): their norms add up to about three times what they do themselves, and damping forgets them
 //! ([`memory`]). Motion that multiplies errors, such as buckling, is beyond any of this.
 //!
 //! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
-//! three attempts such a step is kept once it makes [`SHARE`] of the tolerance in itself; all of these together may make half of it.
+//! three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together may make half of it.
 //!
 //! Steps end at the corners of load and wind tables and at the end of the run, and what was learnt of the motion before
 //! a corner is forgotten there.
