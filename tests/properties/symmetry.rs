@@ -53,9 +53,9 @@ impl Comparison<'_> {
         let (first, second) = (first?, second?);
         prop_assert_eq!((first.status, first.steps), (second.status, second.steps), "{}", method.name);
         let largest = |list: &[[f64; 3]]| list.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let compared: [(&str, Vec<[f64; 3]>, &[[f64; 3]]); 2] = [
-            ("positions", first.positions.iter().map(|p| (self.place)(*p)).collect(), &second.positions),
-            ("velocities", first.velocities.iter().map(|v| (self.turn)(*v)).collect(), &second.velocities),
+        let compared = [
+            ("positions", first.positions.iter().map(|p| (self.place)(*p)).collect::<Vec<_>>(), &second.positions),
+            ("velocities", first.velocities.iter().map(|v| (self.turn)(*v)).collect::<Vec<_>>(), &second.velocities),
         ];
         for (what, expected, found) in compared {
             let allowed = self.allowed * largest(&expected).max(1e-3 * largest(found));
