@@ -209,3 +209,30 @@ fn stiff_scenes_hold_explicit_steps_near_their_limit() {
         );
     }
 }
+
+/// A scene at rest until a load sets in: the error of velocity counts before anything has moved. (Explicit Euler's positions say nothing of
+/// the load in the first step; two steps over the whole ramp once passed for exact.)
+#[test]
+fn a_late_load_is_met_at_every_tolerance() {
+    let case = |method: &str, step: &Value| {
+        let case = json!({
+            "name": "late",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0]], "springs": [[0, 1]]}},
+                "mass": {"nodal": 1.0},
+                "springs": [{"on": "all", "stiffness": 10.0, "dashpot": {"relative": {"coefficient": 0.2}}}],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}],
+                "loads": [{"on": {"ids": [1]}, "force": [1, 0, 0], "table": [[3, 0], [4, 1]]}]
+            }},
+            "time": {"end": 8.0, "method": method, "step": step["step"], "tolerance": step["tolerance"]}
+        });
+        run(&case_of(&case, &[])).positions[1][0] - 1.0
+    };
+    let exact = case("rk4", &json!({"step": 1e-3}));
+    for method in methods() {
+        let relative = if method.order == 1 { 1e-2 } else { 1e-4 };
+        let found = case(method.name, &json!({"tolerance": {"relative": relative, "absolute": 0.01 * relative}}));
+        let off = (found - exact).abs() / exact.abs();
+        assert!(off < 10.0 * relative, "{} at {relative:e}: {found}, exactly {exact}", method.name);
+    }
+}

@@ -87,7 +87,7 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
         match problem.time.step {
             Step::Fixed(step) => format!("step {} s", figures(step, 12)),
             Step::Adaptive(Tolerance { relative, absolute }) =>
-                format!("adaptive steps, tolerance {relative:e} of the motion and {absolute:e} m"),
+                format!("adaptive steps, tolerance {relative:e} of the motion and {absolute:e}"),
         }
     );
     if info.family == Family::Implicit {

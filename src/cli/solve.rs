@@ -224,11 +224,13 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     if let Some(tolerance) = problem.time.step.tolerance() {
         let _ = writeln!(
             text,
-            "  adaptive        tolerance {:e} and {:e} m; {:.2e} s a step on average, {} attempts dropped",
+            "  adaptive        tolerance {:e} of the motion and {:e}; {:.2e} s a step on average, {} attempts dropped",
             tolerance.relative, tolerance.absolute, step, outcome.rejected_steps
         );
     }
-    if let Some(critical) = summary.critical_step {
+    if summary.critical_step == Some(0.0) {
+        let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
+    } else if let Some(critical) = summary.critical_step {
         let later = seen
             .least
             .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));

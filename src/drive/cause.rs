@@ -253,19 +253,25 @@ impl Question<'_> {
         if wh.is_nan() || wh <= RESOLVED {
             return None;
         }
-        let weak = if self.method.info.family == Family::MatrixFree {
-            "the filter, two sweeps of an iteration, is then far from what it stands for"
-        } else {
-            "that this method is stable holds on linear scenes at best"
+        let (does, weak) = match self.method.info.family {
+            Family::MatrixFree => {
+                ("jumps over", "the filter, two sweeps of an iteration, is then far from what it stands for")
+            }
+            Family::Implicit => ("jumps over", "that this method is stable holds on linear scenes at best"),
+            Family::Explicit => ("is coarse for", "energy swings with it, stable as the scheme may be"),
         };
         let why = format!(
-            "the step of {} s jumps over motions of this scene (w h = {} for the fastest, {} rad/s {}): {weak}",
+            "the step of {} s {does} motions of this scene (w h = {} for the fastest, {} rad/s {}): {weak}",
             figures(self.h, 4),
             figures(wh, 3),
             figures(found.frequency, 4),
             self.place(found.frequency_dof),
         );
-        let damping = if self.method.info.name == "backward-euler" { "" } else { ", or --method backward-euler" };
+        let damping = match (self.method.info.family, self.method.info.name) {
+            (_, "backward-euler" | "rk4") => "",
+            (Family::Explicit, _) => ", or --method rk4",
+            _ => ", or --method backward-euler",
+        };
         let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
         Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }

@@ -137,7 +137,7 @@ impl Scenery<'_> {
     fn how(&self, wreck: &Wreck<'_>, worst: usize, suspect: &Suspect) -> String {
         let grows = |gain: Gain| match gain.growth {
             Some(growth) if growth > 1.0 => {
-                format!("; what the scheme makes grows {}-fold a step", figures(growth, 3))
+                format!("; what the scheme makes grew {}-fold in this step", figures(growth, 3))
             }
             _ => String::new(),
         };

@@ -94,15 +94,16 @@ impl Motion {
 
     /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what moves
     /// fastest counts, because that is what a step gets wrong.
-    fn period(&self) -> f64 {
+    /// Never less than the step of `h` [s]: the next one makes that of it in any case, also of a scene that has not moved yet.
+    fn period(&self, h: f64) -> f64 {
         let whole = if self.v > 0.0 { self.x / self.v } else { 0.0 };
         let bend = (self.slow / self.fast).sqrt();
-        if bend.is_finite() { bend.min(whole) } else { whole }
+        if bend.is_finite() { bend.min(whole).max(h) } else { whole.max(h) }
     }
 
-    /// The error over the tolerance; `free` is the number of free degrees of freedom.
-    pub fn deviation(&self, error: &LocalError, tolerance: Tolerance, free: f64) -> Deviation {
-        let period = self.period();
+    /// The error of a step of `h` [s] over the tolerance; `free` is the number of free degrees of freedom.
+    pub fn deviation(&self, h: f64, error: &LocalError, tolerance: Tolerance, free: f64) -> Deviation {
+        let period = self.period(h);
         let (mut sum, mut largest, mut dof) = (0.0, 0.0, 0);
         for (i, (ex, ev)) in error.x.iter().zip(&error.v).enumerate() {
             let square = ex * ex + (period * ev).powi(2);

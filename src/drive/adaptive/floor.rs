@@ -13,11 +13,12 @@ impl Scenery<'_> {
             (
                 format!(
                     "the time tolerance asks for a step below {floor:.1e} s, the smallest that is tried: a step of {:.1e} s still makes \
-                     {:.1e} of what the whole run may, so forces change by a jump there or the tolerance is finer than rounding \
-                     ({rounding:.1e} m in positions of {size:.1e} m)",
-                    self.h, worst.ratio
+                     {:.1e} of what the whole run may; either forces change by a jump there, or the tolerance, shared out over {:.1e} s, is \
+                     finer than rounding ({rounding:.1e} m in positions of {size:.1e} m)",
+                    self.h, worst.ratio, self.end
                 ),
-                "raise time.tolerance, or make what jumps there smooth (a load table with steep rows, a slack rule with a dashpot)",
+                "raise time.tolerance, shorten the run, or make what jumps there smooth (a load table with steep rows, a slack rule with a \
+                 dashpot)",
             )
         } else {
             (

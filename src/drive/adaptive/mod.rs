@@ -45,9 +45,11 @@ const CANCELLED: f64 = 3.0;
 const GROWTH: [f64; 2] = [2.0, 5.0];
 /// [-] of the tolerance that a step across a jump may make.
 const SHARE: f64 = 0.01;
+/// [-] of the tolerance that any step may make: what is left of short steps is rounding, and a longer one is the way out.
+const TRIFLE: f64 = 1e-6;
 /// Attempts after which a step counts as one across a jump.
 const PATIENCE: u32 = 3;
-/// [-] of the tolerance that all of these steps may make together.
+/// [-] of the tolerance that all of these steps and trifles may make together.
 const ALL_JUMPS: f64 = 0.5;
 /// Order up to which the parabola through three accelerations tells the error.
 const ORDER_OF_PARABOLA: u32 = 2;
@@ -314,7 +316,7 @@ impl Adaptive {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
         let moved = motion.bent(bends);
         let AdaptiveSpec { end: run, tolerance, order, coherent } = self.spec;
-        let off = moved.deviation(&self.error, tolerance, self.free);
+        let off = moved.deviation(trial.h, &self.error, tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         let per_time = off.ratio * (run / trial.h) / share;
         let judged = Judged { h: trial.h, error: per_time, order, most_growth };
@@ -324,6 +326,9 @@ impl Adaptive {
             *jumps += off.ratio;
             before.forget();
             controller.accept(Judged { error: 1.0, ..judged });
+        } else if off.ratio <= TRIFLE && *jumps + off.ratio <= ALL_JUMPS {
+            *jumps += off.ratio;
+            controller.accept(Judged { error: 0.5, ..judged });
         } else {
             controller.too_large(judged);
             return Err(Dropped::Error(off));
