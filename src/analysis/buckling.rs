@@ -31,7 +31,5 @@ pub fn fastest(scene: &dyn Scene, at: StateRef<'_>) -> Option<Buckling> {
     if !(softest.value > ROUNDING * stiffest.value.abs() && softest.value.is_finite()) {
         return None;
     }
-    let moves = |i: usize| (softest.vector[i] * linear.root[i]).abs();
-    let dof = (0..softest.vector.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b)))?;
-    Some(Buckling { rate: softest.value.sqrt(), dof })
+    Some(Buckling { rate: softest.value.sqrt(), dof: linear.place(&softest.vector) })
 }

@@ -50,6 +50,7 @@ pub(super) struct Answer {
 }
 
 /// The limit of a method at a state.
+#[derive(Clone, Copy)]
 struct Limit {
     critical: CriticalStep,
     /// [s] velocity Verlet's limit there
@@ -116,7 +117,7 @@ impl Question<'_> {
         let first = self.limit(method, start, "at the start");
         let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
         let later = self.limit(method, self.last, "in the last good state").filter(over);
-        let found = first.filter(over).or_else(|| later.as_ref().map(Limit::copy))?;
+        let found = first.filter(over).or(later)?;
         let least = later.map_or(found.critical.step, |later| later.critical.step.min(found.critical.step));
         Some(if found.critical.step > 0.0 { self.too_long(&found, least) } else { self.always_grows(method, &found) })
     }
@@ -372,12 +373,6 @@ impl Question<'_> {
             Some(spring) => format!("around node {node} (spring {spring})"),
             None => format!("around node {node}"),
         }
-    }
-}
-
-impl Limit {
-    fn copy(&self) -> Limit {
-        Limit { critical: self.critical, verlet: self.verlet, when: self.when }
     }
 }
 

@@ -10,11 +10,14 @@ mod error;
 pub mod failure;
 pub mod ledger;
 pub mod observer;
+mod outcome;
+mod pace;
 mod run;
 pub mod snapshot;
 pub mod watch;
 
 pub use error::RunError;
 pub use failure::Failure;
-pub use run::{Outcome, RunSpec, Status, resume, run};
+pub use outcome::{Outcome, RunSpec, Status};
+pub use run::{resume, run};
 pub use snapshot::Snapshot;

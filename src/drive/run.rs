@@ -1,79 +1,24 @@
 //! The loop.
 
-use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Bench, Dropped, Kept, Trial};
-use super::clock::{FixedSteps, Step, Tick};
+use super::adaptive::{Bench, Dropped, Kept};
+use super::clock::Tick;
 use super::error::RunError;
 use super::failure::{Failure, Scenery, Wreck};
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable, StepView};
+use super::outcome::{Outcome, RunSpec, Status};
+use super::pace::Pace;
 use super::snapshot::Snapshot;
 use super::watch::{Sight, Trouble, Watch, Watched};
-use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::scene::Scene;
-use crate::solve::LinearStats;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How many times its size a scene may spread before it counts as blown up.
 const BLOW_UP: f64 = 1e4;
-
-/// What to run.
-#[derive(Clone, Copy, Debug)]
-pub struct RunSpec<'a> {
-    /// [s] end of the run
-    pub end: f64,
-    /// how it goes there
-    pub step: Step,
-    /// go on past a blow-up until a value stops being finite
-    pub keep_going: bool,
-    /// the method that the stepper was made of
-    pub method: &'a MethodChoice,
-}
-
-/// How a run ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// reached its end
-    #[default]
-    Completed,
-    /// a state was not finite or left the scene
-    Diverged,
-    /// an implicit step could not be solved
-    NotConverged,
-    /// stopped from outside
-    Interrupted,
-}
-
-/// The result of a run.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// how it ended
-    pub status: Status,
-    /// accepted steps
-    pub steps: u64,
-    /// attempts of adaptive steps that were dropped
-    pub rejected_steps: u64,
-    /// [s] time of the last good state
-    pub t_end: f64,
-    /// work done
-    pub counters: Counters,
-    /// [-] largest numerical energy over the largest energy exchanged
-    pub energy_error: f64,
-    /// [-] largest energy made by the scheme over all energy that was there or was put in
-    pub energy_made: f64,
-    /// warning that the run gave on its way
-    pub doubt: Option<String>,
-    /// the account at the last good state
-    pub ledger: LedgerRow,
-    /// what went wrong, if anything did
-    pub failure: Option<Failure>,
-    /// the linear solver's account, for implicit methods
-    pub linear: Option<LinearStats>,
-}
 
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
@@ -163,29 +108,6 @@ enum Taken {
     Back,
 }
 
-/// Where the next step comes from.
-enum Pace {
-    Fixed(FixedSteps),
-    Adaptive(Box<Adaptive>),
-}
-
-impl Pace {
-    fn of(scene: &dyn Scene, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
-        match spec.step {
-            Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
-            Step::Adaptive(tolerance) => {
-                // Kang's filter is a drag on slow motion too.
-                let coherent = spec.method.info.family == Family::MatrixFree;
-                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), coherent };
-                Pace::Adaptive(Box::new(match state {
-                    Some(state) => Adaptive::restore(scene, made, state),
-                    None => Adaptive::new(scene, made),
-                }))
-            }
-        }
-    }
-}
-
 /// State of the loop. After a step `from` is the accepted point and `to` the one before it.
 struct Run<'a> {
     scene: &'a dyn Scene,
@@ -256,19 +178,13 @@ impl<'a> Run<'a> {
         let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
         let (row, counters, failure) = (*row, *counters, failure.as_ref());
         let watch = self.watch.account();
-        let adaptive = match &self.pace {
-            Pace::Fixed(_) => None,
-            Pace::Adaptive(pace) => Some(pace.state()),
-        };
+        let adaptive = self.pace.state();
         Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, stepper, adaptive }
     }
 
     /// The next step, or the next to try; `None` at the end.
     fn next(&self) -> Option<Tick> {
-        match &self.pace {
-            Pace::Fixed(clock) => (self.steps < clock.count()).then(|| clock.tick(self.steps + 1)),
-            Pace::Adaptive(pace) => pace.next(self.from.state.t).map(|Trial { h, t, .. }| Tick { h, t }),
-        }
+        self.pace.next(self.steps, self.from.state.t)
     }
 
     /// Goes on to the next accepted state, which may take several attempts.
@@ -315,11 +231,7 @@ impl<'a> Run<'a> {
         let report = match stepper.attempt(attempt, &mut self.to, &mut self.counters) {
             Ok(report) => report,
             Err(error) => {
-                let worst = match &error {
-                    StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
-                    _ => 0,
-                };
-                self.failure = Some(self.scenery(tick).not_converged(&error, worst));
+                self.failure = Some(self.scenery(tick).not_converged(&error, worst_of(&error, stepper)));
                 return Err(Status::NotConverged);
             }
         };
@@ -344,18 +256,11 @@ impl<'a> Run<'a> {
             return Ok(None);
         }
         let scenery = self.scenery(Tick { h: trial.h, t: trial.t });
-        let (failure, status) = match &dropped {
-            Dropped::Error(worst) => (scenery.at_the_floor(*worst, floor), Status::NotConverged),
-            Dropped::Unsolved(error) => {
-                let worst = match error {
-                    StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
-                    _ => 0,
-                };
-                (scenery.not_converged(error, worst), Status::NotConverged)
-            }
-        };
-        self.failure = Some(failure);
-        Err(status)
+        self.failure = Some(match &dropped {
+            Dropped::Error(worst) => scenery.at_the_floor(*worst, floor),
+            Dropped::Unsolved(error) => scenery.not_converged(error, worst_of(error, stepper)),
+        });
+        Err(Status::NotConverged)
     }
 
     /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places.
@@ -452,10 +357,7 @@ impl<'a> Run<'a> {
         Outcome {
             status,
             steps: self.steps,
-            rejected_steps: match &self.pace {
-                Pace::Fixed(_) => 0,
-                Pace::Adaptive(pace) => pace.state().rejected,
-            },
+            rejected_steps: self.pace.state().map_or(0, |state| state.rejected),
             t_end: self.from.state.t,
             counters: self.counters,
             energy_error: self.ledger.energy_error(),
@@ -465,6 +367,14 @@ impl<'a> Run<'a> {
             failure: self.failure,
             linear: stepper.linear_stats(),
         }
+    }
+}
+
+/// The degree of freedom with the largest residual of a step that could not be solved.
+fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> usize {
+    match error {
+        StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
+        _ => 0,
     }
 }
 

@@ -6,7 +6,7 @@ use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::LedgerRow;
-use super::run::RunSpec;
+use super::outcome::RunSpec;
 use super::watch::Account;
 use crate::integrate::stepper::Stepper;
 use crate::integrate::{Carried, Counters};

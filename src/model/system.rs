@@ -43,7 +43,7 @@ pub trait System: Sync {
     /// [J] kinetic energy of the velocities `v`.
     fn kinetic_energy(&self, v: &[f64]) -> f64;
 
-    /// [s] Times at which a force has a corner or a jump in time: rows of load and wind tables.
+    /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
     }

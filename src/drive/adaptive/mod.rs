@@ -183,7 +183,6 @@ impl Adaptive {
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
         let mut corners = scene.corners();
         corners.retain(|t| *t > 0.0 && *t < spec.end);
-        corners.sort_by(f64::total_cmp);
         corners.push(spec.end);
         let start = scene.initial_state().x;
         let error = LocalError::new(start.len());

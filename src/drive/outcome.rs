@@ -1,0 +1,63 @@
+//! What a run is asked to do, and what comes of it.
+
+use super::clock::Step;
+use super::failure::Failure;
+use super::observer::LedgerRow;
+use crate::integrate::Counters;
+use crate::integrate::registry::MethodChoice;
+use crate::solve::LinearStats;
+
+/// What to run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunSpec<'a> {
+    /// [s] end of the run
+    pub end: f64,
+    /// how it goes there
+    pub step: Step,
+    /// go on past a blow-up until a value stops being finite
+    pub keep_going: bool,
+    /// the method that the stepper was made of
+    pub method: &'a MethodChoice,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// reached its end
+    #[default]
+    Completed,
+    /// a state was not finite or left the scene
+    Diverged,
+    /// an implicit step could not be solved
+    NotConverged,
+    /// stopped from outside
+    Interrupted,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// how it ended
+    pub status: Status,
+    /// accepted steps
+    pub steps: u64,
+    /// attempts of adaptive steps that were dropped
+    pub rejected_steps: u64,
+    /// [s] time of the last good state
+    pub t_end: f64,
+    /// work done
+    pub counters: Counters,
+    /// [-] largest numerical energy over the largest energy exchanged
+    pub energy_error: f64,
+    /// [-] largest energy made by the scheme over all energy that was there or was put in
+    pub energy_made: f64,
+    /// warning that the run gave on its way
+    pub doubt: Option<String>,
+    /// the account at the last good state
+    pub ledger: LedgerRow,
+    /// what went wrong, if anything did
+    pub failure: Option<Failure>,
+    /// the linear solver's account, for implicit methods
+    pub linear: Option<LinearStats>,
+}

@@ -1,0 +1,47 @@
+//! Where the next step of a run comes from.
+
+use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Trial};
+use super::clock::{FixedSteps, Step, Tick};
+use super::outcome::RunSpec;
+use crate::integrate::registry::Family;
+use crate::scene::Scene;
+
+/// Steps of one size, or of the size a tolerance allows.
+pub(super) enum Pace {
+    Fixed(FixedSteps),
+    Adaptive(Box<Adaptive>),
+}
+
+impl Pace {
+    /// From t = 0, or from where adaptive steps of an earlier run stood.
+    pub fn of(scene: &dyn Scene, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
+        match spec.step {
+            Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
+            Step::Adaptive(tolerance) => {
+                // Kang's filter is a drag on slow motion too.
+                let coherent = spec.method.info.family == Family::MatrixFree;
+                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), coherent };
+                Pace::Adaptive(Box::new(match state {
+                    Some(state) => Adaptive::restore(scene, made, state),
+                    None => Adaptive::new(scene, made),
+                }))
+            }
+        }
+    }
+
+    /// The step after `steps` accepted ones, or the next to try from `t` [s]; `None` at the end.
+    pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
+        match self {
+            Pace::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
+            Pace::Adaptive(pace) => pace.next(t).map(|Trial { h, t, .. }| Tick { h, t }),
+        }
+    }
+
+    /// What adaptive steps carry over.
+    pub fn state(&self) -> Option<&AdaptiveState> {
+        match self {
+            Pace::Fixed(_) => None,
+            Pace::Adaptive(pace) => Some(pace.state()),
+        }
+    }
+}
