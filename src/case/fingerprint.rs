@@ -82,6 +82,12 @@ impl Fingerprint {
         Ok(made)
     }
 
+    /// Adds the end of the runs, for a study: its runs cannot be taken further.
+    pub(crate) fn note_end(&mut self, end: f64) {
+        self.parts.retain(|part| part.key != "time.end");
+        self.parts.push(Part { key: "time.end".to_owned(), value: Value::Text(format!("{end:e}")) });
+    }
+
     fn network(&mut self, spec: &NetworkSpec) -> Result<(), FingerprintError> {
         // All fields by name: a new one must be summed up too.
         let NetworkSpec {

@@ -18,6 +18,8 @@ pub struct RunSpec<'a> {
     pub keep_going: bool,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
+    /// [s] adaptive steps end at every multiple of this, so that no state there is interpolated; fixed steps are never altered
+    pub meet: Option<f64>,
 }
 
 /// How a run ended.

@@ -20,7 +20,8 @@ impl Pace {
             Step::Adaptive(tolerance) => {
                 // Kang's filter is a drag on slow motion too.
                 let coherent = spec.method.info.family == Family::MatrixFree;
-                let made = AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), coherent };
+                let made =
+                    AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), meet: spec.meet, coherent };
                 Pace::Adaptive(Box::new(match state {
                     Some(state) => Adaptive::restore(scene, made, state),
                     None => Adaptive::new(scene, made),

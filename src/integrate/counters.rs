@@ -20,6 +20,18 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// The work of two runs together.
+    #[must_use]
+    pub fn plus(self, other: Counters) -> Self {
+        Counters {
+            force_evaluations: self.force_evaluations + other.force_evaluations,
+            tangent_assemblies: self.tangent_assemblies + other.tangent_assemblies,
+            factorizations: self.factorizations + other.factorizations,
+            linear_solves: self.linear_solves + other.linear_solves,
+            newton_iterations: self.newton_iterations + other.newton_iterations,
+        }
+    }
+
     /// A counted force pass.
     pub fn evaluate<S: System + ?Sized>(&mut self, system: &S, at: StateRef<'_>, out: &mut Forces) {
         self.force_evaluations += 1;

@@ -19,7 +19,8 @@ use super::velocity_verlet::VelocityVerlet;
 use std::collections::BTreeMap;
 
 /// What a step of the method needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// forces only
     Explicit,

@@ -76,6 +76,8 @@ pub struct AdaptiveSpec {
     pub tolerance: Tolerance,
     /// [-] order of the scheme with its parameters
     pub order: u32,
+    /// [s] steps end at every multiple of this too
+    pub meet: Option<f64>,
     /// whether the scheme's errors all pull one way, so that none of them cancel or are forgotten
     pub coherent: bool,
 }
@@ -182,6 +184,10 @@ impl Adaptive {
     /// A run that goes on.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
         let mut corners = scene.corners();
+        if let Some(every) = spec.meet {
+            corners.extend((1..).map(|k| f64::from(k) * every).take_while(|t| *t < spec.end * (1.0 - 1e-12)));
+            corners.sort_by(f64::total_cmp);
+        }
         corners.retain(|t| *t > 0.0 && *t < spec.end);
         corners.push(spec.end);
         let start = scene.initial_state().x;
@@ -314,7 +320,7 @@ impl Adaptive {
     fn judge(&mut self, trial: Trial, (bends, most_growth): (Bends, f64), end: &Point) -> Result<(), Dropped> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
         let moved = motion.bent(bends);
-        let AdaptiveSpec { end: run, tolerance, order, coherent } = self.spec;
+        let AdaptiveSpec { end: run, tolerance, order, coherent, meet: _ } = self.spec;
         let off = moved.deviation(trial.h, &self.error, tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         let per_time = off.ratio * (run / trial.h) / share;

@@ -1,0 +1,127 @@
+//! One variant of the case, ready for any number of runs: the scene is built once and shared by all of them.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use super::error::StudyError;
+use super::row::Pace;
+use crate::case::fingerprint::Fingerprint;
+use crate::case::schema::Method;
+use crate::case::spec::{Problem, SystemSpec};
+use crate::drive::clock::{Step, Tolerance};
+use crate::drive::observer::Observer;
+use crate::drive::{self, Outcome, RunError, RunSpec, Snapshot};
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::MethodChoice;
+use crate::integrate::stepper::{NeedsNetwork, Stepper};
+use crate::scene::Scene;
+use crate::simulation::build_scene;
+
+/// Frames a study compares if the case does not say how often it wants them.
+const FRAMES: f64 = 50.0;
+/// [byte] Most memory that the frames of a reference may take; above it fewer are compared.
+const MOST_BYTES: f64 = 2.5e8;
+
+/// A variant of the case on the bench.
+pub struct Bench {
+    /// what moves
+    pub scene: Box<dyn Scene>,
+    /// the case without its system
+    pub problem: Problem,
+    /// what the case is
+    pub fingerprint: Fingerprint,
+    /// [s] interval of the frames that are compared
+    pub every: f64,
+}
+
+/// One run on the bench.
+#[derive(Clone, Debug)]
+pub struct Try<'a> {
+    /// method with its parameters
+    pub method: &'a MethodChoice,
+    /// steps
+    pub step: Step,
+    /// how implicit steps are solved
+    pub solver: SolverSpec,
+    /// [s] adaptive steps end at every multiple of this
+    pub meet: Option<f64>,
+    /// where an earlier part of the run had come to
+    pub from: Option<Snapshot>,
+}
+
+/// Why a run gave nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum TryError {
+    /// The method does not fit the scene.
+    #[error(transparent)]
+    Method(#[from] NeedsNetwork),
+    /// It could not start.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl Bench {
+    /// Builds the scene of a problem for `threads` threads.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, or a case that cannot be summed up.
+    pub fn of(mut problem: Problem, threads: usize) -> Result<Self, StudyError> {
+        let mut fingerprint = Fingerprint::of(&problem)?;
+        // The study's own methods and steps replace those of the case; its end is part of the study.
+        fingerprint.note_end(problem.time.end);
+        let system: SystemSpec = problem.take_system();
+        let scene = build_scene(system, threads)?;
+        let asked = problem.output.frames_every.unwrap_or(problem.time.end / FRAMES).min(problem.time.end);
+        let bytes = 24.0 * scene.reference().len() as f64 * (problem.time.end / asked);
+        let every = asked * (bytes / MOST_BYTES).ceil().max(1.0);
+        Ok(Bench { scene, problem, fingerprint, every })
+    }
+
+    /// [s] End of the runs.
+    pub fn end(&self) -> f64 {
+        self.problem.time.end
+    }
+
+    /// Makes a run, from its start or from where its earlier part had come to.
+    ///
+    /// # Errors
+    /// When it cannot start.
+    pub fn run(
+        &self,
+        what: Try<'_>,
+        observers: &mut [&mut dyn Observer],
+        stop: &AtomicBool,
+    ) -> Result<Outcome, TryError> {
+        let scene = &*self.scene;
+        let mut stepper = Stepper::bind(what.method.scheme(what.solver), scene.abilities())?;
+        let Try { method, step, meet, .. } = what;
+        let spec = RunSpec { end: self.end(), step, keep_going: false, method, meet };
+        Ok(match what.from {
+            Some(snapshot) => drive::resume(scene, &mut stepper, spec, snapshot, observers, stop)?,
+            None => drive::run(scene, &mut stepper, spec, observers, stop)?,
+        })
+    }
+}
+
+impl Pace {
+    /// For the driver.
+    pub fn step(self) -> Step {
+        match self {
+            Pace::Step(h) => Step::Fixed(h),
+            Pace::Tolerance(relative) => Step::Adaptive(Tolerance { relative, absolute: relative / 100.0 }),
+        }
+    }
+}
+
+/// A method of the registry with its default parameters.
+pub(super) fn plain(name: &str) -> Option<MethodChoice> {
+    MethodChoice::new(name, &BTreeMap::new()).ok()
+}
+
+/// A method as a case writes it, looked up.
+///
+/// # Errors
+/// An unknown name or a parameter out of range.
+pub fn choice(method: &Method) -> Result<MethodChoice, StudyError> {
+    Ok(MethodChoice::new(&method.name, &method.parameters)?)
+}

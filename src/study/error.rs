@@ -1,0 +1,93 @@
+//! Why a study cannot go on.
+
+use std::path::PathBuf;
+
+use super::reference::NoWay;
+use crate::case::CaseError;
+use crate::case::fingerprint::FingerprintError;
+use crate::integrate::registry::MethodError;
+use crate::plot::PlotError;
+use crate::simulation::SetupError;
+
+/// Why a study cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The case or a variant of it is bad.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The scene cannot be built.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The case cannot be summed up.
+    #[error(transparent)]
+    Fingerprint(#[from] FingerprintError),
+    /// A method that is not there, or a parameter out of range.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// What was asked for cannot be done.
+    #[error("{0}")]
+    Usage(String),
+    /// There is no solution to measure against.
+    #[error(
+        "there is no reference to measure errors against\n  by explicit pairs: {explicit}\n  by extrapolated newmark: {implicit}"
+    )]
+    NoReference {
+        /// why not by explicit pairs
+        explicit: NoWay,
+        /// why not by implicit steps
+        implicit: NoWay,
+    },
+    /// Errors are relative to a motion that is not there.
+    #[error("nothing moves in this case, so that errors relative to the motion cannot be told")]
+    NothingMoves,
+    /// Ctrl-C.
+    #[error("interrupted; run the same command again to go on")]
+    Interrupted,
+    /// The folder holds another study.
+    #[error("{folder} holds another study: {difference}; take another --out, or replace it with --force")]
+    OtherStudy {
+        /// the folder
+        folder: PathBuf,
+        /// what differs
+        difference: String,
+    },
+    /// No plan.
+    #[error("{0} holds no plan of a study; make it first: canopy-fem tradeoff CASE --plan --out DIR")]
+    NoPlan(PathBuf),
+    /// A file of the study cannot be used.
+    #[error("{path}: {what}; remove it, and what it held is computed again")]
+    BadFile {
+        /// the file
+        path: PathBuf,
+        /// the fault
+        what: String,
+    },
+    /// The system's answer.
+    #[error("{path}: {source}")]
+    System {
+        /// the file
+        path: PathBuf,
+        /// the answer
+        source: std::io::Error,
+    },
+    /// A picture cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// The page cannot be made.
+    #[error("the page cannot be made: {0}")]
+    Page(String),
+}
+
+impl StudyError {
+    /// 1 for the system, 2 for what a person can set right, 130 for an interrupt.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            StudyError::Case(CaseError::Read { source, .. }) if source.kind() != std::io::ErrorKind::NotFound => 1,
+            StudyError::System { .. } | StudyError::Fingerprint(_) | StudyError::Page(_) => 1,
+            StudyError::Setup(SetupError::Threads(_)) => 1,
+            StudyError::Plot(e) => e.exit_status(),
+            StudyError::Interrupted => 130,
+            _ => 2,
+        }
+    }
+}

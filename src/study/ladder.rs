@@ -1,0 +1,132 @@
+//! Which steps and tolerances are tried when nobody says.
+//!
+//! Explicit methods: just below their critical step, and halved from there; and once at twice the limit, to show it. Implicit methods:
+//! from a fraction of the period of what moves most, halved until the fastest motion is resolved. Steps are the interval of the
+//! frames over numbers 2^a 5^b, so that they are round and meet the frames.
+
+use crate::analysis::critical::Spectrum;
+use crate::integrate::registry::{Family, MethodChoice};
+
+/// Share of the critical step that the largest explicit step takes at most.
+const BELOW: f64 = 0.95;
+/// Multiple of the critical step that is tried beyond it.
+const BEYOND: f64 = 2.0;
+/// Largest step as a share of the run.
+const LARGEST: f64 = 0.1;
+/// Share of the main period that the largest implicit step takes.
+const OF_PERIOD: f64 = 0.25;
+/// Steps of a method of order up to 2, and above.
+const STEPS: [usize; 2] = [6, 5];
+/// Steps of an implicit method.
+const IMPLICIT_STEPS: usize = 8;
+/// Tolerances tried by methods of order 2 and above.
+pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+/// What the steps of a scene are laid around.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// [s] interval of the frames
+    pub every: f64,
+    /// [s] end of the run
+    pub end: f64,
+    /// [s] about the period of what moves most
+    pub period: f64,
+    /// [s] what an explicit method with a limit of 2 over the fastest frequency may take; infinite if nothing oscillates
+    pub fastest: f64,
+}
+
+impl Scales {
+    /// Of a scene's spectrum and the motion of its reference.
+    pub fn of(spectrum: &Spectrum<'_>, every: f64, end: f64, period: f64) -> Self {
+        let rates = spectrum.rates();
+        let rate = rates.frequency.max(rates.damping);
+        let fastest = if rate > 0.0 { 2.0 / rate } else { f64::INFINITY };
+        Scales { every, end, period, fastest }
+    }
+
+    /// [s] The largest step that is not above `wanted` and meets the frames: the interval times 2^a 5^b.
+    pub fn round(&self, wanted: f64) -> f64 {
+        let ratio = wanted / self.every;
+        if !(ratio > 0.0 && ratio.is_finite()) {
+            return wanted;
+        }
+        let mut best: f64 = 0.0;
+        for b in -12..=12 {
+            let five = 5f64.powi(b);
+            let a = ((ratio / five).log2() + 1e-9).floor();
+            best = best.max(five * a.exp2());
+        }
+        // Division by a whole number keeps the digits of round intervals: 0.02/8 is 0.0025.
+        let whole = (1.0 / best).round();
+        if best < 1.0 && (whole * best - 1.0).abs() < 1e-9 { self.every / whole } else { self.every * best }
+    }
+
+    /// [s] Steps for a method, the largest first, each once.
+    pub fn steps(&self, method: &MethodChoice, spectrum: &mut Spectrum<'_>) -> Vec<f64> {
+        let most = LARGEST * self.end;
+        let limit = match method.info.family {
+            // Its filter has no limit; what acts outside it does.
+            Family::MatrixFree => self.fastest,
+            _ => spectrum.critical_step(method).step,
+        };
+        let wanted: Vec<f64> = if limit == 0.0 {
+            // It grows at every step: how much, is the question.
+            let largest = most.min(0.5 * self.fastest);
+            (0..STEPS[0]).map(|k| largest * 0.25f64.powi(k as i32)).collect()
+        } else if method.info.family == Family::Implicit {
+            let largest = most.min(OF_PERIOD * self.period).max(0.5 * self.fastest.min(most));
+            (0..IMPLICIT_STEPS).map(|k| largest * 0.5f64.powi(k as i32)).collect()
+        } else {
+            let largest = most.min(BELOW * limit).min(OF_PERIOD * self.period.max(self.fastest.min(self.end)));
+            let count = STEPS[usize::from(method.order() > 2)];
+            let beyond = BEYOND * limit;
+            let first = (beyond <= most && largest == BELOW * limit).then_some(beyond);
+            first.into_iter().chain((0..count).map(|k| largest * 0.5f64.powi(k as i32))).collect()
+        };
+        let mut steps: Vec<f64> = wanted.into_iter().map(|h| self.round(h)).collect();
+        steps.dedup();
+        steps
+    }
+}
+
+/// 1, 2 and 5 times powers of ten from one number to another, both ends included.
+pub fn series(from: f64, to: f64) -> Vec<f64> {
+    let first = from.log10().floor() as i32;
+    let last = to.log10().ceil() as i32;
+    let within = |x: &f64| (from * (1.0 - 1e-9)..=to * (1.0 + 1e-9)).contains(x);
+    let of_power = |p: i32| [1, 2, 5].map(|m| format!("{m}e{p}").parse::<f64>().unwrap_or(f64::NAN));
+    (first..=last).flat_map(of_power).filter(within).collect()
+}
+
+/// Powers of ten from one number to another, both ends included.
+pub fn decades(from: f64, to: f64) -> Vec<f64> {
+    series(from, to).into_iter().filter(|x| format!("{x:e}").starts_with("1e")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round_and_meet_the_frames() {
+        let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
+        let pairs =
+            [(0.0026, 0.0025), (0.0025, 0.0025), (6.2e-4, 5e-4), (0.021, 0.02), (0.09, 0.08), (1e-7, 9.765625e-8)];
+        for (wanted, round) in pairs {
+            assert_eq!(scales.round(wanted), round, "{wanted}");
+        }
+        for wanted in [0.3e-5, 1.7e-4, 9.99e-3, 0.0123] {
+            let (h, ratio) = (scales.round(wanted), scales.every / scales.round(wanted));
+            assert!(h <= wanted && h > 0.78 * wanted, "{wanted} {h}");
+            assert!((ratio - ratio.round()).abs() < 1e-9, "{wanted} {h}");
+        }
+    }
+
+    #[test]
+    fn series_have_both_ends() {
+        assert_eq!(series(1e-3, 1e-2), [1e-3, 2e-3, 5e-3, 1e-2]);
+        assert_eq!(series(2e-3, 2e-2), [2e-3, 5e-3, 1e-2, 2e-2]);
+        assert_eq!(decades(1e-6, 1e-2), [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]);
+        assert_eq!(series(3e-3, 4e-3), [0.0; 0]);
+    }
+}

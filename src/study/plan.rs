@@ -1,0 +1,241 @@
+//! The study as a list of independent runs.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::bench::{Bench, choice};
+use super::error::StudyError;
+use super::ladder::{Scales, TOLERANCES};
+use super::reference::{Account, Reference, Workshop};
+use super::row::{Job, Pace, label};
+use super::wishes::Wishes;
+use crate::analysis::critical::Spectrum;
+use crate::case::Case;
+use crate::case::fingerprint::Fingerprint;
+use crate::case::schema::Method;
+use crate::drive::clock::Step;
+use crate::integrate::registry::{MethodChoice, methods};
+use crate::output::names::file_stem;
+
+/// Number of the layout of a plan and of the files of its runs.
+pub const FORMAT: u32 = 1;
+/// The program that made it; another one may compute other bits.
+pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+/// Longest identifier of a run made of its method.
+const LONGEST: usize = 40;
+
+/// A study: what was asked, and the runs that come of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// layout of the file
+    pub format: u32,
+    /// version of the program
+    pub program: String,
+    /// name of the case
+    pub name: String,
+    /// case file, as it was typed; paths in the case count from its folder
+    pub case_file: String,
+    /// the case, `--set` included
+    pub case: Value,
+    /// what was asked for
+    pub asked: Wishes,
+    /// the case and its stiffer or softer variants
+    pub variants: Vec<Variant>,
+    /// all runs, in the order in which one machine makes them
+    pub jobs: Vec<Job>,
+}
+
+/// The case with the stiffness of its springs multiplied.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Variant {
+    /// [-] factor on the stiffness of all springs
+    pub stiffness_factor: f64,
+    /// what is replaced in the case for it
+    pub overrides: Vec<(String, String)>,
+    /// what the case is, the mesh included
+    pub fingerprint: Fingerprint,
+    /// [s] interval of the frames that are compared
+    pub every: f64,
+    /// [s] end of the runs
+    pub end: f64,
+    /// [s] critical step at the start, method by method; only those with a limit
+    pub critical_steps: BTreeMap<String, f64>,
+    /// the reference
+    pub reference: Account,
+}
+
+/// What a plan is made from.
+pub struct Planner<'a> {
+    /// the case
+    pub case: &'a Case,
+    /// its file, as typed
+    pub case_file: &'a Path,
+    /// what is asked for
+    pub wishes: Wishes,
+    /// threads of the force passes
+    pub threads: usize,
+    /// [s] what a reference may cost, by nominal figures
+    pub allowance: f64,
+    /// set when the user interrupts
+    pub stop: &'a AtomicBool,
+    /// told what is being done
+    pub tell: &'a dyn Fn(&str),
+}
+
+impl Planner<'_> {
+    /// Makes the references and lists the runs; `keep` stores each reference under the number of its variant.
+    ///
+    /// # Errors
+    /// A bad variant, no reference, an interrupt, or a reference that cannot be stored.
+    pub fn make(&self, mut keep: impl FnMut(usize, &Reference) -> Result<(), StudyError>) -> Result<Plan, StudyError> {
+        let factors = match self.wishes.stiffness_sweep.as_slice() {
+            [] => vec![1.0],
+            some => some.iter().rev().copied().collect(),
+        };
+        let (mut variants, mut jobs) = (Vec::new(), Vec::new());
+        for (number, factor) in factors.into_iter().enumerate() {
+            let overrides = stiffer(self.case, factor)?;
+            let case = self.case.with(&overrides)?;
+            let bench = Bench::of(case.problem().clone(), self.threads)?;
+            let tell = |what: &str| match factor {
+                1.0 => (self.tell)(&format!("reference: {what}")),
+                _ => (self.tell)(&format!("reference, {factor} times as stiff: {what}")),
+            };
+            let workshop = Workshop { bench: &bench, allowance: self.allowance, stop: self.stop, tell: &tell };
+            let reference = workshop.make()?;
+            keep(number, &reference)?;
+            let (critical_steps, listed) = self.list(&bench, &reference, number)?;
+            jobs.extend(listed);
+            variants.push(Variant {
+                stiffness_factor: factor,
+                overrides,
+                fingerprint: bench.fingerprint.clone(),
+                every: bench.every,
+                end: bench.end(),
+                critical_steps,
+                reference: reference.account,
+            });
+        }
+        let problem = self.case.problem();
+        Ok(Plan {
+            format: FORMAT,
+            program: PROGRAM.to_owned(),
+            name: problem.name.clone(),
+            case_file: self.case_file.display().to_string(),
+            case: problem.case_json.clone(),
+            asked: self.wishes.clone(),
+            variants,
+            jobs,
+        })
+    }
+
+    /// The methods that are tried.
+    fn methods(&self) -> Result<Vec<(Method, MethodChoice)>, StudyError> {
+        let own = &self.case.file().time.method;
+        let asked = match &self.wishes.methods {
+            Some(methods) => methods.clone(),
+            None => {
+                let plain = |name: &str| Method { name: name.to_owned(), parameters: BTreeMap::new() };
+                let tuned = Some(own.clone()).filter(|own| !own.parameters.is_empty());
+                methods().iter().map(|info| plain(info.name)).chain(tuned).collect()
+            }
+        };
+        asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
+    }
+
+    /// The runs of a variant: one level of steps after the other, the coarsest first, so that a budget that ends early has seen every
+    /// method.
+    fn list(
+        &self,
+        bench: &Bench,
+        reference: &Reference,
+        variant: usize,
+    ) -> Result<(BTreeMap<String, f64>, Vec<Job>), StudyError> {
+        let state = bench.scene.initial_state();
+        let mut spectrum = Spectrum::of(&*bench.scene, state.as_ref());
+        let scales = Scales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
+        let mut limits = BTreeMap::new();
+        let mut paces: Vec<(Method, Vec<Pace>)> = Vec::new();
+        for (method, choice) in self.methods()? {
+            let limit = spectrum.critical_step(&choice).step;
+            if limit.is_finite() {
+                limits.insert(label(&method), limit);
+            }
+            let steps = match &self.wishes.steps {
+                Some(steps) => steps.clone(),
+                None => scales.steps(&choice, &mut spectrum),
+            };
+            let tolerances = match &self.wishes.tolerances {
+                Some(tolerances) => tolerances.clone(),
+                // Whoever asks for steps wants those.
+                None if self.wishes.steps.is_some() || choice.order() < 2 => Vec::new(),
+                None => TOLERANCES.to_vec(),
+            };
+            let steps = steps.into_iter().filter(|h| *h <= bench.end()).map(Pace::Step);
+            paces.push((method, steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect()));
+        }
+        self.add_own(bench, &mut paces);
+        Ok((limits, in_levels(&paces, variant)))
+    }
+
+    /// The case's own choice belongs to its study, unless other methods and steps were asked for.
+    fn add_own(&self, bench: &Bench, paces: &mut [(Method, Vec<Pace>)]) {
+        let Wishes { steps, tolerances, .. } = &self.wishes;
+        let own = match bench.problem.time.step {
+            Step::Fixed(h) if steps.is_none() => Pace::Step(h),
+            Step::Adaptive(tolerance) if tolerances.is_none() => Pace::Tolerance(tolerance.relative),
+            _ => return,
+        };
+        let method = &self.case.file().time.method;
+        if let Some((_, list)) = paces.iter_mut().find(|(m, _)| m == method)
+            && !list.contains(&own)
+        {
+            list.push(own);
+        }
+    }
+}
+
+/// Level by level; identifiers are the number of the run and what it is.
+fn in_levels(paces: &[(Method, Vec<Pace>)], variant: usize) -> Vec<Job> {
+    let levels = paces.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
+    let runs = (0..levels).flat_map(|level| paces.iter().filter_map(move |(m, list)| Some((m, *list.get(level)?))));
+    let job = |(number, (method, pace)): (usize, (&Method, Pace))| {
+        let what = match pace {
+            Pace::Step(h) => format!("h{h:.4e}"),
+            Pace::Tolerance(t) => format!("tol{t:.2e}"),
+        };
+        let method_stem: String = file_stem(&label(method)).chars().take(LONGEST).collect();
+        let id = format!("v{variant}-{number:04}-{method_stem}-{what}");
+        Job { id, variant, method: method.clone(), pace }
+    };
+    runs.enumerate().map(job).collect()
+}
+
+/// What is replaced in a case to make its springs `factor` times as stiff.
+///
+/// # Errors
+/// A case without springs.
+pub fn stiffer(case: &Case, factor: f64) -> Result<Vec<(String, String)>, StudyError> {
+    if factor == 1.0 {
+        return Ok(Vec::new());
+    }
+    let none = || StudyError::Usage("--stiffness-sweep: this case has no springs".to_owned());
+    let springs = case.problem().case_json.pointer("/system/network/springs").and_then(Value::as_array);
+    let mut overrides = Vec::new();
+    for (i, rule) in springs.ok_or_else(none)?.iter().enumerate() {
+        for (key, dotted) in [
+            ("/stiffness", "stiffness"),
+            ("/axial_rigidity", "axial_rigidity"),
+            ("/membrane/modulus", "membrane.modulus"),
+        ] {
+            if let Some(value) = rule.pointer(key).and_then(Value::as_f64) {
+                overrides.push((format!("system.network.springs.{i}.{dotted}"), format!("{:e}", value * factor)));
+            }
+        }
+    }
+    if overrides.is_empty() { Err(none()) } else { Ok(overrides) }
+}

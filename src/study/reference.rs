@@ -1,0 +1,292 @@
+//! The solution that all others are measured against, and what it is worth itself.
+//!
+//! Two solutions by different schemes are made as exact as is affordable; their difference is the stated error, and nothing is
+//! ranked below it. Where explicit steps are affordable they are two embedded Runge-Kutta pairs with tight tolerances, stepping
+//! onto every frame; else Newmark's trapezoidal rule with steps halved again and again and extrapolated: its error is a
+//! series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section II.8), so
+//! ```text
+//! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
+//! ```
+//! gains two orders a column. What is affordable is estimated from counts, so the reference is the same on every machine.
+
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use super::bench::{Bench, Try, plain};
+use super::error::StudyError;
+use super::frames::{Distance, Frames, Motion, Sampler};
+use crate::analysis::critical::Spectrum;
+use crate::drive::clock::{Step, Tolerance};
+use crate::drive::{Outcome, Status};
+use crate::integrate::Counters;
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::MethodChoice;
+use crate::output::process::Stopwatch;
+
+/// [-] Difference at which the reference is good enough.
+const WANTED: f64 = 1e-9;
+/// [-] Difference above which two solutions do not agree.
+const NOT_AGREED: f64 = 0.1;
+/// Tolerances of the finer and the coarser solution, tried in turn.
+const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]];
+/// The two pairs.
+const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
+/// [s] What a reference may cost if the study has no budget, by the nominal figures below.
+pub const ALLOWANCE: f64 = 300.0;
+/// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
+const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
+/// [s] nominal cost of an implicit step a degree of freedom
+const NOMINAL_IMPLICIT: f64 = 4e-6;
+/// Most columns of the extrapolation.
+const COLUMNS: usize = 2;
+/// Tolerance of Newton's iteration for a reference.
+const NEWTON: f64 = 1e-12;
+
+/// The reference of a variant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// its frames
+    pub frames: Frames,
+    /// what it is worth
+    pub account: Account,
+}
+
+/// How a reference was made and what it is worth.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Account {
+    /// the two solutions in words
+    pub how: String,
+    /// [-] their difference: root mean square over frames and nodes, over that of the motion
+    pub error: f64,
+    /// [-] largest difference over the largest motion
+    pub error_max: f64,
+    /// how far the scene moves
+    pub motion: Motion,
+    /// work of all its runs
+    pub counters: Counters,
+    /// [s] processor time of all its runs
+    pub cpu_seconds: Option<f64>,
+}
+
+/// Why one way to a reference is no way.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoWay {
+    /// It would take too long.
+    #[error(
+        "it would take about {seconds:.0} s, {allowance:.0} s are allowed; raise --budget, or shorten the run with --end"
+    )]
+    TooLong {
+        /// [s] nominal cost
+        seconds: f64,
+        /// [s] what it may cost
+        allowance: f64,
+    },
+    /// A run failed.
+    #[error("{0}")]
+    Failed(String),
+    /// Two solutions do not agree.
+    #[error(
+        "two solutions differ by {0:.1e} of the motion; motion that multiplies errors has no reference over this span: shorten it with --end"
+    )]
+    NotAgreed(f64),
+}
+
+/// What a reference is made with.
+pub struct Workshop<'a> {
+    /// the variant
+    pub bench: &'a Bench,
+    /// [s] what it may cost, by nominal figures
+    pub allowance: f64,
+    /// set when the user interrupts
+    pub stop: &'a AtomicBool,
+    /// told of each run before it begins
+    pub tell: &'a dyn Fn(&str),
+}
+
+/// What the runs of a reference have cost.
+#[derive(Default)]
+struct Spent {
+    counters: Counters,
+}
+
+impl Workshop<'_> {
+    /// Makes the reference.
+    ///
+    /// # Errors
+    /// When the user interrupts, nothing moves, or neither way leads to two solutions that agree.
+    pub fn make(&self) -> Result<Reference, StudyError> {
+        let watch = Stopwatch::start(Default::default());
+        let mut spent = Spent::default();
+        let explicit = self.explicit(&mut spent);
+        let found = match explicit {
+            Ok(found) => Ok(found),
+            Err(_) if self.interrupted() => return Err(StudyError::Interrupted),
+            Err(explicit) => {
+                self.extrapolated(&mut spent).map_err(|implicit| StudyError::NoReference { explicit, implicit })
+            }
+        };
+        if self.interrupted() {
+            return Err(StudyError::Interrupted);
+        }
+        let mut found = found?;
+        if found.frames.motion.squares == 0.0 {
+            return Err(StudyError::NothingMoves);
+        }
+        found.account.motion = found.frames.motion;
+        found.account.counters = spent.counters;
+        found.account.cpu_seconds = watch.read().cpu;
+        Ok(found)
+    }
+
+    fn interrupted(&self) -> bool {
+        self.stop.load(std::sync::atomic::Ordering::Relaxed)
+    }
+
+    /// By the two pairs.
+    fn explicit(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
+        let [fine, coarse] = PAIRS.map(plain);
+        let (Some(fine), Some(coarse)) = (fine, coarse) else {
+            return Err(NoWay::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
+        };
+        let seconds = self.nominal_explicit(&fine);
+        if seconds > self.allowance {
+            return Err(NoWay::TooLong { seconds, allowance: self.allowance });
+        }
+        let mut best: Option<Reference> = None;
+        for [tight, wide] in TOLERANCES {
+            let a = self.solve(&fine, self.tolerance(tight), spent)?;
+            let b = self.solve(&coarse, self.tolerance(wide), spent)?;
+            let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
+            let found = agreed(a, &b, how)?;
+            let better = best.as_ref().is_none_or(|best| found.account.error < best.account.error);
+            // Tighter tolerances that gain little only gather rounding.
+            let gained = best.as_ref().is_none_or(|best| found.account.error < 0.3 * best.account.error);
+            if better {
+                best = Some(found);
+            }
+            if !gained || best.as_ref().is_some_and(|best| best.account.error <= WANTED) {
+                break;
+            }
+        }
+        best.ok_or(NoWay::NotAgreed(f64::INFINITY)).and_then(|best| {
+            if best.account.error > NOT_AGREED { Err(NoWay::NotAgreed(best.account.error)) } else { Ok(best) }
+        })
+    }
+
+    fn tolerance(&self, relative: f64) -> Step {
+        let size = self.bench.scene.size();
+        // Small against the motion too, which is often a small part of the scene.
+        let absolute = 1e-3 * relative * if size > 0.0 { size } else { 1.0 };
+        Step::Adaptive(Tolerance { relative, absolute })
+    }
+
+    /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.
+    fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
+        let scene = &*self.bench.scene;
+        let state = scene.initial_state();
+        let limit = Spectrum::of(scene, state.as_ref()).critical_step(method).step;
+        let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
+        let passes = self.bench.end() / longest * f64::from(method.info.evaluations[1]);
+        let [spring, triangle, node, pass] = NOMINAL;
+        let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+        passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+    }
+
+    /// Newmark's trapezoidal rule, extrapolated.
+    fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
+        let newmark = plain("newmark").ok_or_else(|| NoWay::Failed("newmark is not in the registry".to_owned()))?;
+        let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
+        let seconds = |j: i32| NOMINAL_IMPLICIT * self.bench.scene.n_dof() as f64 * steps(j);
+        let mut row: Vec<Frames> = Vec::new();
+        let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<NoWay>) = (None, 0.0, None);
+        for j in 0..24 {
+            total += seconds(j);
+            if total > self.allowance {
+                break;
+            }
+            let h = self.bench.every / 2f64.powi(j);
+            let newest = match self.solve(&newmark, Step::Fixed(h), spent) {
+                Ok(frames) => frames,
+                Err(why) => {
+                    // A finer step may be solvable; what was made with coarser ones has lost its neighbour.
+                    (row, failed) = (Vec::new(), Some(why));
+                    continue;
+                }
+            };
+            let mut next = vec![newest];
+            for (k, coarser) in row.iter().enumerate().take(COLUMNS) {
+                let finer = next.get(k).map(|finer| extrapolate(finer, coarser, k as i32 + 1));
+                next.extend(finer);
+            }
+            if let (Some(last), Some(before)) = (next.last(), row.last()) {
+                let how = format!(
+                    "newmark at steps down to {h:.3e} s, extrapolated {} times, against the same without the last step",
+                    next.len() - 1
+                );
+                let found = agreed(last.clone(), before, how)?;
+                if best.as_ref().is_none_or(|best| found.account.error < best.account.error) {
+                    best = Some(found);
+                }
+            }
+            row = next;
+            if best.as_ref().is_some_and(|best| best.account.error <= WANTED) {
+                break;
+            }
+        }
+        match best {
+            Some(best) if best.account.error <= NOT_AGREED => Ok(best),
+            Some(best) => Err(NoWay::NotAgreed(best.account.error)),
+            None => {
+                Err(failed.unwrap_or(NoWay::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance }))
+            }
+        }
+    }
+
+    /// The frames of one run to the end.
+    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut Spent) -> Result<Frames, NoWay> {
+        let told = match step {
+            Step::Fixed(h) => format!("{} at step {h:.3e} s", method.info.name),
+            Step::Adaptive(tolerance) => format!("{} at tolerance {:e}", method.info.name, tolerance.relative),
+        };
+        (self.tell)(&told);
+        let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
+        let mut solver: SolverSpec = self.bench.problem.solver;
+        solver.newton.relative = solver.newton.relative.min(NEWTON);
+        let what = Try { method, step, solver, meet: Some(self.bench.every), from: None };
+        let run = self.bench.run(what, &mut [&mut sampler], self.stop);
+        let Outcome { status, counters, failure, .. } = run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
+        spent.counters = spent.counters.plus(counters);
+        match status {
+            Status::Completed => Ok(sampler.into_frames()),
+            Status::Interrupted => Err(NoWay::Failed("interrupted".to_owned())),
+            Status::Diverged | Status::NotConverged => {
+                let why = failure.map_or_else(String::new, |failure| format!(": {}", failure.cause));
+                Err(NoWay::Failed(format!("{told} failed{why}")))
+            }
+        }
+    }
+}
+
+/// The finer of two solutions with their difference.
+fn agreed(fine: Frames, coarse: &Frames, how: String) -> Result<Reference, NoWay> {
+    let motion = fine.motion;
+    if motion.squares == 0.0 {
+        return Ok(Reference { account: Account { how, motion, ..Account::default() }, frames: fine });
+    }
+    let difference = Distance::between(&fine, coarse).over(motion);
+    let [error, error_max] = difference.ok_or(NoWay::NotAgreed(f64::INFINITY))?;
+    Ok(Reference { account: Account { how, error, error_max, motion, ..Account::default() }, frames: fine })
+}
+
+/// T + (T - coarser)/(4^k - 1), frame by frame.
+fn extrapolate(finer: &Frames, coarser: &Frames, k: i32) -> Frames {
+    let part = 1.0 / (4f64.powi(k) - 1.0);
+    let mut frames = finer.clone();
+    for (x, c) in frames.positions.iter_mut().zip(&coarser.positions) {
+        for (x, c) in x.iter_mut().zip(c) {
+            *x += part * (*x - c);
+        }
+    }
+    frames
+}

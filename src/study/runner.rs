@@ -1,0 +1,244 @@
+//! Makes the runs of a study, or a share of them, and gathers what came of all of them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::bench::{Bench, choice};
+use super::error::StudyError;
+use super::front::mark_front;
+use super::measure::{Ended, Meter};
+use super::plan::{Plan, Variant};
+use super::reference::Reference;
+use super::row::{Job, Measured, Pace, Row, RowStatus, label, median};
+use super::store::Store;
+use crate::case::Case;
+
+/// A share of the runs: number `part` of `of`, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// which one, from 1
+    pub part: usize,
+    /// how many there are
+    pub of: usize,
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |word: &str| word.trim().parse::<usize>().ok();
+        let parts = text.split_once('/').and_then(|(part, of)| Some((number(part)?, number(of)?)));
+        match parts {
+            Some((part, of)) if (1..=of).contains(&part) => Ok(Shard { part, of }),
+            _ => Err("expected I/N with I from 1 to N, such as 3/8".to_owned()),
+        }
+    }
+}
+
+impl Shard {
+    fn has(self, number: usize) -> bool {
+        number % self.of == self.part - 1
+    }
+}
+
+/// A study with what came of its runs so far.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// the plan
+    pub plan: Plan,
+    /// all runs, in the plan's order
+    pub rows: Vec<Row>,
+}
+
+/// Makes runs.
+pub struct Runner<'a> {
+    /// what is to be done
+    pub plan: &'a Plan,
+    /// where it goes
+    pub store: &'a Store,
+    /// the share that is made; `None`: all
+    pub shard: Option<Shard>,
+    /// threads of the force passes
+    pub threads: usize,
+    /// when the budget is spent
+    pub deadline: Option<Instant>,
+    /// set when the user interrupts
+    pub interrupt: &'a AtomicBool,
+    /// told of every run before it is made: its number, the number of all, and what it is
+    pub tell: &'a dyn Fn(usize, usize, &str),
+}
+
+/// A variant on the bench with its reference.
+struct Place {
+    number: usize,
+    bench: Bench,
+    reference: Reference,
+}
+
+impl Runner<'_> {
+    /// Makes every run of the share that is not finished: all of them once, then again for the repeats. Returns why runs were left out, by
+    /// identifier.
+    ///
+    /// # Errors
+    /// An interrupt, another case than the plan's, or files that cannot be written.
+    pub fn run(&self) -> Result<BTreeMap<String, String>, StudyError> {
+        let mut left = BTreeMap::new();
+        let mut place: Option<Place> = None;
+        for pass in 0..self.plan.asked.repeat as usize {
+            for (number, job) in self.plan.jobs.iter().enumerate() {
+                if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
+                    continue;
+                }
+                let known = self.store.measured(job)?;
+                let finished =
+                    known.as_ref().is_some_and(|m| m.repeats.len() > pass || m.status != RowStatus::Completed);
+                if finished {
+                    continue;
+                }
+                if let Some(why) = self.too_long(job, known.as_ref())? {
+                    left.insert(job.id.clone(), why);
+                    continue;
+                }
+                if place.as_ref().is_none_or(|place| place.number != job.variant) {
+                    place = Some(self.set_up(job.variant)?);
+                }
+                let Some(place) = &place else { continue };
+                (self.tell)(number + 1, self.plan.jobs.len(), &told(job, pass, self.plan));
+                if let Some(why) = self.make(place, job, known)? {
+                    left.insert(job.id.clone(), why);
+                }
+            }
+        }
+        Ok(left)
+    }
+
+    /// One run; says why if it was not finished.
+    fn make(&self, place: &Place, job: &Job, known: Option<Measured>) -> Result<Option<String>, StudyError> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(StudyError::Interrupted);
+        }
+        let Place { bench, reference, .. } = place;
+        let meter = Meter {
+            bench,
+            reference: &reference.frames,
+            motion: reference.account.motion,
+            store: self.store,
+            interrupt: self.interrupt,
+            deadline: self.deadline,
+        };
+        match meter.run(job)? {
+            Ended::Interrupted => Err(StudyError::Interrupted),
+            Ended::OutOfTime(t) => {
+                Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; run the study again to go on")))
+            }
+            Ended::Done(mut measured) => {
+                if let Some(known) = known {
+                    measured.repeats.splice(0..0, known.repeats);
+                }
+                self.store.keep_measured(job, &measured)?;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Builds the scene of a variant and reads its reference.
+    fn set_up(&self, number: usize) -> Result<Place, StudyError> {
+        let none = || StudyError::NoPlan(self.store.plan_path());
+        let variant = self.plan.variants.get(number).ok_or_else(none)?;
+        let case = self.plan.case()?.with(&variant.overrides)?;
+        let bench = Bench::of(case.into_problem(), self.threads)?;
+        if let Some(differences) = variant.fingerprint.differences(&bench.fingerprint) {
+            let folder = self.store.plan_path();
+            return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
+        }
+        Ok(Place { number, bench, reference: self.store.reference(number)? })
+    }
+
+    /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.
+    fn too_long(&self, job: &Job, known: Option<&Measured>) -> Result<Option<String>, StudyError> {
+        let Some(deadline) = self.deadline else { return Ok(None) };
+        let left = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
+        let predicted = match known.and_then(|m| median(&m.repeats)) {
+            Some(seconds) => Some(seconds),
+            None => self.predicted(job)?,
+        };
+        Ok(match predicted {
+            _ if left == 0.0 => Some("the budget was spent before it; run the study again to go on".to_owned()),
+            Some(seconds) if seconds > left => Some(format!(
+                "it takes about {seconds:.2} s and {left:.2} s of the budget were left; run the study again to go on"
+            )),
+            _ => None,
+        })
+    }
+
+    /// [s] From the finished run of the same method that is nearest.
+    fn predicted(&self, job: &Job) -> Result<Option<f64>, StudyError> {
+        let order = f64::from(choice(&job.method)?.order());
+        let mut nearest: Option<(f64, f64)> = None;
+        for other in self.plan.jobs.iter().filter(|o| o.variant == job.variant && o.method == job.method) {
+            let more = match (job.pace, other.pace) {
+                (Pace::Step(h), Pace::Step(other)) => other / h,
+                (Pace::Tolerance(t), Pace::Tolerance(other)) => (other / t).powf(1.0 / order),
+                _ => continue,
+            };
+            let Some(found) = self.store.measured(other)?.filter(|m| m.status == RowStatus::Completed) else {
+                continue;
+            };
+            let Some(seconds) = median(&found.repeats) else { continue };
+            if nearest.is_none_or(|(least, _)| more.ln().abs() < least) {
+                nearest = Some((more.ln().abs(), seconds * more));
+            }
+        }
+        Ok(nearest.map(|(_, seconds)| seconds))
+    }
+}
+
+impl Plan {
+    /// The case of the study.
+    ///
+    /// # Errors
+    /// Those of a case; only where the files it names have changed.
+    pub fn case(&self) -> Result<Case, StudyError> {
+        let base = Path::new(&self.case_file).parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Case::from_text(self.case.to_string(), &self.case_file, base, &[])?)
+    }
+
+    /// The variant of a run.
+    pub fn variant_of(&self, job: &Job) -> Option<&Variant> {
+        self.variants.get(job.variant)
+    }
+}
+
+fn told(job: &Job, pass: usize, plan: &Plan) -> String {
+    let what = match job.pace {
+        Pace::Step(h) => format!("step {h:.4e} s"),
+        Pace::Tolerance(t) => format!("tolerance {t:e}"),
+    };
+    let stiff = plan.variant_of(job).map_or(1.0, |v| v.stiffness_factor);
+    let stiff = if stiff == 1.0 { String::new() } else { format!(", {stiff} times as stiff") };
+    let again = if pass == 0 { String::new() } else { format!(", repeat {}", pass + 1) };
+    format!("{}, {what}{stiff}{again}", label(&job.method))
+}
+
+/// What came of all runs so far; `left` says why some were left out.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn rows_of(plan: &Plan, store: &Store, left: &BTreeMap<String, String>) -> Result<Vec<Row>, StudyError> {
+    let mut rows = Vec::with_capacity(plan.jobs.len());
+    for job in &plan.jobs {
+        let family = choice(&job.method)?.info.family;
+        let not_run = || Measured { note: left.get(&job.id).cloned().unwrap_or_default(), ..Measured::default() };
+        let measured = store.measured(job)?.unwrap_or_else(not_run);
+        let cpu_seconds = median(&measured.repeats).filter(|_| measured.status != RowStatus::Refused);
+        rows.push(Row { job: job.clone(), family, measured, cpu_seconds, pareto: false });
+    }
+    for (number, variant) in plan.variants.iter().enumerate() {
+        mark_front(&mut rows, number, variant.reference.error);
+    }
+    Ok(rows)
+}

@@ -1,0 +1,240 @@
+//! The files of a study: its plan, its references, and one file a run, so that any number of processes may work on it.
+//!
+//! ```text
+//! DIR/tradeoff/plan.json               the list of runs
+//! DIR/tradeoff/reference-0.bin         frames of the reference of variant 0
+//! DIR/tradeoff/runs/ID.json            what came of a run
+//! DIR/tradeoff/runs/ID.part            where an unfinished run has come to
+//! ```
+//! Every file appears whole, by a rename. A file that does not fit is refused, but for `.part`: such a run begins again.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::error::StudyError;
+use super::frames::Distance;
+use super::plan::{FORMAT, PROGRAM, Plan};
+use super::reference::Reference;
+use super::row::{Job, Measured};
+use crate::drive::Snapshot;
+use crate::output::atomic::{Durability, replace};
+
+/// A study's folder.
+#[derive(Clone, Debug)]
+pub struct Store {
+    dir: PathBuf,
+}
+
+/// An unfinished run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Unfinished {
+    /// the run
+    pub snapshot: Snapshot,
+    /// how far its frames are from the reference so far
+    pub distance: Distance,
+    /// [s] processor time so far
+    pub spent: f64,
+}
+
+/// What came of a run, with what it belongs to.
+#[derive(Serialize, Deserialize)]
+struct Finished {
+    format: u32,
+    program: String,
+    #[serde(flatten)]
+    job: Job,
+    #[serde(flatten)]
+    measured: Measured,
+}
+
+impl Store {
+    /// In `out`.
+    pub fn in_folder(out: &Path) -> Self {
+        Store { dir: out.join("tradeoff") }
+    }
+
+    /// Path of the plan.
+    pub fn plan_path(&self) -> PathBuf {
+        self.dir.join("plan.json")
+    }
+
+    /// The plan, if there is one.
+    ///
+    /// # Errors
+    /// A file that is no plan of this program.
+    pub fn plan(&self) -> Result<Option<Plan>, StudyError> {
+        let path = self.plan_path();
+        let Some(bytes) = read(&path)? else { return Ok(None) };
+        let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
+        let plan: Plan = serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no plan: {e}")))?;
+        if plan.format != FORMAT || plan.program != PROGRAM {
+            let Plan { format, program, .. } = plan;
+            return Err(bad(format!(
+                "it was made by version {program} (format {format}), this is version {PROGRAM} (format {FORMAT})"
+            )));
+        }
+        Ok(Some(plan))
+    }
+
+    /// Stores the plan; its references are there already.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn keep_plan(&self, plan: &Plan) -> Result<(), StudyError> {
+        self.write_json(&self.plan_path(), plan)
+    }
+
+    /// Removes all that belongs to a study.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn clear(&self) -> Result<(), StudyError> {
+        match fs::remove_dir_all(&self.dir) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(&self.dir, e)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Stores the reference of a variant.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
+        self.write_binary(&self.reference_path(variant), reference)
+    }
+
+    /// The reference of a variant.
+    ///
+    /// # Errors
+    /// When it is not there or damaged.
+    pub fn reference(&self, variant: usize) -> Result<Reference, StudyError> {
+        let path = self.reference_path(variant);
+        let bytes = read(&path)?.ok_or_else(|| StudyError::NoPlan(self.dir.clone()))?;
+        decode(&bytes).ok_or_else(|| StudyError::BadFile {
+            path: self.plan_path(),
+            what: format!("its {} is damaged", path.file_name().unwrap_or_default().display()),
+        })
+    }
+
+    fn reference_path(&self, variant: usize) -> PathBuf {
+        self.dir.join(format!("reference-{variant}.bin"))
+    }
+
+    fn run_path(&self, job: &Job, ending: &str) -> PathBuf {
+        self.dir.join("runs").join(format!("{}.{ending}", job.id))
+    }
+
+    /// What came of a run, if it was made.
+    ///
+    /// # Errors
+    /// A file of another run.
+    pub fn measured(&self, job: &Job) -> Result<Option<Measured>, StudyError> {
+        let path = self.run_path(job, "json");
+        let Some(bytes) = read(&path)? else { return Ok(None) };
+        let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
+        let found: Finished =
+            serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no result of a run: {e}")))?;
+        if found.format != FORMAT || found.program != PROGRAM || found.job != *job {
+            return Err(bad("it belongs to another study".to_owned()));
+        }
+        Ok(Some(found.measured))
+    }
+
+    /// Stores what came of a run; what was kept of its unfinished part goes.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn keep_measured(&self, job: &Job, measured: &Measured) -> Result<(), StudyError> {
+        let finished =
+            Finished { format: FORMAT, program: PROGRAM.to_owned(), job: job.clone(), measured: measured.clone() };
+        self.write_json(&self.run_path(job, "json"), &finished)?;
+        let part = self.run_path(job, "part");
+        match fs::remove_file(&part) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(&part, e)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Where an earlier process left a run; nothing if it was not begun, or by another program, or is damaged.
+    pub fn unfinished(&self, job: &Job) -> Option<Unfinished> {
+        decode(&read(&self.run_path(job, "part")).ok()??)
+    }
+
+    /// Stores where a run has come to.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn keep_unfinished(&self, job: &Job, unfinished: &Unfinished) -> Result<(), StudyError> {
+        self.write_binary(&self.run_path(job, "part"), unfinished)
+    }
+
+    /// Takes over the finished runs of the same study from another folder.
+    ///
+    /// # Errors
+    /// When that folder holds another study, or the system's.
+    pub fn take_from(&self, other: &Store, plan: &Plan) -> Result<(), StudyError> {
+        let theirs = other.plan()?.ok_or_else(|| StudyError::NoPlan(other.dir.clone()))?;
+        if theirs.jobs != plan.jobs
+            || theirs.variants.iter().map(|v| &v.fingerprint).ne(plan.variants.iter().map(|v| &v.fingerprint))
+        {
+            let difference = "its runs are not those of the plan".to_owned();
+            return Err(StudyError::OtherStudy { folder: other.dir.clone(), difference });
+        }
+        for job in &plan.jobs {
+            if let (None, Some(measured)) = (self.measured(job)?, other.measured(job)?) {
+                self.keep_measured(job, &measured)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_json(&self, path: &Path, value: &impl Serialize) -> Result<(), StudyError> {
+        let text = serde_json::to_string_pretty(value).map_err(|e| system(path, e.into()))? + "\n";
+        self.write(path, text.as_bytes())
+    }
+
+    fn write_binary(&self, path: &Path, value: &impl Serialize) -> Result<(), StudyError> {
+        let invalid = |e: postcard::Error| system(path, io::Error::new(io::ErrorKind::InvalidData, e));
+        let mut bytes = postcard::to_stdvec(&(FORMAT, PROGRAM, value)).map_err(invalid)?;
+        let sum = crc32fast::hash(&bytes);
+        bytes.extend_from_slice(&sum.to_le_bytes());
+        self.write(path, &bytes)
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
+        let folder = path.parent().unwrap_or(&self.dir);
+        fs::create_dir_all(folder).map_err(|e| system(folder, e))?;
+        replace(path, bytes, Durability::Synced).map_err(|e| system(path, e))
+    }
+}
+
+/// A binary file of this program that is whole.
+fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let (content, sum) = bytes.split_last_chunk::<4>()?;
+    if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
+        return None;
+    }
+    // The head first: the rest of another format may not be what it looks like.
+    let (head, _): ((u32, String), &[u8]) = postcard::take_from_bytes(content).ok()?;
+    if head.0 != FORMAT || head.1 != PROGRAM {
+        return None;
+    }
+    let (_, _, value): (u32, String, T) = postcard::from_bytes(content).ok()?;
+    Some(value)
+}
+
+fn read(path: &Path) -> Result<Option<Vec<u8>>, StudyError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(system(path, e)),
+    }
+}
+
+pub(super) fn system(path: &Path, source: io::Error) -> StudyError {
+    StudyError::System { path: path.to_owned(), source }
+}
