@@ -30,6 +30,66 @@ pub struct Chart {
     pub equal_units: bool,
     /// of the picture, legend included
     pub size: Size,
+    /// words in the picture
+    pub notes: Vec<Note>,
+    /// marks that have no place on one of the axes, beside the picture
+    pub strip: Option<Strip>,
+}
+
+/// Words at a place of a chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Note {
+    /// where, in the units of the axes
+    pub at: (f64, f64),
+    /// the words
+    pub text: String,
+    /// on which side of the place they stand
+    pub align: Align,
+}
+
+/// Where words stand from their place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Align {
+    /// to its right, a little above
+    #[default]
+    Right,
+    /// to its left, a little above
+    Left,
+    /// centred above it
+    Above,
+}
+
+/// A strip beside the picture for marks that have no place on one axis: runs without a result have a cost, but no error.
+/// Marks that would cover each other are moved apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strip {
+    /// where it stands
+    pub side: Side,
+    /// what its marks have in common
+    pub label: String,
+    /// the marks
+    pub marks: Vec<StripMark>,
+}
+
+/// Where a strip stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// to the right, along the vertical axis
+    #[default]
+    Right,
+    /// above, along the horizontal axis
+    Top,
+}
+
+/// A mark in a strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StripMark {
+    /// its place along the axis that it has; beyond the axis' ends it stands at the end. `None`: in a part of its own at the lower end
+    pub at: Option<f64>,
+    /// the mark
+    pub marker: Marker,
+    /// number in the palette
+    pub color: usize,
 }
 
 /// Width and height of a picture.
@@ -62,7 +122,7 @@ pub enum Scale {
     Log,
 }
 
-/// A line, or marks, or both.
+/// A line, or marks, or both; one that has a label but neither stroke nor marks is a heading in the legend.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
     /// its entry in the legend; empty = none
@@ -103,6 +163,32 @@ pub enum Marker {
     Ring,
     /// a cross: failures
     Cross,
+    /// an upright cross
+    Plus,
+    /// a short vertical line
+    Tick,
+    /// a short horizontal line
+    Bar,
+    /// filled
+    Square,
+    /// its outline
+    OpenSquare,
+    /// filled, pointing up
+    Triangle,
+    /// its outline
+    OpenTriangle,
+    /// filled, pointing down
+    TriangleDown,
+    /// its outline
+    OpenTriangleDown,
+    /// filled
+    Diamond,
+    /// its outline
+    OpenDiamond,
+    /// filled, with five points
+    Star,
+    /// its outline
+    OpenStar,
 }
 
 impl Default for Size {

@@ -1,10 +1,11 @@
 //! From charts to SVG text: where everything stands in a picture.
 
 use super::PlotError;
-use super::chart::{Axis, Chart, Line, Marker, Scale, Size, Stroke};
+use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
 use super::legend::{Entry, Legend};
 use super::pen::{Anchor, FINE, FINE_GRID, GRID, LETTERS, Look, Pen, Spot};
 use super::ruler::Ruler;
+use super::strip::Place as StripPlace;
 use super::trim::{Place, cut, inside, thin};
 
 /// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers grow slow.
@@ -17,11 +18,11 @@ const LARGEST: u32 = 20_000;
 
 /// A rectangle of the picture.
 #[derive(Clone, Copy, Debug)]
-struct Field {
+pub(super) struct Field {
     /// upper left corner
-    from: Spot,
+    pub(super) from: Spot,
     /// lower right corner
-    to: Spot,
+    pub(super) to: Spot,
 }
 
 /// Both axes of a chart.
@@ -64,19 +65,38 @@ fn shown_at(text: &str, Size { width, height }: Size) -> String {
 
 fn draw_chart(pen: &Pen<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError> {
     let top = if chart.title.is_empty() { 18.0 } else { 42.0 };
-    let field = Field {
+    let whole = Field {
         from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
         to: Spot { x: cell.to.x - 22.0, y: cell.to.y - 58.0 },
     };
+    let strip = chart.strip.as_ref().map(|strip| StripPlace::of(strip, whole));
+    let field = strip.as_ref().map_or(whole, StripPlace::rest);
     let rulers = rulers(chart, field)?;
-    let middle = f64::midpoint(field.from.x, field.to.x);
-    pen.write(&chart.title, LETTERS[0], Spot { x: middle, y: field.from.y - 10.0 }, Anchor::Above)?;
+    let middle = f64::midpoint(whole.from.x, whole.to.x);
+    pen.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above)?;
     draw_axes(pen, chart, rulers, field)?;
     let looks = looks(&chart.lines);
     for (line, look) in chart.lines.iter().zip(looks) {
         draw_line(pen, line, look, &Canvas { rulers, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) })?;
     }
-    Ok(())
+    for note in &chart.notes {
+        draw_note(pen, note, &Canvas { rulers, field, share: 1 })?;
+    }
+    match &strip {
+        Some(strip) => strip.draw(pen, [rulers.x, rulers.y]),
+        None => Ok(()),
+    }
+}
+
+fn draw_note(pen: &Pen<'_>, note: &Note, canvas: &Canvas) -> Result<(), PlotError> {
+    let Some(place) = canvas.place(note.at) else { return Ok(()) };
+    let Spot { x, y } = canvas.spot(place);
+    let (x, y, anchor) = match note.align {
+        Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
+        Align::Left => (x - 5.0, y - 9.0, Anchor::End),
+        Align::Above => (x, y - 4.0, Anchor::Above),
+    };
+    pen.write(&note.text, LETTERS[2], Spot { x, y }, anchor)
 }
 
 fn rulers(chart: &Chart, field: Field) -> Result<Rulers, PlotError> {
@@ -94,7 +114,11 @@ fn rulers(chart: &Chart, field: Field) -> Result<Rulers, PlotError> {
         }),
         None => Ruler::around(axis.scale, values).ok_or_else(nothing),
     };
-    drawable().next().ok_or_else(nothing)?;
+    // What a note or a strip tells is worth a picture, too.
+    let told = !chart.notes.is_empty() || chart.strip.is_some();
+    if !told {
+        drawable().next().ok_or_else(nothing)?;
+    }
     let x = ruler(&chart.x, &mut drawable().map(|p| p.0))?;
     let y = ruler(&chart.y, &mut drawable().map(|p| p.1))?;
     if !chart.equal_units {

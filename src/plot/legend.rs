@@ -48,6 +48,11 @@ impl<'a> Legend<'a> {
         let at = |row: usize| from.y + (row as f64 + 0.5) * ROW;
         for (row, Entry { label, look }) in self.entries.iter().take(shown).enumerate() {
             let y = at(row);
+            if look.stroke == Stroke::None && look.marker == Marker::None {
+                // A heading.
+                pen.write(&self.fitted(label), LETTERS[2], Spot { x: from.x, y: y + 2.0 }, Anchor::Start)?;
+                continue;
+            }
             // A hair line shows no colour; its sample is drawn as a usual line.
             let stroke = if look.stroke == Stroke::Thin { Stroke::Normal } else { look.stroke };
             let sample = Look { stroke, ..*look };

@@ -15,6 +15,7 @@ mod pen;
 pub mod results;
 mod ruler;
 mod select;
+mod strip;
 mod table;
 mod trim;
 pub mod view;

@@ -5,7 +5,7 @@
 use super::PlotError;
 use super::chart::{Marker, Size, Stroke};
 use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, DashedPathElement, PathElement};
+use plotters::element::{Circle, Cross, DashedPathElement, PathElement, Polygon};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoTextStyle, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
@@ -30,6 +30,27 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(0xE6, 0x9F, 0x00),
     RGBColor(0x56, 0xB4, 0xE9),
     RGBColor(0x00, 0x00, 0x00),
+];
+
+/// [px] Size of marks; corners are given in it.
+const MARK: f64 = 9.0;
+/// As large to the eye as the disc, like all marks with corners.
+const SQUARE: [(f64, f64); 4] = [(-0.36, -0.36), (0.36, -0.36), (0.36, 0.36), (-0.36, 0.36)];
+/// Pointing up.
+const TRIANGLE: [(f64, f64); 3] = [(0.0, -0.55), (0.48, 0.34), (-0.48, 0.34)];
+const DIAMOND: [(f64, f64); 4] = [(0.0, -0.54), (0.46, 0.0), (0.0, 0.54), (-0.46, 0.0)];
+/// Five points at every 72 degrees, and the corners between them.
+const STAR: [(f64, f64); 10] = [
+    (0.0, -0.65),
+    (0.16, -0.22),
+    (0.618, -0.201),
+    (0.26, 0.085),
+    (0.382, 0.526),
+    (0.0, 0.273),
+    (-0.382, 0.526),
+    (-0.26, 0.085),
+    (-0.618, -0.201),
+    (-0.16, -0.22),
 ];
 
 /// How a line looks.
@@ -134,6 +155,43 @@ impl<'a> Pen<'a> {
             Marker::Dot => self.area.draw(&Circle::new(at, 32, ink.filled())).map_err(refused),
             Marker::Ring => self.area.draw(&Circle::new(at, 50, ink.stroke_width(18))).map_err(refused),
             Marker::Cross => self.area.draw(&Cross::new(at, 48, ink.stroke_width(22))).map_err(refused),
+            Marker::Plus => {
+                self.stroke(spot, [(-0.55, 0.0), (0.55, 0.0)], ink)?;
+                self.stroke(spot, [(0.0, -0.55), (0.0, 0.55)], ink)
+            }
+            Marker::Tick => self.stroke(spot, [(0.0, -0.6), (0.0, 0.6)], ink),
+            Marker::Bar => self.stroke(spot, [(-0.55, 0.0), (0.55, 0.0)], ink),
+            Marker::Square | Marker::OpenSquare => self.shape(spot, &SQUARE, look),
+            Marker::Triangle | Marker::OpenTriangle => self.shape(spot, &TRIANGLE, look),
+            Marker::TriangleDown | Marker::OpenTriangleDown => self.shape(spot, &TRIANGLE.map(|(x, y)| (x, -y)), look),
+            Marker::Diamond | Marker::OpenDiamond => self.shape(spot, &DIAMOND, look),
+            Marker::Star | Marker::OpenStar => self.shape(spot, &STAR, look),
+        }
+    }
+
+    /// A short line of a mark, its ends in mark sizes from the middle.
+    fn stroke(&self, spot: Spot, ends: [(f64, f64); 2], ink: RGBColor) -> Result<(), PlotError> {
+        let ends = ends.map(|(x, y)| fine(Spot { x: spot.x + MARK * x, y: spot.y + MARK * y }));
+        self.area.draw(&PathElement::new(ends.to_vec(), ink.stroke_width(20))).map_err(refused)
+    }
+
+    /// A mark with corners, filled or as an outline; corners in mark sizes from the middle.
+    fn shape(&self, spot: Spot, corners: &[(f64, f64)], look: Look) -> Result<(), PlotError> {
+        let open = matches!(
+            look.marker,
+            Marker::OpenSquare
+                | Marker::OpenTriangle
+                | Marker::OpenTriangleDown
+                | Marker::OpenDiamond
+                | Marker::OpenStar
+        );
+        let at = |(x, y): &(f64, f64)| fine(Spot { x: spot.x + MARK * x, y: spot.y + MARK * y });
+        let points: Vec<_> = corners.iter().map(at).collect();
+        if open {
+            let closed: Vec<_> = points.iter().chain(points.first()).copied().collect();
+            self.area.draw(&PathElement::new(closed, look.ink().stroke_width(16))).map_err(refused)
+        } else {
+            self.area.draw(&Polygon::new(points, look.ink().filled())).map_err(refused)
         }
     }
 

@@ -16,6 +16,7 @@ pub mod ladder;
 mod measure;
 pub mod plan;
 pub mod reference;
+pub mod report;
 pub mod row;
 mod runner;
 pub mod store;

@@ -1,0 +1,156 @@
+//! The strip beside a picture: marks along one axis that have no place on the other.
+
+use super::PlotError;
+use super::chart::{Side, Strip, Stroke};
+use super::draw::Field;
+use super::pen::{Anchor, GRID, LETTERS, Look, Pen, Spot};
+use super::ruler::Ruler;
+
+/// [px] From one mark to the next, so that they do not touch.
+const PITCH: f64 = 12.0;
+/// [px] Between the picture and the strip.
+const GAP: f64 = 8.0;
+/// Fewest and most lanes of marks.
+const LANES: [usize; 2] = [6, 16];
+/// Most of a strip's length that marks without a place take.
+const WITHOUT: f64 = 0.6;
+
+/// Where a strip and its marks stand.
+pub(super) struct Place<'a> {
+    strip: &'a Strip,
+    field: Field,
+    rest: Field,
+    lanes: usize,
+}
+
+impl<'a> Place<'a> {
+    /// The strip takes its part of the room there is.
+    pub(super) fn of(strip: &'a Strip, whole: Field) -> Self {
+        let length = match strip.side {
+            Side::Right => whole.to.y - whole.from.y,
+            Side::Top => whole.to.x - whole.from.x,
+        };
+        let (mut field, mut rest) = (whole, whole);
+        // Half empty, so that most marks stand where they belong.
+        let lanes = (2.0 * strip.marks.len() as f64 * PITCH / length.max(PITCH)).ceil() as usize;
+        let lanes = match strip.side {
+            Side::Right => lanes.clamp(LANES[0], LANES[1]),
+            Side::Top => lanes.clamp(2, LANES[0]),
+        };
+        let width = lanes as f64 * PITCH;
+        match strip.side {
+            Side::Right => {
+                field.from.x = whole.to.x - width;
+                rest.to.x = field.from.x - GAP;
+            }
+            Side::Top => {
+                field.to.y = whole.from.y + width;
+                rest.from.y = field.to.y + GAP;
+            }
+        }
+        Place { strip, field, rest, lanes }
+    }
+
+    /// What is left for the picture.
+    pub(super) fn rest(&self) -> Field {
+        self.rest
+    }
+
+    /// Draws the strip; of the rulers of both axes it takes the one it stands along.
+    pub(super) fn draw(&self, pen: &Pen<'_>, [x, y]: [Ruler; 2]) -> Result<(), PlotError> {
+        let Field { from, to } = self.field;
+        let right = self.strip.side == Side::Right;
+        let (ruler, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
+        let places: Vec<_> = self.strip.marks.iter().map(|m| (m, m.at.and_then(|at| ruler.place(at)))).collect();
+        let without = places.iter().filter(|(_, place)| place.is_none()).count();
+        let band = (without.div_ceil(self.lanes) as f64 * PITCH).min(WITHOUT * length);
+        // From the strip's lower end on, as the axis counts.
+        let spot = |along: f64, lane: usize| {
+            let across = (lane as f64 + 0.5) * PITCH;
+            if right {
+                Spot { x: from.x + across, y: to.y - along }
+            } else {
+                Spot { x: from.x + along, y: to.y - across }
+            }
+        };
+        if without > 0 {
+            let [a, b] = if right {
+                [Spot { x: from.x, y: to.y - band }, Spot { x: to.x, y: to.y - band }]
+            } else {
+                [Spot { x: from.x + band, y: from.y }, Spot { x: from.x + band, y: to.y }]
+            };
+            pen.rule(a, b, GRID)?;
+        }
+        pen.frame(from, to)?;
+        let (label, anchor) = if right {
+            (Spot { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
+        } else {
+            (Spot { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
+        };
+        pen.write(&self.strip.label, LETTERS[2], label, anchor)?;
+        let mut lower = Lanes::new(self.lanes, [0.0, band]);
+        let mut upper = Lanes::new(self.lanes, [if without > 0 { band } else { 0.0 }, length]);
+        for (mark, place) in places {
+            let (along, lane) = match place {
+                Some(share) => upper.put(share.clamp(0.0, 1.0) * length),
+                None => lower.put(0.0),
+            };
+            let look = Look { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
+            pen.mark(spot(along, lane), look)?;
+        }
+        Ok(())
+    }
+}
+
+/// Lanes side by side, filled with marks that do not cover each other as long as there is room.
+struct Lanes {
+    /// [px] places taken, lane by lane
+    taken: Vec<Vec<f64>>,
+    /// [px] first and last place
+    ends: [f64; 2],
+}
+
+impl Lanes {
+    fn new(count: usize, [low, high]: [f64; 2]) -> Self {
+        let (low, high) = (low + 0.5 * PITCH, high - 0.5 * PITCH);
+        Lanes { taken: vec![Vec::new(); count.max(1)], ends: [low, high.max(low)] }
+    }
+
+    /// The free place nearest to the wanted one, and its lane.
+    fn put(&mut self, wanted: f64) -> (f64, usize) {
+        let [low, high] = self.ends;
+        let wanted = wanted.clamp(low, high);
+        let shifts = (0..=((high - low) / PITCH).ceil() as i32 + 1).flat_map(|k| [f64::from(k), -f64::from(k)]);
+        for along in shifts.map(|k| wanted + k * PITCH).filter(|a| (low - 1e-6..=high + 1e-6).contains(a)) {
+            let free = |taken: &Vec<f64>| taken.iter().all(|t| (t - along).abs() >= PITCH - 1e-6);
+            if let Some((lane, taken)) = self.taken.iter_mut().enumerate().find(|(_, taken)| free(taken)) {
+                taken.push(along);
+                return (along, lane);
+            }
+        }
+        // Full: what is not missing may cover another.
+        (wanted, 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Marks at one place fill the lanes first, then the places next to it; none covers another, none leaves the strip.
+    #[test]
+    fn marks_are_moved_apart() {
+        let mut lanes = Lanes::new(3, [0.0, 120.0]);
+        let first: Vec<_> = (0..3).map(|_| lanes.put(60.0)).collect();
+        assert_eq!(first, [(60.0, 0), (60.0, 1), (60.0, 2)]);
+        let mut all = first;
+        all.extend((0..21).map(|_| lanes.put(60.0)));
+        for (i, a) in all.iter().enumerate() {
+            assert!((6.0..=114.0).contains(&a.0), "{a:?}");
+            for b in &all[..i] {
+                assert!(a.1 != b.1 || (a.0 - b.0).abs() >= PITCH - 1e-6, "{a:?} covers {b:?}");
+            }
+        }
+        assert_eq!(lanes.put(-5.0).0, 6.0, "beyond the end stands at the end");
+    }
+}

@@ -1,0 +1,103 @@
+//! Error against step: which order a method shows, and where it stops being stable.
+
+use super::figure::{Span, nothing, rows, strip, title};
+use super::style::{BLACK, Style, entry};
+use crate::figures::figures;
+use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Side, Stroke};
+use crate::study::plan::Variant;
+use crate::study::row::{Pace, Row};
+use crate::study::runner::Study;
+
+/// Slopes drawn as a guide.
+const SLOPES: [f64; 3] = [1.0, 2.0, 4.0];
+/// A limit or a bound is part of the picture if it is at most so many decades off.
+const FAR: f64 = 1.0;
+
+/// Whether any run took fixed steps.
+pub(super) fn has_runs(study: &Study) -> bool {
+    study.rows.iter().any(|row| step(row).is_some())
+}
+
+fn step(row: &Row) -> Option<f64> {
+    match row.job.pace {
+        Pace::Step(h) => Some(h),
+        Pace::Tolerance(_) => None,
+    }
+}
+
+/// One line a method, the limits of stability as ticks on the lower edge.
+pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
+    let variant = study.plan.variants.get(number);
+    let bound = variant.map_or(0.0, |v| v.reference.error);
+    let place = |row: &Row| Some((step(row)?, row.rank_error(bound)?));
+    let points: Vec<(f64, f64)> = rows(study, number).filter_map(place).collect();
+    let steps = Span::of(rows(study, number).filter_map(step)).unwrap_or(Span::EMPTY);
+    let limits = limits(variant, styles);
+    let x = limits.iter().fold(steps, |span, (_, limit)| span.reaching(*limit, FAR)).with_margin();
+    let y = Span::of(points.iter().map(|p| p.1)).unwrap_or(Span::EMPTY).reaching(bound, FAR).with_margin();
+    let mut lines = Vec::new();
+    let mut notes = Vec::new();
+    if points.is_empty() {
+        notes.push(Note { at: (x.middle(), y.middle()), text: nothing(study), align: Align::Above });
+    } else {
+        guides([x, y], &mut lines, &mut notes);
+    }
+    for style in styles {
+        let own = rows(study, number).filter(|row| row.job.method == style.method);
+        let mut points: Vec<(f64, f64)> = own.filter_map(place).map(|(h, error)| (h, y.held(error))).collect();
+        points.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if !points.is_empty() {
+            lines.push(style.line(Pace::Step(0.0), points));
+        }
+    }
+    if y.has(bound) {
+        let (low, high) = x.ends();
+        let points = vec![(low, bound), (high, bound)];
+        lines.push(Line { points, ..entry("reference", Stroke::Dashed, Marker::None) });
+        let text = format!("reference {}", figures(bound, 2));
+        notes.push(Note { at: (high, bound), text, align: Align::Left });
+    }
+    for (number, (color, limit)) in limits.iter().filter(|(_, limit)| x.has(*limit)).enumerate() {
+        let label = if number == 0 { "stability limit" } else { "" };
+        let points = vec![(*limit, y.ends().0)];
+        lines.push(Line { points, color: Some(*color), ..entry(label, Stroke::None, Marker::Tick) });
+    }
+    Chart {
+        title: title(study, variant, "error against step"),
+        x: Axis { label: "step [s]".to_owned(), scale: Scale::Log, range: Some(x.ends()) },
+        y: Axis { label: "error, relative to the motion [-]".to_owned(), scale: Scale::Log, range: Some(y.ends()) },
+        lines,
+        notes,
+        strip: strip(study, styles, number, Side::Top, |row| {
+            let h = step(row)?;
+            place(row).is_none().then_some(Some(h))
+        }),
+        ..Chart::default()
+    }
+}
+
+/// Colour and critical step of every method that has one.
+fn limits(variant: Option<&Variant>, styles: &[Style]) -> Vec<(usize, f64)> {
+    let limit = |style: &Style| variant?.critical_steps.get(&style.label()).copied();
+    styles.iter().filter_map(|style| Some((style.color, limit(style).filter(|h| *h > 0.0)?))).collect()
+}
+
+/// Straight lines of whole orders through the upper right corner, with their names where they leave the picture.
+fn guides([x, y]: [Span; 2], lines: &mut Vec<Line>, notes: &mut Vec<Note>) {
+    let ((left, right), (bottom, top)) = (x.ends(), y.ends());
+    for slope in SLOPES {
+        let at_left = top * (left / right).powf(slope);
+        let (end, align) = if at_left >= bottom {
+            ((left, at_left), Align::Right)
+        } else {
+            ((right * (bottom / top).powf(1.0 / slope), bottom), Align::Right)
+        };
+        lines.push(Line {
+            points: vec![(right, top), end],
+            stroke: Stroke::Thin,
+            color: Some(BLACK),
+            ..Line::default()
+        });
+        notes.push(Note { at: end, text: format!("slope {slope}"), align });
+    }
+}

@@ -1,0 +1,263 @@
+//! Work-precision diagrams: what an error costs, one line a method.
+
+use super::style::{BLACK, Style, entry, failure, legend, styles};
+use super::{convergence, stiffness};
+use crate::figures::figures;
+use crate::plot::chart::{
+    Align, Axis, Chart, Line, Marker, Note, Scale, Side, Size, Strip, StripMark, Stroke, svg_grid,
+};
+use crate::study::answers::Answers;
+use crate::study::error::StudyError;
+use crate::study::plan::Variant;
+use crate::study::row::{Pace, Row};
+use crate::study::runner::Study;
+
+/// A figure of the report.
+pub(super) struct Figure {
+    /// name of its file
+    pub file: &'static str,
+    /// the picture
+    pub svg: String,
+}
+
+/// What a range of an axis leaves free at either end, in decades, at least.
+const MARGIN: f64 = 0.15;
+/// The reference's error is part of the picture if it is at most so many decades off.
+const FAR: f64 = 2.0;
+/// Runs without a result that were cheaper than all others by more than so many decades stand at the lower end.
+const CHEAP: f64 = 1.0;
+/// Longest title.
+const LONGEST: usize = 60;
+/// [px] Height an entry of the legend needs, and what is around the legend.
+const LEGEND: [u32; 2] = [22, 64];
+
+/// All figures a study has.
+///
+/// # Errors
+/// The drawing library's.
+pub(super) fn all(study: &Study, answers: &Answers) -> Result<Vec<Figure>, StudyError> {
+    let styles = styles(study);
+    let cpu = Cost { label: "processor time [s]", of: |row| row.cpu_seconds };
+    let force = Cost {
+        label: "force evaluations",
+        of: |row| Some(row.measured.counters.force_evaluations as f64).filter(|n| *n > 0.0),
+    };
+    let mut made = vec![
+        Figure { file: "tradeoff.svg", svg: picture(study, &styles, |v| work_precision(study, &styles, v, &cpu))? },
+        Figure { file: "work.svg", svg: picture(study, &styles, |v| work_precision(study, &styles, v, &force))? },
+    ];
+    if convergence::has_runs(study) {
+        let svg = picture(study, &styles, |v| convergence::chart(study, &styles, v))?;
+        made.push(Figure { file: "convergence.svg", svg });
+    }
+    if study.plan.variants.len() > 1 {
+        made.push(Figure { file: "stiffness.svg", svg: stiffness::picture(study, answers)? });
+    }
+    Ok(made)
+}
+
+/// One chart a variant, side by side, with the legend of all.
+fn picture(study: &Study, styles: &[Style], chart: impl Fn(usize) -> Chart) -> Result<String, StudyError> {
+    let count = study.plan.variants.len().max(1);
+    let columns = count.min(2);
+    let mut charts: Vec<Chart> = (0..count).map(chart).collect();
+    let rows = charts.len().div_ceil(columns) as u32;
+    if let Some(first) = charts.first_mut() {
+        let mut entries = legend(study, styles);
+        // What a chart itself gives a name stands below.
+        first.lines.sort_by_key(|line| !line.label.is_empty());
+        let own = first.lines.iter().filter(|line| !line.label.is_empty()).count();
+        let needed = LEGEND[0] * (entries.len() + own) as u32 + LEGEND[1];
+        entries.append(&mut first.lines);
+        first.lines = entries;
+        let width = if columns == 1 { 1000 } else { 640 };
+        first.size = Size { width, height: needed.div_ceil(rows).max(if columns == 1 { 620 } else { 440 }) };
+    }
+    Ok(svg_grid(&charts, columns)?)
+}
+
+/// A measure of cost.
+struct Cost {
+    label: &'static str,
+    of: fn(&Row) -> Option<f64>,
+}
+
+/// Rows of a variant.
+pub(super) fn rows(study: &Study, variant: usize) -> impl Iterator<Item = &Row> {
+    study.rows.iter().filter(move |row| row.job.variant == variant)
+}
+
+/// Error against cost.
+fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -> Chart {
+    let variant = study.plan.variants.get(number);
+    let bound = variant.map_or(0.0, |v| v.reference.error);
+    let place = |row: &Row| Some((row.rank_error(bound)?, (cost.of)(row)?));
+    let points: Vec<(f64, f64)> = rows(study, number).filter_map(place).collect();
+    let costs = rows(study, number).filter_map(cost.of).filter(|c| *c > 0.0);
+    let x = Span::of(points.iter().map(|p| p.0)).unwrap_or(Span::EMPTY).reaching(bound, FAR);
+    let y = match Span::of(points.iter().map(|p| p.1)) {
+        Some(span) => costs.fold(span, |span, c| span.reaching(c, CHEAP)),
+        None => Span::of(costs).unwrap_or(Span::EMPTY),
+    };
+    let (x, y) = (x.with_margin(), y.with_margin());
+    let at = |(error, cost): (f64, f64)| (x.held(error), y.held(cost));
+    let mut lines = Vec::new();
+    for style in styles {
+        for pace in [Pace::Step(0.0), Pace::Tolerance(0.0)] {
+            let mut runs: Vec<(f64, (f64, f64))> = rows(study, number)
+                .filter(|row| row.job.method == style.method)
+                .filter_map(|row| Some((same_kind(row.job.pace, pace)?, at(place(row)?))))
+                .collect();
+            runs.sort_by(|a, b| b.0.total_cmp(&a.0));
+            if !runs.is_empty() {
+                lines.push(style.line(pace, runs.into_iter().map(|run| run.1).collect()));
+            }
+        }
+    }
+    if cost.label.starts_with("processor") {
+        lines.push(front(study, number, [x, y], |row| place(row).map(at)));
+    }
+    let mut notes = Vec::new();
+    lines.extend(reference(bound, [x, y], &mut notes));
+    if points.is_empty() {
+        notes.push(Note { at: (x.middle(), y.middle()), text: nothing(study), align: Align::Above });
+    }
+    Chart {
+        title: title(study, variant, "what accuracy costs"),
+        x: Axis { label: "error, relative to the motion [-]".to_owned(), scale: Scale::Log, range: Some(x.ends()) },
+        y: Axis { label: cost.label.to_owned(), scale: Scale::Log, range: Some(y.ends()) },
+        lines,
+        notes,
+        strip: strip(study, styles, number, Side::Right, |row| place(row).is_none().then(|| (cost.of)(row))),
+        ..Chart::default()
+    }
+}
+
+/// The step or tolerance of a run if it is of the same kind as another one's.
+pub(super) fn same_kind(pace: Pace, kind: Pace) -> Option<f64> {
+    match (pace, kind) {
+        (Pace::Step(h), Pace::Step(_)) => Some(h),
+        (Pace::Tolerance(t), Pace::Tolerance(_)) => Some(t),
+        _ => None,
+    }
+}
+
+/// The front as a staircase: the least that an error costs.
+fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> Option<(f64, f64)>) -> Line {
+    let mut front: Vec<(f64, f64)> = rows(study, number).filter(|row| row.pareto).filter_map(at).collect();
+    front.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (error, cost) in front {
+        let from = points.last().map_or(x.ends().1, |last| last.0);
+        points.extend([(from, cost), (error, cost)]);
+    }
+    points.extend(points.last().map(|last| (last.0, y.ends().1)));
+    Line { points, ..entry("Pareto front", Stroke::Thin, Marker::None) }
+}
+
+/// The bound below which nothing is ranked, and its name.
+fn reference(error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> Option<Line> {
+    if error <= 0.0 {
+        return None;
+    }
+    let text = format!("reference {}", figures(error, 2));
+    let (low, high) = y.ends();
+    if !x.has(error) {
+        let text = format!("← {text}");
+        notes.push(Note { at: (x.ends().0, low), text, align: Align::Right });
+        return None;
+    }
+    notes.push(Note { at: (error, low), text, align: Align::Right });
+    Some(Line { points: vec![(error, low), (error, high)], ..entry("reference", Stroke::Dashed, Marker::None) })
+}
+
+/// All runs of a variant that have no place in its chart; `at` says so, and which place they have along the strip.
+pub(super) fn strip(
+    study: &Study,
+    styles: &[Style],
+    number: usize,
+    side: Side,
+    at: impl Fn(&Row) -> Option<Option<f64>>,
+) -> Option<Strip> {
+    let mark = |row: &Row| {
+        let color = styles.iter().find(|s| s.method == row.job.method).map_or(BLACK, |s| s.color);
+        let marker = failure(row.measured.status).unwrap_or(Marker::Cross);
+        Some(StripMark { at: at(row)?.filter(|at| *at > 0.0), marker, color })
+    };
+    let marks: Vec<StripMark> = rows(study, number).filter_map(mark).collect();
+    (!marks.is_empty()).then(|| Strip { side, label: "no result".to_owned(), marks })
+}
+
+/// The case's name, the variant's factor, and what is shown.
+pub(super) fn title(study: &Study, variant: Option<&Variant>, what: &str) -> String {
+    // XML has no place for these.
+    let plain = |c: char| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c };
+    let mut name: String = study.plan.name.chars().map(plain).take(LONGEST).collect();
+    if study.plan.name.chars().count() > LONGEST {
+        name.push('…');
+    }
+    match variant.map(|v| v.stiffness_factor).filter(|_| study.plan.variants.len() > 1) {
+        Some(factor) => format!("{name}, {} × the stiffness", figures(factor, 4)),
+        None => format!("{name}: {what}"),
+    }
+}
+
+/// What a chart without points says.
+pub(super) fn nothing(study: &Study) -> String {
+    if study.rows.is_empty() { "no runs".to_owned() } else { "no run reached its end".to_owned() }
+}
+
+/// A range of a logarithmic axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    /// logarithm of the lower end
+    low: f64,
+    /// logarithm of the upper end
+    high: f64,
+}
+
+impl Span {
+    /// For axes without a number.
+    pub(super) const EMPTY: Span = Span { low: -6.0, high: 0.0 };
+
+    /// Around numbers above 0; nothing for none.
+    pub(super) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
+        logs.fold(None, |span, v| match span {
+            None => Some(Span { low: v, high: v }),
+            Some(Span { low, high }) => Some(Span { low: low.min(v), high: high.max(v) }),
+        })
+    }
+
+    /// Wide enough for another number, unless that is more than `far` decades off.
+    pub(super) fn reaching(self, value: f64, far: f64) -> Self {
+        let v = value.log10();
+        if !v.is_finite() || v < self.low - far || v > self.high + far {
+            return self;
+        }
+        Span { low: self.low.min(v), high: self.high.max(v) }
+    }
+
+    pub(super) fn with_margin(self) -> Self {
+        let margin = (0.04 * (self.high - self.low)).max(MARGIN);
+        Span { low: self.low - margin, high: self.high + margin }
+    }
+
+    /// A number, or the nearest end for one that is off the axis.
+    pub(super) fn held(self, value: f64) -> f64 {
+        let (low, high) = self.ends();
+        if value > low { value.min(high) } else { low }
+    }
+
+    pub(super) fn has(self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value.log10())
+    }
+
+    pub(super) fn ends(self) -> (f64, f64) {
+        (10f64.powf(self.low), 10f64.powf(self.high))
+    }
+
+    pub(super) fn middle(self) -> f64 {
+        10f64.powf(f64::midpoint(self.low, self.high))
+    }
+}

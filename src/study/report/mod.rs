@@ -1,0 +1,76 @@
+//! What a study leaves for its reader: tables, figures, and one page with all of it.
+//!
+//! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine differs from
+//! one machine and day to the next.
+
+mod case;
+mod convergence;
+mod csv;
+mod figure;
+mod json;
+mod machine;
+mod page;
+mod stiffness;
+mod style;
+mod table;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use machine::{Machine, Rerun};
+
+use super::answers::Answers;
+use super::error::StudyError;
+use super::runner::Study;
+use super::store::system;
+use crate::output::atomic::{Durability, replace};
+
+/// All files a report may have; those that a study has nothing for are removed, lest they tell of an earlier one.
+const FILES: [&str; 8] = [
+    "tradeoff.csv",
+    "tradeoff.json",
+    "tradeoff.svg",
+    "work.svg",
+    "convergence.svg",
+    "stiffness.csv",
+    "stiffness.svg",
+    "tradeoff.html",
+];
+
+/// Writes the report of a study into a folder; returns the files.
+///
+/// # Errors
+/// A picture or a page that cannot be made, or the system's answer.
+pub fn write(out: &Path, study: &Study, answers: &Answers, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
+    let figures = figure::all(study, answers)?;
+    let mut made: Vec<(&str, String)> = vec![
+        ("tradeoff.csv", csv::tradeoff(study)?),
+        ("tradeoff.json", json::tradeoff(study, answers, how)?),
+        ("tradeoff.html", page::html(study, answers, how, &figures)?),
+    ];
+    if study.plan.variants.len() > 1 {
+        made.push(("stiffness.csv", csv::stiffness(answers)));
+    }
+    made.extend(figures.into_iter().map(|figure| (figure.file, figure.svg)));
+    fs::create_dir_all(out).map_err(|e| system(out, e))?;
+    let mut written = Vec::with_capacity(made.len());
+    for file in FILES {
+        let path = out.join(file);
+        match made.iter().find(|(name, _)| *name == file) {
+            Some((_, content)) => {
+                replace(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
+                written.push(path);
+            }
+            None => remove(&path)?,
+        }
+    }
+    Ok(written)
+}
+
+fn remove(path: &Path) -> Result<(), StudyError> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(path, e)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,123 @@
+//! How a method looks in all figures of a study.
+//!
+//! Its family is told by the shape of its marks: discs and triangles for explicit methods, stars for those without a matrix, squares and
+//! diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed lines with open ones.
+
+use crate::case::schema::Method;
+use crate::integrate::registry::Family;
+use crate::plot::chart::{Line, Marker, Stroke};
+use crate::study::row::{Pace, RowStatus, label};
+use crate::study::runner::Study;
+
+/// Colours of the palette that methods take in turn; the last one, black, is left for what is no method.
+const COLORS: usize = 6;
+/// Black.
+pub(super) const BLACK: usize = 6;
+/// All families, in the order of the legend.
+const FAMILIES: [(Family, &str); 3] =
+    [(Family::Explicit, "explicit"), (Family::MatrixFree, "matrix-free"), (Family::Implicit, "implicit")];
+
+/// The look of a method.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Style {
+    pub method: Method,
+    pub family: Family,
+    /// number in the palette
+    pub color: usize,
+    /// marks of runs with fixed and with adaptive steps
+    markers: [Marker; 2],
+}
+
+impl Style {
+    pub(super) fn label(&self) -> String {
+        label(&self.method)
+    }
+
+    /// A line of it, without a name.
+    pub(super) fn line(&self, pace: Pace, points: Vec<(f64, f64)>) -> Line {
+        let (stroke, marker) = match pace {
+            Pace::Step(_) => (Stroke::Normal, self.markers[0]),
+            Pace::Tolerance(_) => (Stroke::Dashed, self.markers[1]),
+        };
+        Line { points, stroke, marker, color: Some(self.color), ..Line::default() }
+    }
+}
+
+/// One style a method, family by family, in the order of the plan.
+pub(super) fn styles(study: &Study) -> Vec<Style> {
+    let mut styles: Vec<Style> = Vec::new();
+    for (family, _) in FAMILIES {
+        let first = styles.len();
+        for row in study.rows.iter().filter(|row| row.family == family) {
+            if styles.iter().all(|style| style.method != row.job.method) {
+                let (number, turn) = (styles.len(), (styles.len() - first) / COLORS);
+                let method = row.job.method.clone();
+                styles.push(Style { method, family, color: number % COLORS, markers: markers(family, turn) });
+            }
+        }
+    }
+    styles
+}
+
+/// A family has as many shapes as it takes turns through the colours.
+fn markers(family: Family, turn: usize) -> [Marker; 2] {
+    let explicit = [
+        [Marker::Dot, Marker::Ring],
+        [Marker::Triangle, Marker::OpenTriangle],
+        [Marker::TriangleDown, Marker::OpenTriangleDown],
+    ];
+    let implicit = [[Marker::Square, Marker::OpenSquare], [Marker::Diamond, Marker::OpenDiamond]];
+    let shapes: &[[Marker; 2]] = match family {
+        Family::Explicit => &explicit,
+        Family::MatrixFree => &[[Marker::Star, Marker::OpenStar]],
+        Family::Implicit => &implicit,
+    };
+    shapes.get(turn % shapes.len().max(1)).copied().unwrap_or_default()
+}
+
+/// The mark of a run without a result. `None` for one that has a result.
+pub(super) fn failure(status: RowStatus) -> Option<Marker> {
+    match status {
+        RowStatus::Completed => None,
+        RowStatus::Diverged => Some(Marker::Cross),
+        RowStatus::NotConverged => Some(Marker::Plus),
+        RowStatus::Refused => Some(Marker::Tick),
+        RowStatus::NotRun => Some(Marker::Bar),
+    }
+}
+
+/// Entries of the legend: every method under its family, then what the marks mean. They hold no points.
+pub(super) fn legend(study: &Study, styles: &[Style]) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (family, name) in FAMILIES {
+        let members: Vec<&Style> = styles.iter().filter(|style| style.family == family).collect();
+        if !members.is_empty() {
+            lines.push(entry(name, Stroke::None, Marker::None));
+        }
+        for style in members {
+            let runs = || study.rows.iter().filter(|row| row.job.method == style.method);
+            let only_adaptive = runs().all(|row| matches!(row.job.pace, Pace::Tolerance(_)));
+            let pace = if only_adaptive { Pace::Tolerance(0.0) } else { Pace::Step(0.0) };
+            lines.push(Line { label: style.label(), ..style.line(pace, Vec::new()) });
+        }
+    }
+    let has = |of: fn(&Pace) -> bool| study.rows.iter().any(|row| of(&row.job.pace));
+    lines.push(entry("runs", Stroke::None, Marker::None));
+    if has(|pace| matches!(pace, Pace::Step(_))) {
+        lines.push(entry("fixed steps", Stroke::Normal, Marker::Dot));
+    }
+    if has(|pace| matches!(pace, Pace::Tolerance(_))) {
+        lines.push(entry("adaptive steps", Stroke::Dashed, Marker::Ring));
+    }
+    for status in [RowStatus::Diverged, RowStatus::NotConverged, RowStatus::Refused, RowStatus::NotRun] {
+        if study.rows.iter().any(|row| row.measured.status == status) {
+            lines.push(entry(&status.word().replace('-', " "), Stroke::None, failure(status).unwrap_or_default()));
+        }
+    }
+    lines
+}
+
+/// A black entry without points.
+pub(super) fn entry(label: &str, stroke: Stroke, marker: Marker) -> Line {
+    Line { label: label.to_owned(), stroke, marker, color: Some(BLACK), ..Line::default() }
+}
