@@ -55,6 +55,8 @@ pub enum Align {
     Right,
     /// to its left, a little above
     Left,
+    /// to its right, a little below
+    RightBelow,
     /// centred above it
     Above,
 }
@@ -144,6 +146,8 @@ pub enum Stroke {
     None,
     /// hair lines, for bundles of many
     Thin,
+    /// a full line that is thinner than the usual one: fronts and guides
+    Fine,
     /// the usual line
     #[default]
     Normal,

@@ -94,6 +94,7 @@ fn draw_note(pen: &Pen<'_>, note: &Note, canvas: &Canvas) -> Result<(), PlotErro
     let (x, y, anchor) = match note.align {
         Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
         Align::Left => (x - 5.0, y - 9.0, Anchor::End),
+        Align::RightBelow => (x + 5.0, y + 10.0, Anchor::Start),
         Align::Above => (x, y - 4.0, Anchor::Above),
     };
     pen.write(&note.text, LETTERS[2], Spot { x, y }, anchor)

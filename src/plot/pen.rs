@@ -135,6 +135,7 @@ impl<'a> Pen<'a> {
         let (width, alpha) = match look.stroke {
             Stroke::None => return Ok(()),
             Stroke::Thin => (7, 0.6),
+            Stroke::Fine => (10, 1.0),
             Stroke::Dashed => (16, 1.0),
             Stroke::Normal => ((look.width * FINE).round() as u32, 1.0),
         };
@@ -160,7 +161,7 @@ impl<'a> Pen<'a> {
                 self.stroke(spot, [(0.0, -0.55), (0.0, 0.55)], ink)
             }
             Marker::Tick => self.stroke(spot, [(0.0, -0.6), (0.0, 0.6)], ink),
-            Marker::Bar => self.stroke(spot, [(-0.55, 0.0), (0.55, 0.0)], ink),
+            Marker::Bar => self.stroke(spot, [(-0.4, 0.0), (0.4, 0.0)], ink),
             Marker::Square | Marker::OpenSquare => self.shape(spot, &SQUARE, look),
             Marker::Triangle | Marker::OpenTriangle => self.shape(spot, &TRIANGLE, look),
             Marker::TriangleDown | Marker::OpenTriangleDown => self.shape(spot, &TRIANGLE.map(|(x, y)| (x, -y)), look),

@@ -123,7 +123,10 @@ impl Lanes {
         let shifts = (0..=((high - low) / PITCH).ceil() as i32 + 1).flat_map(|k| [f64::from(k), -f64::from(k)]);
         for along in shifts.map(|k| wanted + k * PITCH).filter(|a| (low - 1e-6..=high + 1e-6).contains(a)) {
             let free = |taken: &Vec<f64>| taken.iter().all(|t| (t - along).abs() >= PITCH - 1e-6);
-            if let Some((lane, taken)) = self.taken.iter_mut().enumerate().find(|(_, taken)| free(taken)) {
+            // From the middle outwards: few marks stand clear of the frame.
+            let middle = self.taken.len().saturating_sub(1) as i64;
+            let lanes = self.taken.iter_mut().enumerate().filter(|(_, taken)| free(taken));
+            if let Some((lane, taken)) = lanes.min_by_key(|(lane, _)| (2 * *lane as i64 - middle).abs()) {
                 taken.push(along);
                 return (along, lane);
             }
@@ -142,7 +145,7 @@ mod tests {
     fn marks_are_moved_apart() {
         let mut lanes = Lanes::new(3, [0.0, 120.0]);
         let first: Vec<_> = (0..3).map(|_| lanes.put(60.0)).collect();
-        assert_eq!(first, [(60.0, 0), (60.0, 1), (60.0, 2)]);
+        assert_eq!(first, [(60.0, 1), (60.0, 0), (60.0, 2)]);
         let mut all = first;
         all.extend((0..21).map(|_| lanes.put(60.0)));
         for (i, a) in all.iter().enumerate() {

@@ -88,7 +88,7 @@ fn guides([x, y]: [Span; 2], lines: &mut Vec<Line>, notes: &mut Vec<Note>) {
     for slope in SLOPES {
         let at_left = top * (left / right).powf(slope);
         let (end, align) = if at_left >= bottom {
-            ((left, at_left), Align::Right)
+            ((left, at_left), Align::RightBelow)
         } else {
             ((right * (bottom / top).powf(1.0 / slope), bottom), Align::Right)
         };

@@ -24,7 +24,7 @@ pub(super) struct Figure {
 const MARGIN: f64 = 0.15;
 /// The reference's error is part of the picture if it is at most so many decades off.
 const FAR: f64 = 2.0;
-/// Runs without a result that were cheaper than all others by more than so many decades stand at the lower end.
+/// Runs without a result whose cost is more than so many decades off that of all others stand at the end of the axis.
 const CHEAP: f64 = 1.0;
 /// Longest title.
 const LONGEST: usize = 60;
@@ -37,9 +37,10 @@ const LEGEND: [u32; 2] = [22, 64];
 /// The drawing library's.
 pub(super) fn all(study: &Study, answers: &Answers) -> Result<Vec<Figure>, StudyError> {
     let styles = styles(study);
-    let cpu = Cost { label: "processor time [s]", of: |row| row.cpu_seconds };
+    let cpu = Cost { label: "processor time [s]", ranked: true, of: |row| row.cpu_seconds };
     let force = Cost {
         label: "force evaluations",
+        ranked: false,
         of: |row| Some(row.measured.counters.force_evaluations as f64).filter(|n| *n > 0.0),
     };
     let mut made = vec![
@@ -79,6 +80,8 @@ fn picture(study: &Study, styles: &[Style], chart: impl Fn(usize) -> Chart) -> R
 /// A measure of cost.
 struct Cost {
     label: &'static str,
+    /// whether the Pareto front is that of this cost
+    ranked: bool,
     of: fn(&Row) -> Option<f64>,
 }
 
@@ -96,7 +99,9 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
     let costs = rows(study, number).filter_map(cost.of).filter(|c| *c > 0.0);
     let x = Span::of(points.iter().map(|p| p.0)).unwrap_or(Span::EMPTY).reaching(bound, FAR);
     let y = match Span::of(points.iter().map(|p| p.1)) {
-        Some(span) => costs.fold(span, |span, c| span.reaching(c, CHEAP)),
+        Some(span) => {
+            costs.fold(span, |wide, c| if span.reaching(c, CHEAP).has(c) { wide.reaching(c, FAR) } else { wide })
+        }
         None => Span::of(costs).unwrap_or(Span::EMPTY),
     };
     let (x, y) = (x.with_margin(), y.with_margin());
@@ -114,8 +119,8 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
             }
         }
     }
-    if cost.label.starts_with("processor") {
-        lines.push(front(study, number, [x, y], |row| place(row).map(at)));
+    if cost.ranked {
+        lines.extend(front(study, number, [x, y], |row| place(row).map(at)));
     }
     let mut notes = Vec::new();
     lines.extend(reference(bound, [x, y], &mut notes));
@@ -143,7 +148,7 @@ pub(super) fn same_kind(pace: Pace, kind: Pace) -> Option<f64> {
 }
 
 /// The front as a staircase: the least that an error costs.
-fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> Option<(f64, f64)>) -> Line {
+fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> Option<(f64, f64)>) -> Option<Line> {
     let mut front: Vec<(f64, f64)> = rows(study, number).filter(|row| row.pareto).filter_map(at).collect();
     front.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut points: Vec<(f64, f64)> = Vec::new();
@@ -151,8 +156,9 @@ fn front(study: &Study, number: usize, [x, y]: [Span; 2], at: impl Fn(&Row) -> O
         let from = points.last().map_or(x.ends().1, |last| last.0);
         points.extend([(from, cost), (error, cost)]);
     }
-    points.extend(points.last().map(|last| (last.0, y.ends().1)));
-    Line { points, ..entry("Pareto front", Stroke::Thin, Marker::None) }
+    let last = points.last()?.0;
+    points.push((last, y.ends().1));
+    Some(Line { points, ..entry("Pareto front", Stroke::Fine, Marker::None) })
 }
 
 /// The bound below which nothing is ranked, and its name.
@@ -245,8 +251,9 @@ impl Span {
 
     /// A number, or the nearest end for one that is off the axis.
     pub(super) fn held(self, value: f64) -> f64 {
-        let (low, high) = self.ends();
-        if value > low { value.min(high) } else { low }
+        // A hair inside, where rounding does not lose it.
+        let hair = 1e-9 * (self.high - self.low);
+        10f64.powf(value.log10().max(self.low + hair).min(self.high - hair))
     }
 
     pub(super) fn has(self, value: f64) -> bool {

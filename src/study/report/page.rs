@@ -113,7 +113,7 @@ fn section(study: &Study, answers: &Answers, number: usize, variant: &Variant) -
     };
     let account = &variant.reference;
     let reference = Reference {
-        how: sentence(&account.how),
+        how: format!("By {}.", account.how),
         error: short(account.error, 2),
         error_max: short(account.error_max, 2),
         cost: work(&account.counters, account.cpu_seconds),
@@ -195,7 +195,7 @@ fn caption(file: &str) -> &'static str {
              matrices: compare methods of one family."
         }
         "convergence.svg" => {
-            "Error against step, for fixed steps. Thin lines have slopes 1, 2 and 4, the orders of methods. Ticks on the lower edge \
+            "Error against step, for fixed steps. Grey lines have slopes 1, 2 and 4, the orders of methods. Ticks on the lower edge \
              are the stability limits at the start of the run, in the colour of their methods. Runs without a result stand in the \
              strip above, at their step."
         }

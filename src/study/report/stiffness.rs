@@ -34,13 +34,14 @@ pub(super) fn picture(study: &Study, answers: &Answers) -> Result<String, StudyE
             ..entry("", Stroke::None, Marker::Star)
         }));
     }
+    let crossed = lines.iter().any(|line: &Line| line.marker == Marker::Star);
     let notes = if lines.is_empty() {
         let text = "no accuracy was reached at any stiffness".to_owned();
         vec![Note { at: (x.middle(), y.middle()), text, align: Align::Above }]
     } else {
         lines.push(entry("explicit", Stroke::Normal, Marker::Dot));
         lines.push(entry("implicit", Stroke::Dashed, Marker::OpenSquare));
-        lines.push(entry("equal cost", Stroke::None, Marker::Star));
+        lines.extend(crossed.then(|| entry("equal cost", Stroke::None, Marker::Star)));
         Vec::new()
     };
     Ok(svg(&Chart {
