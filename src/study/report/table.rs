@@ -78,15 +78,9 @@ pub(super) fn runs(study: &Study) -> Result<Table, StudyError> {
     if noted {
         head.push(Head { name: "note", title: "why, and what to do" });
     }
-    let first = |row: &Row| study.rows.iter().position(|other| other.job.method == row.job.method);
-    let pace = |row: &Row| match row.job.pace {
-        Pace::Step(h) => (0, h),
-        Pace::Tolerance(t) => (1, t),
-    };
-    let mut sorted: Vec<(usize, Option<usize>, (u8, f64), &Row)> =
-        study.rows.iter().map(|row| (row.job.variant, first(row), pace(row), row)).collect();
-    sorted.sort_by(|a, b| (a.0, a.1, a.2.0).cmp(&(b.0, b.1, b.2.0)).then_with(|| b.2.1.total_cmp(&a.2.1)));
-    let rows = sorted.into_iter().map(|(.., row)| {
+    let mut sorted: Vec<(Place, &Row)> = study.rows.iter().map(|row| (Place::of(study, row), row)).collect();
+    sorted.sort_by(|(a, _), (b, _)| a.group.cmp(&b.group).then_with(|| b.pace.total_cmp(&a.pace)));
+    let rows = sorted.into_iter().map(|(_, row)| {
         let mut cells = Vec::new();
         if sweep {
             cells.push(number(study.plan.variant_of(&row.job).map(|v| v.stiffness_factor), 4));
@@ -104,6 +98,25 @@ pub(super) fn runs(study: &Study) -> Result<Table, StudyError> {
     });
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
     Ok(Table { head, rows })
+}
+
+/// Where a run stands in the table.
+struct Place {
+    /// variant, method, and whether steps are adaptive
+    group: (usize, usize, bool),
+    /// step or tolerance
+    pace: f64,
+}
+
+impl Place {
+    fn of(study: &Study, row: &Row) -> Self {
+        let method = study.rows.iter().position(|other| other.job.method == row.job.method).unwrap_or(0);
+        let (adaptive, pace) = match row.job.pace {
+            Pace::Step(h) => (false, h),
+            Pace::Tolerance(t) => (true, t),
+        };
+        Place { group: (row.job.variant, method, adaptive), pace }
+    }
 }
 
 fn cells(row: &Row) -> Result<[Cell; COLUMNS.len()], StudyError> {
