@@ -3,6 +3,7 @@
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
 use super::plot::PlotArgs;
+use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -22,6 +23,12 @@ pub enum Command {
     Solve(SolveArgs),
     /// Solve nothing: show all faults, what is modelled, and the critical step of every method
     Check(CaseArgs),
+    /// Measure what accuracy costs: methods times steps against a reference whose own error is known
+    ///
+    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. Without any choice, steps are
+    /// laid around each explicit method's critical step and around the periods of the scene for implicit ones. A study that
+    /// was stopped goes on when the same command is given again; finished runs are never made again.
+    Tradeoff(TradeoffArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
     /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from
@@ -111,7 +118,7 @@ fn both(relative: &str) -> String {
     }
 }
 
-fn key_value(text: &str) -> Result<(String, String), String> {
+pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
         _ => Err("expected KEY=VALUE, e.g. time.step=1e-3".to_owned()),

@@ -12,6 +12,7 @@ use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::SetupError;
+use crate::study::StudyError;
 use std::io::ErrorKind;
 
 /// Any failure of a command.
@@ -50,6 +51,9 @@ pub enum CliError {
     /// Results cannot be read or drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// A study cannot go on.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// An example case cannot be written.
     #[error(transparent)]
     Init(#[from] InitError),
@@ -67,6 +71,7 @@ impl CliError {
             CliError::Folder(_) => 2,
             CliError::Mesh(e) => e.exit_status(),
             CliError::Plot(e) => e.exit_status(),
+            CliError::Study(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,

@@ -6,6 +6,7 @@ mod doubts;
 mod error;
 mod farthest;
 pub mod init;
+mod interrupt;
 pub mod mesh;
 mod methods;
 pub mod plot;
@@ -14,6 +15,7 @@ mod resume;
 pub mod schema;
 mod solve;
 mod stiffening;
+pub mod tradeoff;
 
 pub use args::{Args, CaseArgs, Command, SolveArgs};
 pub use error::CliError;
@@ -76,6 +78,7 @@ fn dispatch(command: &Command) -> Result<Finished, CliError> {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
+        Command::Tradeoff(args) => tradeoff::run(args),
         Command::Plot(args) => plot::run(args).map(done),
         Command::Methods => Ok(done(methods::run())),
         Command::Schema => Ok(done(schema::run() + "\n")),

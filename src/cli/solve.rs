@@ -2,6 +2,7 @@
 
 use super::doubts::{check_solver, disk_doubt, limit_at_start, step_doubt, worth};
 use super::farthest::Farthest;
+use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, Progress};
 use super::resume::{self, Earlier};
 use super::stiffening::{Least, Stiffening, Watched};
@@ -28,12 +29,7 @@ use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
-/// Interrupts closer than this are one.
-const SAME_INTERRUPT: Duration = Duration::from_millis(500);
+use std::sync::atomic::AtomicBool;
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
@@ -174,23 +170,6 @@ fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
 
 /// Sets the flag at the first Ctrl-C; the run then ends after the step it is in. A second Ctrl-C ends the program at once,
 /// unless it follows so closely that it is the same one, passed on by a wrapper.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    let mut first: Option<Instant> = None;
-    let handler = move || {
-        flag.store(true, Ordering::Relaxed);
-        if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
-            std::process::exit(130);
-        }
-    };
-    // Without a handler Ctrl-C still ends the program, only without a summary.
-    if let Err(e) = ctrlc::set_handler(handler) {
-        complain(&format!("warning: Ctrl-C will not be caught: {e}"));
-    }
-    stop
-}
-
 fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",

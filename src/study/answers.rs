@@ -233,7 +233,7 @@ pub fn used(row: &Row) -> String {
 
 fn compare(factor: f64, row: &Row) -> String {
     if factor < TIE {
-        format!("no cheaper than {}", used(row))
+        format!("about as cheap as {}", used(row))
     } else {
         format!("{} times cheaper than {}", figures(factor, 2), used(row))
     }

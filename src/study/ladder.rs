@@ -2,7 +2,7 @@
 //!
 //! Explicit methods: just below their critical step, and halved from there; and once at twice the limit, to show it. Implicit methods:
 //! from a fraction of the period of what moves most, halved until the fastest motion is resolved. Steps are the interval of the
-//! frames over numbers 2^a 5^b, so that they are round and meet the frames.
+//! frames over, or times, numbers 2^a 5^b, so that they are round and meet the frames.
 
 use crate::analysis::critical::Spectrum;
 use crate::integrate::registry::{Family, MethodChoice};
@@ -19,6 +19,8 @@ const OF_PERIOD: f64 = 0.25;
 const STEPS: [usize; 2] = [6, 5];
 /// Steps of an implicit method.
 const IMPLICIT_STEPS: usize = 8;
+/// Share by which a quotient of two times is off.
+const ROUNDING: f64 = 1e-9;
 /// Tolerances tried by methods of order 2 and above.
 pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
@@ -44,21 +46,18 @@ impl Scales {
         Scales { every, end, period, fastest }
     }
 
-    /// [s] The largest step that is not above `wanted` and meets the frames: the interval times 2^a 5^b.
+    /// [s] The largest step that is not above `wanted` and meets the frames: the interval over, or times, a number 2^a 5^b.
     pub fn round(&self, wanted: f64) -> f64 {
         let ratio = wanted / self.every;
         if !(ratio > 0.0 && ratio.is_finite()) {
             return wanted;
         }
-        let mut best: f64 = 0.0;
-        for b in -12..=12 {
-            let five = 5f64.powi(b);
-            let a = ((ratio / five).log2() + 1e-9).floor();
-            best = best.max(five * a.exp2());
+        // Whole numbers, so that the digits of round intervals are kept: 0.02/8 is 0.0025.
+        if ratio < 1.0 - ROUNDING {
+            self.every / regular(1.0 / ratio, Side::Above)
+        } else {
+            self.every * regular(ratio, Side::Below)
         }
-        // Division by a whole number keeps the digits of round intervals: 0.02/8 is 0.0025.
-        let whole = (1.0 / best).round();
-        if best < 1.0 && (whole * best - 1.0).abs() < 1e-9 { self.every / whole } else { self.every * best }
     }
 
     /// [s] Steps for a method, the largest first, each once.
@@ -89,6 +88,25 @@ impl Scales {
     }
 }
 
+/// Which neighbour is wanted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Above,
+    Below,
+}
+
+/// The number 2^a 5^b, a and b at least 0, next to `x` of at least 1.
+fn regular(x: f64, side: Side) -> f64 {
+    let fives = (0..).map(|b| 5f64.powi(b)).take_while(|five| *five <= x * 5.0);
+    let next = |five: f64| {
+        let a = (x / five).log2();
+        let a = if side == Side::Above { (a - ROUNDING).ceil() } else { (a + ROUNDING).floor() };
+        (side == Side::Above || a >= 0.0).then(|| five * a.max(0.0).exp2())
+    };
+    let all = fives.filter_map(next);
+    if side == Side::Above { all.fold(f64::INFINITY, f64::min) } else { all.fold(1.0, f64::max) }
+}
+
 /// 1, 2 and 5 times powers of ten from one number to another, both ends included.
 pub fn series(from: f64, to: f64) -> Vec<f64> {
     let first = from.log10().floor() as i32;
@@ -110,14 +128,21 @@ mod tests {
     #[test]
     fn steps_are_round_and_meet_the_frames() {
         let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
-        let pairs =
-            [(0.0026, 0.0025), (0.0025, 0.0025), (6.2e-4, 5e-4), (0.021, 0.02), (0.09, 0.08), (1e-7, 9.765625e-8)];
+        let pairs = [
+            (0.0026, 0.0025),
+            (0.0025, 0.0025),
+            (6.3e-4, 6.25e-4),
+            (0.021, 0.02),
+            (0.09, 0.08),
+            (0.5, 0.5),
+            (1e-7, 1e-7),
+        ];
         for (wanted, round) in pairs {
             assert_eq!(scales.round(wanted), round, "{wanted}");
         }
         for wanted in [0.3e-5, 1.7e-4, 9.99e-3, 0.0123] {
             let (h, ratio) = (scales.round(wanted), scales.every / scales.round(wanted));
-            assert!(h <= wanted && h > 0.78 * wanted, "{wanted} {h}");
+            assert!(h <= wanted * (1.0 + 1e-9) && h > 0.5 * wanted, "{wanted} {h}");
             assert!((ratio - ratio.round()).abs() < 1e-9, "{wanted} {h}");
         }
     }

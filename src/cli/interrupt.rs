@@ -1,0 +1,27 @@
+//! Ctrl-C: the first asks, the second ends the program at once.
+
+use super::complain;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Interrupts closer than this are one.
+const SAME_INTERRUPT: Duration = Duration::from_millis(500);
+
+/// A flag that Ctrl-C sets.
+pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let mut first: Option<Instant> = None;
+    let handler = move || {
+        flag.store(true, Ordering::Relaxed);
+        if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
+            std::process::exit(130);
+        }
+    };
+    // Without a handler Ctrl-C still ends the program, only without a summary.
+    if let Err(e) = ctrlc::set_handler(handler) {
+        complain(&format!("warning: Ctrl-C will not be caught: {e}"));
+    }
+    stop
+}

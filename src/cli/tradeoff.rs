@@ -1,0 +1,388 @@
+//! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
+
+use super::args::key_value;
+use super::interrupt::stop_on_interrupt;
+use super::{CliError, Finished, complain};
+use crate::case::Case;
+use crate::figures::figures;
+use crate::output::names::file_stem;
+use crate::study::answers::{Answers, unfinished, used};
+use crate::study::plan::{Plan, Planner};
+use crate::study::reference::ALLOWANCE;
+use crate::study::row::{Row, RowStatus};
+use crate::study::store::Store;
+use crate::study::wishes::{Typed, Wishes};
+use crate::study::{Runner, Shard, Study, StudyError, rows_of};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// [s] Budget of a study on one machine, if nobody says.
+const BUDGET: f64 = 120.0;
+/// Share of a budget that the references may take, by nominal figures.
+const FOR_REFERENCES: f64 = 0.5;
+
+/// `tradeoff`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TradeoffArgs {
+    /// Case file (JSON; // comments are allowed); not needed where --out holds a plan
+    #[arg(required_unless_present_any = ["shard", "merge"])]
+    pub case: Option<PathBuf>,
+    /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
+    #[arg(long, value_name = "LIST")]
+    pub methods: Option<String>,
+    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's periods]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub steps: Option<String>,
+    /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are given]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub tolerances: Option<String>,
+    /// Times every run is made; the median counts [default: 3]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: Option<u32>,
+    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given again
+    /// [default: 2min; none for --plan and --shard]
+    #[arg(long, value_name = "TIME", value_parser = budget)]
+    pub budget: Option<Budget>,
+    /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub stiffness_sweep: Option<String>,
+    /// Make the references and the list of runs, and stop there
+    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    pub plan: bool,
+    /// Make one share of the runs of the plan, e.g. 3/8; shares count from 1
+    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
+    pub shard: Option<Shard>,
+    /// Join what shards have left in --out, and in these folders, if they worked elsewhere
+    #[arg(long, value_name = "DIR", num_args = 0..)]
+    pub merge: Option<Vec<PathBuf>>,
+    /// Folder for the results [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End of the simulated time [s]
+    #[arg(long, allow_negative_numbers = true)]
+    pub end: Option<String>,
+    /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Threads of the force passes; counted work and errors are the same for every number
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Replace an earlier study in the folder
+    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    pub force: bool,
+    /// No progress, no warnings, no report
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// [s] Time a study may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// so many seconds
+    Seconds(f64),
+    /// as long as it takes
+    Unlimited,
+}
+
+fn budget(text: &str) -> Result<Budget, String> {
+    let text = text.trim();
+    if text == "none" {
+        return Ok(Budget::Unlimited);
+    }
+    let units = [("min", 60.0), ("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
+    let (number, unit) =
+        units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, *size))).unwrap_or((text, 1.0));
+    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit).filter(|s| *s > 0.0 && s.is_finite());
+    seconds.map(Budget::Seconds).ok_or_else(|| "expected a time such as 60s, 5min or 2h, or none".to_owned())
+}
+
+pub(super) fn run(args: &TradeoffArgs) -> Result<Finished, CliError> {
+    let overrides: Vec<(String, String)> =
+        args.set.iter().cloned().chain(args.end.clone().map(|end| ("time.end".to_owned(), end))).collect();
+    let case =
+        args.case.as_deref().map(|path| Ok::<_, CliError>((path, Case::from_file(path, &overrides)?))).transpose()?;
+    let out = match (&args.out, &case) {
+        (Some(out), _) => out.clone(),
+        (None, Some((_, case))) => PathBuf::from("out").join(file_stem(&case.problem().name)),
+        (None, None) => {
+            return Err(StudyError::Usage("give the case, or the folder of its study with --out".to_owned()).into());
+        }
+    };
+    if case.is_none() && !overrides.is_empty() {
+        return Err(StudyError::Usage("--set and --end change a case: give the case too".to_owned()).into());
+    }
+    let command = Command { args, out, store_stop: stop_on_interrupt(), started: Instant::now() };
+    command.run(case)
+}
+
+struct Command<'a> {
+    args: &'a TradeoffArgs,
+    out: PathBuf,
+    store_stop: std::sync::Arc<AtomicBool>,
+    started: Instant,
+}
+
+impl Command<'_> {
+    fn run(&self, case: Option<(&Path, Case)>) -> Result<Finished, CliError> {
+        let store = Store::in_folder(&self.out);
+        if self.args.force {
+            store.clear()?;
+        }
+        let line = Line::new(self.args.quiet);
+        let known = store.plan()?;
+        let plan = match (known, case) {
+            (Some(plan), Some((path, case))) => {
+                self.same(&plan, path, &case)?;
+                plan
+            }
+            (Some(plan), None) => plan,
+            (None, Some((path, case))) if self.args.shard.is_none() && self.args.merge.is_none() => {
+                self.plan(path, &case, &store, &line)?
+            }
+            (None, _) => return Err(StudyError::NoPlan(self.out.clone()).into()),
+        };
+        if self.args.plan {
+            return Ok(done(planned(&plan, &store)));
+        }
+        let mut left = BTreeMap::new();
+        match &self.args.merge {
+            Some(folders) => {
+                for folder in folders {
+                    store.take_from(&Store::in_folder(folder), &plan)?;
+                }
+            }
+            None => left = self.make_runs(&plan, &store, &line)?,
+        }
+        line.bar.finish_and_clear();
+        let rows = rows_of(&plan, &store, &left)?;
+        if let Some(shard) = self.args.shard {
+            return Ok(done(if self.args.quiet { String::new() } else { shard_done(shard, &rows, &self.out) }));
+        }
+        let answers = Answers::of(&plan, &rows);
+        let study = Study { plan, rows };
+        let text = if self.args.quiet { String::new() } else { report(&study, &answers) };
+        Ok(done(text))
+    }
+
+    fn wishes(&self, case: &Case) -> Result<Wishes, StudyError> {
+        let a = self.args;
+        let typed = Typed {
+            methods: a.methods.as_deref(),
+            steps: a.steps.as_deref(),
+            tolerances: a.tolerances.as_deref(),
+            repeat: a.repeat,
+            stiffness_sweep: a.stiffness_sweep.as_deref(),
+        };
+        Wishes::of(typed, case.file().study.as_ref())
+    }
+
+    /// [s] what the study may take
+    fn budget(&self, section: Option<f64>) -> Option<f64> {
+        let shared = self.args.plan || self.args.shard.is_some();
+        match self.args.budget {
+            Some(Budget::Seconds(seconds)) => Some(seconds),
+            Some(Budget::Unlimited) => None,
+            None => section.or((!shared).then_some(BUDGET)),
+        }
+    }
+
+    fn plan(&self, path: &Path, case: &Case, store: &Store, line: &Line) -> Result<Plan, CliError> {
+        if !self.args.quiet {
+            case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
+        }
+        let wishes = self.wishes(case)?;
+        let section = case.file().study.as_ref().and_then(|study| study.budget_seconds);
+        let variants = wishes.stiffness_sweep.len().max(1) as f64;
+        let allowance = self.budget(section).map_or(ALLOWANCE, |budget| FOR_REFERENCES * budget / variants);
+        let planner = Planner {
+            case,
+            case_file: path,
+            wishes,
+            threads: usize::from(self.args.threads),
+            allowance,
+            stop: &self.store_stop,
+            tell: &|what| line.tell(what),
+        };
+        let plan = planner.make(|variant, reference| store.keep_reference(variant, reference))?;
+        store.keep_plan(&plan)?;
+        Ok(plan)
+    }
+
+    /// Refuses a folder with the study of another case or with other wishes.
+    fn same(&self, plan: &Plan, path: &Path, case: &Case) -> Result<(), StudyError> {
+        let other = |difference: String| StudyError::OtherStudy { folder: self.out.clone(), difference };
+        if plan.case != case.problem().case_json {
+            return Err(other(format!("its case is not {} as it is now", path.display())));
+        }
+        // A shard or a merge does what was planned; wishes are those of the plan.
+        let asks = self.args.shard.is_none() && self.args.merge.is_none();
+        if asks && plan.asked != self.wishes(case)? {
+            return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
+        }
+        Ok(())
+    }
+
+    fn make_runs(&self, plan: &Plan, store: &Store, line: &Line) -> Result<BTreeMap<String, String>, StudyError> {
+        let section = plan.case.pointer("/study/budget_seconds").and_then(serde_json::Value::as_f64);
+        let deadline = self.budget(section).map(|seconds| self.started + Duration::from_secs_f64(seconds.min(1e9)));
+        let runner = Runner {
+            plan,
+            store,
+            shard: self.args.shard,
+            threads: usize::from(self.args.threads),
+            deadline,
+            interrupt: &self.store_stop,
+            tell: &|number, all, what| line.run(number, all, what),
+        };
+        runner.run()
+    }
+}
+
+fn done(text: String) -> Finished {
+    Finished { text, code: 0 }
+}
+
+/// The progress line on a terminal.
+struct Line {
+    bar: ProgressBar,
+}
+
+impl Line {
+    fn new(quiet: bool) -> Self {
+        let hidden = quiet || !std::io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(500));
+        Line { bar }
+    }
+
+    fn tell(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    fn run(&self, number: usize, all: usize, what: &str) {
+        self.tell(&format!("run {number} of {all}: {what}"));
+    }
+}
+
+fn planned(plan: &Plan, store: &Store) -> String {
+    let mut text = format!("{}: {} runs planned\n", plan.name, plan.jobs.len());
+    references(&mut text, plan);
+    let _ = writeln!(text, "  plan            {}", store.plan_path().display());
+    let out = store.plan_path().parent().and_then(Path::parent).unwrap_or(Path::new("")).display().to_string();
+    let _ = writeln!(
+        text,
+        "  next            canopy-fem tradeoff --out {out} --shard 1/8 ... 8/8, on any machines that share the folder"
+    );
+    let _ = writeln!(text, "                  canopy-fem tradeoff --out {out} --merge");
+    text
+}
+
+fn shard_done(shard: Shard, rows: &[Row], out: &Path) -> String {
+    let finished = rows.iter().filter(|r| r.measured.status != RowStatus::NotRun).count();
+    format!(
+        "shard {}/{} done; {finished} of {} runs of the study are finished in {}\n",
+        shard.part,
+        shard.of,
+        rows.len(),
+        out.display()
+    )
+}
+
+fn references(text: &mut String, plan: &Plan) {
+    for variant in &plan.variants {
+        let account = &variant.reference;
+        let stiff = match variant.stiffness_factor {
+            1.0 => String::new(),
+            factor => format!(" ({factor} times as stiff)"),
+        };
+        let _ = writeln!(
+            text,
+            "  reference{stiff}       {}; they differ by {} of the motion (largest {})",
+            account.how,
+            figures(account.error, 2),
+            figures(account.error_max, 2)
+        );
+    }
+}
+
+/// What a person reads.
+fn report(study: &Study, answers: &Answers) -> String {
+    let Study { plan, rows } = study;
+    let mut text =
+        format!("{}: {} runs to t = {} s", plan.name, rows.len(), plan.variants.first().map_or(0.0, |v| v.end));
+    let ended = unfinished(rows);
+    let _ = writeln!(text, "{}", if ended.is_empty() { String::new() } else { format!("; {ended}") });
+    references(&mut text, plan);
+    for (number, variant) in plan.variants.iter().enumerate() {
+        if plan.variants.len() > 1 {
+            let _ = writeln!(text, "\n  {} times as stiff", variant.stiffness_factor);
+        }
+        front(&mut text, rows, number);
+        text.push('\n');
+        for answer in answers.targets.iter().filter(|a| a.variant == number) {
+            let _ = writeln!(text, "  {}", answer.sentence);
+        }
+        for crossover in answers.crossovers.iter().filter(|c| c.variant == number) {
+            let _ = writeln!(text, "  {}", crossover.sentence);
+        }
+        let _ = writeln!(
+            text,
+            "  nothing is ranked below the reference's error of {}",
+            figures(variant.reference.error, 2)
+        );
+    }
+    for crossover in &answers.stiffness_crossovers {
+        let _ = writeln!(text, "  {}", crossover.sentence);
+    }
+    text
+}
+
+fn front(text: &mut String, rows: &[Row], variant: usize) {
+    let mut front: Vec<&Row> = rows.iter().filter(|r| r.pareto && r.job.variant == variant).collect();
+    front.sort_by(|a, b| b.measured.error.unwrap_or(0.0).total_cmp(&a.measured.error.unwrap_or(0.0)));
+    let _ = writeln!(
+        text,
+        "\n  on the front                               error     largest   CPU [s]   force passes  factorisations"
+    );
+    for row in front {
+        let m = &row.measured;
+        let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.1e}"));
+        let _ = writeln!(
+            text,
+            "  {:<42} {:<9} {:<9} {:<9} {:<13} {}",
+            used(row),
+            number(m.error),
+            number(m.error_max),
+            row.cpu_seconds.map_or_else(String::new, |s| figures(s, 3)),
+            m.counters.force_evaluations,
+            m.counters.factorizations
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_as_typed() {
+        for (text, seconds) in
+            [("60s", 60.0), ("1.5", 1.5), ("5min", 300.0), ("5m", 300.0), ("2h", 7200.0), ("100ms", 0.1)]
+        {
+            assert_eq!(budget(text), Ok(Budget::Seconds(seconds)), "{text}");
+        }
+        assert_eq!(budget("none"), Ok(Budget::Unlimited));
+        for text in ["", "0s", "-1s", "soon", "inf"] {
+            assert!(budget(text).is_err(), "{text}");
+        }
+    }
+}
