@@ -130,6 +130,6 @@ pub fn cloth() -> Vec<Claim> {
     // The few steps of order 4 need a whole swing to come to their size.
     let swinging = changed(&swelling, &[("time.end", "2")]);
     let mut claims = follows(&swelling, "cloth", |method| method.order < 4);
-    claims.extend(follows(&swinging, "cloth", |method| method.order == 4));
+    claims.extend(follows(&swinging, "cloth", |method| method.order >= 4));
     claims
 }
