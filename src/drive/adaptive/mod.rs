@@ -13,7 +13,7 @@
 //! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
 //! three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together may make half of it.
 //!
-//! Steps end at the corners of load and wind tables and at the end of the run, and what was learnt of the motion before
+//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too), and what was learnt of the motion before
 //! a corner is forgotten there.
 
 pub mod controller;
@@ -72,6 +72,8 @@ pub struct AdaptiveState {
 pub struct AdaptiveSpec {
     /// [s] end of the run
     pub end: f64,
+    /// [s] steps end at multiples of this, too, where frames are taken
+    pub frames_every: Option<f64>,
     /// error it may make
     pub tolerance: Tolerance,
     /// [-] order of the scheme with its parameters
@@ -216,6 +218,12 @@ impl Adaptive {
     pub fn next(&self, t: f64) -> Option<Trial> {
         let met = |corner: f64| corner - t <= 4.0 * f64::EPSILON * corner;
         let corner = self.corners.iter().copied().find(|corner| !met(*corner))?;
+        let frame = self.spec.frames_every.and_then(|every| {
+            let passed = (t / every).floor();
+            [1.0, 2.0].map(|more| (passed + more) * every).into_iter().find(|frame| !met(*frame))
+        });
+        // A frame at a corner is that corner, whatever rounding says.
+        let corner = frame.filter(|frame| corner - frame > 4.0 * f64::EPSILON * corner).unwrap_or(corner);
         let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
         if asked >= rest * (1.0 - 1e-9) {
             return Some(Trial { h: rest, t: corner, at_corner: true });
@@ -343,7 +351,7 @@ impl Adaptive {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
         let Guess { bends, most_growth, pair } = guess;
         let moved = motion.bent(bends);
-        let AdaptiveSpec { end: run, tolerance, order, coherent } = self.spec;
+        let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
         let off = moved.deviation(trial.h, &self.error, tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the estimate.
