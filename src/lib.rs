@@ -18,3 +18,4 @@ pub mod plot;
 pub mod scene;
 pub mod simulation;
 pub mod solve;
+pub mod study;
