@@ -10,6 +10,9 @@ use crate::study::trial::cost::{ForceCost, TangentCost};
 use crate::study::trial::estimate::{Basis, Estimate};
 use crate::study::trial::{Forecast, Row};
 
+/// Factors below are within what predictions are worth.
+const TIE: f64 = 1.3;
+
 pub(super) fn describe_forecast(text: &mut String, problem: &Problem, forecast: &Forecast) {
     describe_tangent(text, problem, forecast);
     let own = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
@@ -93,13 +96,17 @@ fn describe_runs(text: &mut String, problem: &Problem, forecast: &Forecast) {
         text.push_str("  (< the case's step is not stable with this method: a smaller one)\n");
     }
     if forecast.methods.iter().any(|row| row.run.is_some_and(|run| run.basis == Basis::Counts)) {
-        text.push_str("  (~ not tried: from the cost of one tangent and iterations counted with another method, or two a step)\n");
+        text.push_str(
+            "  (~ not tried: from the cost of one tangent and iterations counted with another method, or two a step)\n",
+        );
     }
 }
 
 fn run_of(row: &Row) -> String {
     let Some(run) = &row.run else {
-        return row.refused.clone().unwrap_or_else(|| "no prediction".to_owned());
+        // The first clause; the rest of a diagnosis is for those who run it.
+        let why = row.refused.as_deref().unwrap_or("no prediction");
+        return why.split_once("; ").map_or(why, |(first, _)| first).to_owned();
     };
     let Estimate { steps, mean_step, step_seconds, cpu_seconds, basis, .. } = *run;
     let step = match row.step {
@@ -120,9 +127,18 @@ fn describe_advice(text: &mut String, advice: &Advice, seen: f64) {
     let Advice { accuracy, best, runner_up, factor } = advice;
     let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
     if let (Some(other), Some(factor)) = (runner_up, factor) {
-        let _ = write!(text, ", {} times cheaper than {}", figures(*factor, 2), options(other));
+        let than = if *factor < TIE {
+            "about as cheap as".to_owned()
+        } else {
+            format!("{} times cheaper than", figures(*factor, 2))
+        };
+        let _ = write!(text, ", {than} {}", options(other));
     }
-    let part = if seen >= 0.995 { "along the whole run".to_owned() } else { format!("in the first {:.2} % of the run", 100.0 * seen) };
+    let part = if seen >= 0.995 {
+        "along the whole run".to_owned()
+    } else {
+        format!("in the first {:.2} % of the run", 100.0 * seen)
+    };
     let _ = writeln!(text, "\n  (a prediction from short trials {part}; `canopy-fem tradeoff` measures it)");
 }
 

@@ -39,9 +39,13 @@ impl Choice {
     }
 }
 
-/// The cheapest method for an accuracy and the cheapest of the other family; `fixed` predicts a run of a method with a step [s].
+/// [-] What a prediction is uncertain by at least: the case's own method need not be cheaper by that to be taken.
+const NOISE: f64 = 0.1;
+
+/// The cheapest method for an accuracy (or the case's `own`, if it is hardly dearer) and the cheapest of the other family; `fixed` predicts a run of a method with a step [s].
 pub fn advise(
     accuracy: f64,
+    own: &str,
     rows: &[Row],
     candidates: &[Candidate],
     mut fixed: impl FnMut(&str, f64) -> Option<Estimate>,
@@ -49,7 +53,10 @@ pub fn advise(
     let mut cheapest = |implicit: bool| {
         let family = rows.iter().filter(|row| (row.family == Family::Implicit) == implicit);
         let priced = family.filter_map(|row| Some((row, row.at_accuracy?)));
-        let (row, estimate) = priced.min_by(|(_, a), (_, b)| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
+        let cost = |(row, estimate): &(&Row, Estimate)| {
+            estimate.cpu_seconds * if row.method == own { 1.0 - NOISE } else { 1.0 }
+        };
+        let (row, estimate) = priced.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
         let limit = candidates.iter().find(|c| c.method.info.name == row.method).and_then(|c| c.limit);
         let step = match limit {
             Some(limit) if limit.step == 0.0 => None,

@@ -158,7 +158,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         let estimate = trials.predict(candidate, Step::Fixed(step)).ok()?;
         Some(estimate.with_output(output.seconds(estimate.steps)))
     };
-    let advice = advice::advise(accuracy, &methods, candidates, steps);
+    let advice = advice::advise(accuracy, problem.method.info.name, &methods, candidates, steps);
     let seen = trials.seen();
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }

@@ -13,10 +13,10 @@ use crate::scene::Scene;
 
 /// [s] spent on measuring a frame and a row each.
 const BUDGET: f64 = 2e-3;
-/// [s] What making, renaming and listing a file takes the system (measured with 500 frames of a single mass: 60 to 120 us).
-const FILE: f64 = 9e-5;
-/// [s] What handing a row to the writing thread and its share of a write take.
-const ROW: f64 = 1e-6;
+/// [s] What making, renaming and listing a file takes the system (501 frames of a single mass: 0.1 to 0.25 s).
+const FILE: f64 = 3e-4;
+/// [s] What handing a row to the writing thread and its share of a write take (10,000 rows: 0.03 to 0.08 s).
+const ROW: f64 = 4e-6;
 
 /// What results cost.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -20,8 +20,8 @@ use crate::scene::Scene;
 const GROWING: f64 = 1.4;
 /// How many times its allowance a trial may take for steps that still grow.
 const PATIENCE: f64 = 3.0;
-/// Steps that a trial makes even beyond its allowance, if they are adaptive and if they are fixed.
-const LEAST: [u64; 2] = [5, 3];
+/// Steps that a trial makes even beyond its allowance, unless they are so dear that its patience ends.
+const LEAST: u64 = 6;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,7 @@ pub fn sample(
     let mut meter = Meter::new(tried, &stop);
     let outcome = drive::resume(scene, stepper, spec, snapshot, &mut [&mut meter], &stop)?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
-    let sample = meter.sample(tried.step.fixed().is_some());
+    let sample = meter.sample();
     match (outcome.failure, outcome.status) {
         (Some(failure), Status::Diverged | Status::NotConverged) => {
             Err(SampleError::Failed { time: failure.time, cause: failure.cause })
@@ -105,7 +105,7 @@ fn begin(
         Step::Fixed(h) => {
             let clock = FixedSteps::new(h, tried.end);
             // The last step may be cut, and a few before it are to be made.
-            let step = ((from.t / h).round() as u64).min(clock.count().saturating_sub(1 + LEAST[1]));
+            let step = ((from.t / h).round() as u64).min(clock.count().saturating_sub(1 + LEAST));
             (step, if step == 0 { 0.0 } else { clock.tick(step).t })
         }
     };
@@ -113,7 +113,7 @@ fn begin(
     scene.evaluate(at.state.as_ref(), &mut at.forces);
     stepper.start(&at).map_err(RunError::from)?;
     let (ledger, row) = Ledger::open(scene, &at);
-    let watch = *Watch::open(scene, tried.method.info, &row).account();
+    let watch = Watch::open(scene, tried.method.info, &row).account().silent();
     let State { x, v, .. } = at.state;
     let adaptive = from.adaptive.clone().filter(|_| tried.step.fixed().is_none());
     Ok(Snapshot { step, t, x, v, carried: stepper.save(), ledger, row, watch, adaptive, ..Snapshot::default() })
@@ -134,7 +134,7 @@ struct Meter<'a> {
     clock: Clock,
     stop: &'a AtomicBool,
     allowance: f64,
-    least: u64,
+    adaptive: bool,
     /// [s] the step before
     before: f64,
     /// steps after which it is read next
@@ -147,9 +147,8 @@ struct Meter<'a> {
 
 impl<'a> Meter<'a> {
     fn new(tried: Attempted<'_>, stop: &'a AtomicBool) -> Self {
-        let least = LEAST[usize::from(tried.step.fixed().is_some())];
-        let (clock, allowance) = (Clock::default(), tried.allowance);
-        Meter { clock, stop, allowance, least, before: 0.0, next: 1, made: 0, due: true, marks: Vec::new() }
+        let (clock, allowance, adaptive) = (Clock::default(), tried.allowance, tried.step.fixed().is_none());
+        Meter { clock, stop, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, marks: Vec::new() }
     }
 
     fn mark(&mut self, step: u64, t: f64, counters: Counters) {
@@ -158,10 +157,10 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// What the steps cost once the first is over; of adaptive steps the last part, where they have found their size.
-    fn sample(&self, fixed: bool) -> Option<Sample> {
+    /// What the later steps cost: the first ones start from a state of another method, and adaptive steps have yet to find their size.
+    fn sample(&self) -> Option<Sample> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
-        let settled = if fixed { first.step + 1 } else { (first.step + last.step).div_ceil(2) };
+        let settled = (first.step + last.step) / 2;
         let from = self.marks.iter().rev().find(|mark| mark.step <= settled && mark.step < last.step)?;
         let work = |c: Counters| {
             [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
@@ -192,14 +191,14 @@ impl Observer for Meter<'_> {
     fn accepted(&mut self, view: StepView<'_>) -> Result<(), ObserveError> {
         self.made += 1;
         let h = view.to.state.t - view.from.state.t;
-        let grows = self.least == LEAST[0] && h > GROWING * self.before;
+        let grows = self.adaptive && h > GROWING * self.before;
         self.before = h;
         // Reading the clock is as dear as a step of a pendulum: read it less and less often.
         if self.made >= self.next {
             self.due = true;
             self.next = self.made + 1 + self.made / 8;
             let spent = self.marks.first().map_or(0.0, |first| self.clock.seconds() - first.cpu);
-            let over = spent > self.allowance && self.made >= self.least && !grows;
+            let over = spent > self.allowance && self.made >= LEAST && !grows;
             if over || spent > PATIENCE * self.allowance && self.made >= 2 {
                 self.stop.store(true, Ordering::Relaxed);
             }

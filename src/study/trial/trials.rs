@@ -20,7 +20,7 @@ const FAR: f64 = 0.5;
 /// States that a method is tried from.
 const WINDOWS: usize = 3;
 /// [s] What a method may take from one state, with fixed steps and with adaptive ones.
-const ALLOWANCE: [f64; 2] = [0.012, 0.03];
+const ALLOWANCE: [f64; 2] = [0.015, 0.03];
 /// [s] A single Newton iteration, or a hundred force passes, that takes longer is tried from one state only.
 const COSTLY: f64 = 0.03;
 /// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
@@ -88,7 +88,11 @@ impl<'a> Trials<'a> {
         if !tangent.measured || self.learnt[slot].is_some() {
             return self.by_counts(iteration, self.learnt[slot], steps);
         }
-        let count = if iteration.max(tangent.analysis_seconds) > COSTLY { 1 } else { self.windows.len() };
+        let count = match iteration.max(tangent.analysis_seconds) {
+            spent if spent > COSTLY => 1,
+            spent if spent > 0.2 * COSTLY => 2,
+            _ => self.windows.len(),
+        };
         let estimate = self.by_steps(&candidate.method, step, count, steps)?;
         if iteration.max(2.0 * tangent.analysis_seconds) > DEAR {
             self.learnt[slot] = Some(Sample {
@@ -135,7 +139,12 @@ impl<'a> Trials<'a> {
                 let [iterations, passes] = UNTRIED;
                 let seconds = iterations * iteration + (passes - iterations) * self.force.pass_seconds;
                 let simulated = 1.0;
-                Sample { steps: 1.0, simulated, seconds, work: [passes, iterations, iterations, iterations, iterations] }
+                Sample {
+                    steps: 1.0,
+                    simulated,
+                    seconds,
+                    work: [passes, iterations, iterations, iterations, iterations],
+                }
             }
             (None, None) => {
                 return Err(format!(
