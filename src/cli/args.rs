@@ -68,7 +68,7 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub case: CaseArgs,
     /// Accuracy to recommend a method and a step for, relative to the motion, in (0, 1) [default: the case's relative tolerance, else 1e-3]
-    #[arg(long, value_name = "A", value_parser = accuracy, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
     /// Print everything as JSON
     #[arg(long)]

@@ -110,7 +110,7 @@ fn memory_is_predicted_within_a_factor_of_two() {
     let mesh = r#"system.network.mesh={"rectangle": {"width": 1.0, "height": 1.0, "columns": 70, "rows": 70}}"#;
     let (cloth, pendulum) = (cloth(&bench, false), pendulum(&bench));
     for case in [&[cloth][..], &[pendulum], &[cloth, "--set", mesh]] {
-        let case = [case, &["--end", "0.005", "--step", "1e-4"]].concat();
+        let case = [case, &["--end", "3e-4", "--step", "1e-5"]].concat();
         let report = checked(&bench, &case);
         for method in ["velocity-verlet", "newmark"] {
             let more = ["--method", method, "--out", "out", "--force", "--quiet"];
