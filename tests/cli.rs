@@ -4,6 +4,8 @@
 mod adaptive;
 #[path = "cli/bench.rs"]
 mod bench;
+#[path = "cli/check.rs"]
+mod check;
 #[path = "cli/doubts.rs"]
 mod doubts;
 #[path = "cli/failures.rs"]

@@ -86,6 +86,11 @@ impl Assembler {
         &mut self.values[..n]
     }
 
+    /// Number of element blocks that an assembly adds up.
+    pub fn blocks(&self) -> usize {
+        self.emitted.len()
+    }
+
     /// Clears W, adds `mass(dof)` [kg, times its weight] to the diagonal, and returns the sink for the terms.
     pub fn sink(&mut self, mass: impl Fn(usize) -> f64) -> MatrixSink<'_> {
         self.values.fill(0.0);

@@ -21,8 +21,10 @@ pub struct Args {
 pub enum Command {
     /// Integrate a case and write ParaView frames, history, probes and a summary
     Solve(SolveArgs),
-    /// Solve nothing: show all faults, what is modelled, and the critical step of every method
-    Check(CaseArgs),
+    /// Solve nothing: show all faults, what is modelled and what it costs, every method's critical step and run, and what to take
+    ///
+    /// Predictions come from a few seconds of trial steps; nothing is written. `canopy-fem tradeoff` measures what this predicts.
+    Check(CheckArgs),
     /// Measure what accuracy costs: methods times steps against a reference whose own error is known
     ///
     /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. Without any choice, steps are
@@ -64,6 +66,20 @@ pub struct CaseArgs {
     /// Replace any value of the case, e.g. time.step=1e-3 or system.network.springs.0.stiffness=500
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub set: Vec<(String, String)>,
+}
+
+/// `check`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CheckArgs {
+    /// the case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Accuracy to recommend a method and a step for, relative to the motion, in (0, 1) [default: the case's relative tolerance, else 1e-3]
+    #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
+    pub accuracy: Option<f64>,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `solve`.
@@ -115,6 +131,14 @@ fn both(relative: &str) -> String {
     match relative.trim().parse::<f64>() {
         Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", number / 100.0),
         Err(_) => format!("{{\"relative\": {}}}", serde_json::Value::String(relative.to_owned())),
+    }
+}
+
+fn accuracy(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        Ok(number) => Err(format!("{number} is not above 0 and below 1")),
+        Err(_) => Err("expected a number above 0 and below 1, e.g. 1e-3".to_owned()),
     }
 }
 

@@ -1,7 +1,10 @@
-//! `canopy-fem check`: all faults, what is modelled, and every method's critical step, without solving anything.
+//! `canopy-fem check`: all faults, what is modelled and what that costs, every method's critical step and the run it would make, and
+//! what to take for an accuracy; nothing is solved to its end, nothing is written.
 
+use super::check_cost::describe_forecast;
+use super::check_json::Report;
 use super::doubts::{check_solver, disk_doubt, place, step_doubt};
-use super::{CaseArgs, CliError};
+use super::{CheckArgs, CliError, fields};
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
@@ -12,31 +15,61 @@ use crate::model::spec::NetworkSpec;
 use crate::output::names::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
-use crate::solve::solver_for;
+use crate::study::trial::memory::Baseline;
+use crate::study::trial::{Candidate, ForecastSpec, forecast};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-pub(super) fn run(args: &CaseArgs) -> Result<String, CliError> {
-    let (mut problem, source) = Case::from_file(&args.case, &args.overrides())?.split();
+/// Accuracy advised for where neither the command nor the case has one.
+const ACCURACY: f64 = 1e-3;
+
+pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
+    let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
     let system = problem.take_system();
     let mut text = format!("{}: no faults\n", problem.name);
     describe_system(&mut text, &system);
+    // What a network takes is the scene's from here on.
     let scene = build_scene(system, 1)?;
+    let baseline = Baseline::now();
     let scene = &*scene;
     check_solver(&problem, scene, source)?;
     describe_terms(&mut text, scene);
-    describe_cost(&mut text, &problem, scene);
+    describe_method(&mut text, &problem);
     let state = scene.initial_state();
     let mut spectrum = Spectrum::of(scene, state.as_ref());
-    describe_limits(&mut text, &problem, scene, &mut spectrum);
+    let candidates = candidates(&problem, scene, &mut spectrum);
+    let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
+    let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
+    let fields = fields(&problem.output.fields);
+    let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline };
+    let forecast = forecast(&spec);
     let limit = spectrum.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
     let doubts = [step_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
-    for warning in problem.warnings.iter().chain(doubts.iter().flatten()) {
+    let warnings: Vec<String> = problem.warnings.iter().cloned().chain(doubts.into_iter().flatten()).collect();
+    if args.json {
+        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings }.to_json();
+    }
+    describe_forecast(&mut text, &problem, &forecast);
+    describe_limits(&mut text, &problem, scene, &mut spectrum, &candidates);
+    for warning in warnings {
         let _ = writeln!(text, "warning: {warning}");
     }
     Ok(text)
+}
+
+/// Every method, the case's with its own parameters, with its limit at the start.
+fn candidates(problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) -> Vec<Candidate> {
+    let choices = methods().iter().filter_map(|info| match info.name == problem.method.info.name {
+        true => Some(problem.method.clone()),
+        false => MethodChoice::new(info.name, &BTreeMap::new()).ok(),
+    });
+    let mut limit = |method: &MethodChoice| match method.info.family {
+        Family::MatrixFree if scene.abilities().graph.is_none() || scene.velocity_dependent() => None,
+        _ => Some(spectrum.critical_step(method)),
+    };
+    choices.map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
 fn describe_system(text: &mut String, system: &SystemSpec) {
@@ -73,16 +106,11 @@ fn describe_terms(text: &mut String, scene: &dyn Scene) {
     let _ = writeln!(text, "  forces          {}", names.join(", "));
 }
 
-fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
-    let info = problem.method.info;
-    let n = scene.n_dof();
-    // Two states with their forces, split by role where the scene has the role, and the scheme's own vectors.
-    let vectors = if info.family == Family::Implicit { 16 } else { 14 };
-    let mut bytes = 8 * vectors * n;
+fn describe_method(text: &mut String, problem: &Problem) {
     let _ = writeln!(
         text,
         "  method          {}, order {}, {}",
-        info.name,
+        problem.method.info.name,
         problem.method.order(),
         match problem.time.step {
             Step::Fixed(step) => format!("step {} s", figures(step, 12)),
@@ -90,61 +118,30 @@ fn describe_cost(text: &mut String, problem: &Problem, scene: &dyn Scene) {
                 format!("adaptive steps, tolerance {relative:e} of the motion and {absolute:e}"),
         }
     );
-    if info.family == Family::Implicit {
-        let kind = if scene.symmetric() { "symmetric" } else { "not symmetric" };
-        let analysed = scene.assembler().map_err(|e| e.to_string()).and_then(|a| {
-            let solver = solver_for(a.pattern.clone(), problem.solver.linear).map_err(|e| e.to_string())?;
-            Ok((a.pattern.n(), solver.stats()))
-        });
-        match analysed {
-            Ok((unknowns, stats)) => {
-                let factor = match stats.factor_nonzeros {
-                    Some(entries) => format!("{entries} in its factor"),
-                    None => "factor known after the first factorisation".to_owned(),
-                };
-                bytes += 16 * stats.matrix_nonzeros + 8 * stats.factor_nonzeros.unwrap_or(8 * stats.matrix_nonzeros);
-                let _ = writeln!(
-                    text,
-                    "  tangent         {kind}, {unknowns} unknowns, {} entries, {factor}; solver {}",
-                    stats.matrix_nonzeros, stats.name
-                );
-            }
-            Err(why) => {
-                let _ = writeln!(text, "  tangent         {kind}; {why}");
-            }
-        }
-    } else {
-        let _ = writeln!(text, "  tangent         not needed by this method");
-    }
-    let _ = writeln!(text, "  memory          about {:.1} MB without output", bytes as f64 / 1e6);
 }
 
-fn describe_limits(text: &mut String, problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) {
+fn describe_limits(
+    text: &mut String,
+    problem: &Problem,
+    scene: &dyn Scene,
+    spectrum: &mut Spectrum<'_>,
+    candidates: &[Candidate],
+) {
     describe_rates(text, scene, spectrum);
     let _ =
         writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
-    for info in methods() {
-        let choice = if info.name == problem.method.info.name {
-            Some(problem.method.clone())
-        } else {
-            MethodChoice::new(info.name, &BTreeMap::new()).ok()
+    for Candidate { method, limit } in candidates {
+        let name = method.info.name;
+        if method.info.family == Family::MatrixFree && scene.abilities().graph.is_none() {
+            let _ = writeln!(text, "  {name:<20}  needs a network");
+            continue;
+        }
+        let mark = if name == problem.method.info.name { '*' } else { ' ' };
+        let limit = match limit {
+            Some(limit) => describe_limit(*limit, problem.time.step, scene),
+            None => "none for springs; air and dashpots outside the filter: not known".to_owned(),
         };
-        let Some(choice) = choice else { continue };
-        if info.family == Family::MatrixFree && scene.abilities().graph.is_none() {
-            let _ = writeln!(text, "  {:<20}  needs a network", info.name);
-            continue;
-        }
-        let mark = if info.name == problem.method.info.name { '*' } else { ' ' };
-        if info.family == Family::MatrixFree && scene.velocity_dependent() {
-            let _ = writeln!(
-                text,
-                "{mark} {:<20}  none for springs; air and dashpots outside the filter: not known",
-                info.name
-            );
-            continue;
-        }
-        let limit = spectrum.critical_step(&choice);
-        let _ = writeln!(text, "{mark} {:<20}  {}", info.name, describe_limit(limit, problem.time.step, scene));
+        let _ = writeln!(text, "{mark} {name:<20}  {limit}");
     }
     text.push_str(
         "  (* the method of this case; all at t = 0; certified: proved to be no more than the width below the true limit, and not \

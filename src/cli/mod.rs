@@ -2,6 +2,8 @@
 
 mod args;
 mod check;
+mod check_cost;
+mod check_json;
 mod doubts;
 mod error;
 mod farthest;
@@ -17,7 +19,7 @@ mod solve;
 mod stiffening;
 pub mod tradeoff;
 
-pub use args::{Args, CaseArgs, Command, SolveArgs};
+pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
 
 use crate::case::spec::Field;

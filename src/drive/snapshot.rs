@@ -92,7 +92,8 @@ pub struct Resumable<'a> {
     /// the state
     pub at: &'a Point,
     pub(super) row: LedgerRow,
-    pub(super) counters: Counters,
+    /// work done so far
+    pub counters: Counters,
     pub(super) ledger: &'a Ledger,
     pub(super) watch: &'a Account,
     pub(super) failure: Option<&'a Failure>,

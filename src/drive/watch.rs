@@ -66,6 +66,14 @@ pub struct Account {
     doubted: bool,
 }
 
+impl Account {
+    /// The same, but no warning is given (finding its words may cost more than many steps).
+    #[must_use]
+    pub fn silent(self) -> Self {
+        Account { doubted: true, ..self }
+    }
+}
+
 /// Follows a run's account; a few sums a step, and a pass over the nodes where these look wrong.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {

@@ -117,6 +117,10 @@ impl ForceTerm for Air {
         TermInfo { name: "air", role: Role::External }
     }
 
+    fn elements(&self) -> usize {
+        self.0.elements()
+    }
+
     fn velocity_dependent(&self) -> bool {
         true
     }

@@ -98,6 +98,10 @@ impl ForceTerm for AxialDashpots {
         TermInfo { name: "axial dashpots", role: Role::Dissipative }
     }
 
+    fn elements(&self) -> usize {
+        self.0.elements()
+    }
+
     fn velocity_dependent(&self) -> bool {
         true
     }

@@ -79,6 +79,11 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         &self.kernel
     }
 
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.kernel.elements().len()
+    }
+
     /// f += element forces; returns the sum of energies or powers.
     pub fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
         match &threads.0 {

@@ -61,6 +61,10 @@ impl ForceTerm for FollowerPressure {
         TermInfo { name: "follower pressure", role: Role::External }
     }
 
+    fn elements(&self) -> usize {
+        self.0.elements()
+    }
+
     fn velocity_dependent(&self) -> bool {
         false
     }

@@ -26,6 +26,10 @@ impl ForceTerm for Gravity {
         TermInfo { name: "gravity", role: Role::Gravity }
     }
 
+    fn elements(&self) -> usize {
+        self.mass.len()
+    }
+
     fn velocity_dependent(&self) -> bool {
         false
     }

@@ -58,6 +58,9 @@ pub trait ForceTerm: Send + Sync {
     /// Name in reports and role in the ledger.
     fn info(&self) -> TermInfo;
 
+    /// Number of elements (springs, triangles, nodes) that a force pass goes over.
+    fn elements(&self) -> usize;
+
     /// Whether the force depends on velocity.
     fn velocity_dependent(&self) -> bool;
 

@@ -59,6 +59,10 @@ impl ForceTerm for NodalForces {
         TermInfo { name: self.name, role: Role::External }
     }
 
+    fn elements(&self) -> usize {
+        self.nodes.len()
+    }
+
     fn velocity_dependent(&self) -> bool {
         false
     }

@@ -26,6 +26,10 @@ impl ForceTerm for RayleighMass {
         TermInfo { name: "rayleigh mass damping", role: Role::Dissipative }
     }
 
+    fn elements(&self) -> usize {
+        self.mass.len()
+    }
+
     fn velocity_dependent(&self) -> bool {
         true
     }
@@ -96,6 +100,10 @@ impl Kernel<2> for RayleighData {
 impl ForceTerm for RayleighStiffness {
     fn info(&self) -> TermInfo {
         TermInfo { name: "rayleigh stiffness damping", role: Role::Dissipative }
+    }
+
+    fn elements(&self) -> usize {
+        self.0.elements()
     }
 
     fn velocity_dependent(&self) -> bool {

@@ -61,6 +61,10 @@ impl ForceTerm for RelativeDashpots {
         TermInfo { name: "relative dashpots", role: Role::Dissipative }
     }
 
+    fn elements(&self) -> usize {
+        self.0.elements()
+    }
+
     fn velocity_dependent(&self) -> bool {
         true
     }

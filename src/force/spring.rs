@@ -200,6 +200,10 @@ impl ForceTerm for Springs {
         TermInfo { name: "springs", role: Role::Elastic }
     }
 
+    fn elements(&self) -> usize {
+        self.0.elements()
+    }
+
     fn velocity_dependent(&self) -> bool {
         false
     }

@@ -61,6 +61,13 @@ pub trait Scene: TangentSystem + Picture {
         f.copy_from_slice(&forces.total);
     }
 
+    /// Adds the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom included, and says over
+    /// how many elements it went; `None` where terms cannot be told apart.
+    fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
+        let _ = (term, at, f);
+        None
+    }
+
     /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 

@@ -44,6 +44,12 @@ impl Scene for Network {
         }
     }
 
+    fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
+        let term = self.terms.get(term)?;
+        term.add(node_state(at), &self.threads, bytemuck::cast_slice_mut(f));
+        Some(term.elements())
+    }
+
     fn name_of(&self, dof: usize) -> (u32, &'static str) {
         (self.numbering.user[dof / 3], AXES[dof % 3])
     }

@@ -17,7 +17,7 @@ pub enum LinearChoice {
 }
 
 /// What a solver is and what it holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearStats {
     /// `cholesky` or `lu`
     pub name: &'static str,
@@ -25,6 +25,8 @@ pub struct LinearStats {
     pub matrix_nonzeros: usize,
     /// entries stored of the factor, where the library tells
     pub factor_nonzeros: Option<usize>,
+    /// floating point operations of one factorisation, where the library tells the factor's shape
+    pub factor_operations: Option<f64>,
     /// factorisations for which Cholesky was not positive definite and LDLT or LBLT stepped in
     pub indefinite: u64,
 }

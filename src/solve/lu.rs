@@ -123,6 +123,7 @@ impl LinearSolver for Lu {
             name: "lu",
             matrix_nonzeros: self.full.as_ref().map_or(self.pattern.nonzeros(), |(full, ..)| full.nonzeros()),
             factor_nonzeros: None,
+            factor_operations: None,
             indefinite: 0,
         }
     }

@@ -20,6 +20,7 @@ pub mod report;
 pub mod row;
 mod runner;
 pub mod store;
+pub mod trial;
 pub mod wishes;
 
 pub use error::StudyError;

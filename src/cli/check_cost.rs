@@ -1,0 +1,164 @@
+//! What `check` says of costs: force passes, tangents, runs of all methods, and what to take.
+
+use std::fmt::Write;
+
+use crate::case::spec::Problem;
+use crate::figures::figures;
+use crate::integrate::registry::Family;
+use crate::study::trial::advice::{Advice, Choice};
+use crate::study::trial::cost::{ForceCost, TangentCost};
+use crate::study::trial::estimate::{Basis, Estimate};
+use crate::study::trial::{Forecast, Row};
+
+/// Factors below are within what predictions are worth.
+const TIE: f64 = 1.3;
+
+pub(super) fn describe_forecast(text: &mut String, problem: &Problem, forecast: &Forecast) {
+    describe_tangent(text, problem, forecast);
+    let own = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
+    if let Some(row) = own {
+        let _ = writeln!(text, "  memory          about {:.1} MB with output", row.memory_bytes as f64 / 1e6);
+    }
+    describe_force(text, &forecast.force);
+    let output = &forecast.output;
+    let _ = writeln!(
+        text,
+        "  output          {} frames of {:.3} MB, {} each; {} a row of history",
+        figures(output.frames, 12),
+        output.frame_bytes as f64 / 1e6,
+        seconds(output.frame_seconds),
+        seconds(output.row_seconds)
+    );
+    describe_runs(text, problem, forecast);
+    if let Some(advice) = &forecast.advice {
+        describe_advice(text, advice, forecast.seen);
+    }
+    text.push('\n');
+}
+
+fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
+    let needed = match problem.method.info.family {
+        Family::Implicit => "",
+        Family::Explicit | Family::MatrixFree => "not needed by this method; for implicit ones ",
+    };
+    let Some(tangent) = &forecast.tangent else {
+        let why = forecast.tangent_refused.as_deref().unwrap_or("cannot be made");
+        let _ = writeln!(text, "  tangent         {needed}{why}");
+        return;
+    };
+    let TangentCost { unknowns, matrix_nonzeros, linear_solver, .. } = tangent;
+    let kind = if tangent.symmetric { "symmetric" } else { "not symmetric" };
+    let factor = match tangent.factor_nonzeros {
+        Some(entries) => format!("{entries} in its factor"),
+        None => "factor known after the first factorisation".to_owned(),
+    };
+    let _ = writeln!(
+        text,
+        "  tangent         {needed}{kind}, {unknowns} unknowns, {matrix_nonzeros} entries, {factor}; solver {linear_solver}"
+    );
+    let _ = writeln!(
+        text,
+        "                  {} an assembly, {} a factorisation, {} a solve{}; {} to analyse, once",
+        seconds(tangent.assembly_seconds),
+        seconds(tangent.factorization_seconds),
+        seconds(tangent.solve_seconds),
+        if tangent.measured { "" } else { " (told from counts)" },
+        seconds(tangent.analysis_seconds)
+    );
+}
+
+fn describe_force(text: &mut String, force: &ForceCost) {
+    let _ = writeln!(text, "  force pass      {}", seconds(force.pass_seconds));
+    for term in &force.terms {
+        let (Some(elements), Some(spent)) = (term.elements, term.seconds) else { continue };
+        let _ = writeln!(
+            text,
+            "    {:<28}  {:>9}  {:>3.0} %  {elements} elements, {:.1} ns each",
+            term.name,
+            seconds(spent),
+            100.0 * spent / force.pass_seconds,
+            1e9 * spent / elements.max(1) as f64
+        );
+    }
+}
+
+fn describe_runs(text: &mut String, problem: &Problem, forecast: &Forecast) {
+    let _ = writeln!(
+        text,
+        "\n  method                step [s]       steps      a step     whole run    memory [MB]   (predicted, until t = {} s)",
+        figures(problem.time.end, 12)
+    );
+    for row in &forecast.methods {
+        let mark = if row.method == problem.method.info.name { '*' } else { ' ' };
+        let _ = writeln!(text, "{mark} {:<20}  {}", row.method, run_of(row));
+    }
+    if forecast.methods.iter().any(|row| row.step_reduced) {
+        text.push_str("  (< the case's step is not stable with this method: a smaller one)\n");
+    }
+    if forecast.methods.iter().any(|row| row.run.is_some_and(|run| run.basis == Basis::Counts)) {
+        text.push_str(
+            "  (~ not tried: from the cost of one tangent and iterations counted with another method, or two a step)\n",
+        );
+    }
+}
+
+fn run_of(row: &Row) -> String {
+    let Some(run) = &row.run else {
+        // The first clause; the rest of a diagnosis is for those who run it.
+        let why = row.refused.as_deref().unwrap_or("no prediction");
+        return why.split_once("; ").map_or(why, |(first, _)| first).to_owned();
+    };
+    let Estimate { steps, mean_step, step_seconds, cpu_seconds, basis, .. } = *run;
+    let step = match row.step {
+        Some(step) => format!("{}{}", figures(step, 3), if row.step_reduced { " <" } else { "" }),
+        None => format!("~{mean_step:.1e}"),
+    };
+    let memory = row.memory_bytes as f64 / 1e6;
+    format!(
+        "{step:<12} {:>7}  {:>10}    {:>10}{}   {memory:>9.1}",
+        count(steps),
+        seconds(step_seconds),
+        seconds(cpu_seconds),
+        if basis == Basis::Counts { '~' } else { ' ' }
+    )
+}
+
+fn describe_advice(text: &mut String, advice: &Advice, seen: f64) {
+    let Advice { accuracy, best, runner_up, factor } = advice;
+    let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
+    if let (Some(other), Some(factor)) = (runner_up, factor) {
+        let than = if *factor < TIE {
+            "about as cheap as".to_owned()
+        } else {
+            format!("{} times cheaper than", figures(*factor, 2))
+        };
+        let _ = write!(text, ", {than} {}", options(other));
+    }
+    let part = if seen >= 0.995 {
+        "along the whole run".to_owned()
+    } else {
+        format!("in the first {:.2} % of the run", 100.0 * seen)
+    };
+    let _ = writeln!(text, "\n  (a prediction from short trials {part}; `canopy-fem tradeoff` measures it)");
+}
+
+/// `newmark --tolerance 1e-3 (0.3 s) or --step 9e-4 (0.2 s)`
+fn options(choice: &Choice) -> String {
+    let Choice { method, tolerance, cpu_seconds, step, fixed } = choice;
+    let mut text = format!("{method} --tolerance {tolerance:e} (about {})", seconds(*cpu_seconds));
+    if let (Some(step), Some(fixed)) = (step, fixed) {
+        let _ = write!(text, " or --step {} (about {})", figures(*step, 2), seconds(fixed.cpu_seconds));
+    }
+    text
+}
+
+fn count(steps: f64) -> String {
+    if steps < 1e7 { format!("{steps:.0}") } else { format!("{steps:.1e}") }
+}
+
+/// A time in the unit that suits it.
+pub(super) fn seconds(t: f64) -> String {
+    let units = [(3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| t >= *unit).unwrap_or((1e-9, "ns"));
+    format!("{} {name}", figures(t / unit, 3))
+}

@@ -1,0 +1,66 @@
+//! What `check --json` prints: the same as the text, for programs.
+
+use serde_json::{Value, json};
+
+use super::CliError;
+use super::doubts::place;
+use crate::analysis::critical::Confidence;
+use crate::case::spec::Problem;
+use crate::drive::observer::ObserveError;
+use crate::scene::Scene;
+use crate::study::trial::{Candidate, Forecast};
+
+/// Everything that is told.
+pub(super) struct Report<'a> {
+    pub problem: &'a Problem,
+    pub scene: &'a dyn Scene,
+    pub candidates: &'a [Candidate],
+    pub forecast: Forecast,
+    pub warnings: Vec<String>,
+}
+
+impl Report<'_> {
+    /// JSON text that ends with a line's end.
+    pub fn to_json(&self) -> Result<String, CliError> {
+        let Report { problem, scene, candidates, forecast, warnings } = self;
+        let tolerance = problem.time.step.tolerance();
+        let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
+        let mut report = json!({
+            "name": problem.name,
+            "method": problem.method.info.name,
+            "step": problem.time.step.fixed(),
+            "tolerance": tolerance,
+            "end": problem.time.end,
+            "unknowns": unknowns,
+            "nodes": scene.reference().len(),
+            "symmetric": scene.symmetric(),
+            "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),
+            "warnings": warnings,
+            "version": env!("CARGO_PKG_VERSION"),
+        });
+        let write = |e: serde_json::Error| ObserveError::Write { path: "standard output".to_owned(), source: e.into() };
+        let costs = serde_json::to_value(forecast).map_err(write)?;
+        if let (Value::Object(report), Value::Object(costs)) = (&mut report, costs) {
+            report.extend(costs);
+        }
+        Ok(serde_json::to_string_pretty(&report).map_err(write)? + "\n")
+    }
+}
+
+fn limit(candidate: &Candidate, scene: &dyn Scene) -> Value {
+    let Some(limit) = candidate.limit else {
+        return json!({"method": candidate.method.info.name, "critical_step": null, "known_by": null});
+    };
+    let known_by = match limit.confidence {
+        Confidence::Certified { .. } => "certified",
+        Confidence::Estimate => "estimate",
+        Confidence::NoLimit => "no limit",
+    };
+    let finite = limit.step.is_finite();
+    json!({
+        "method": candidate.method.info.name,
+        "critical_step": finite.then_some(limit.step),
+        "known_by": known_by,
+        "set_by": (finite && limit.step > 0.0).then(|| place(scene, limit.dof)),
+    })
+}

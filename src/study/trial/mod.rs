@@ -1,0 +1,183 @@
+//! What runs of a scene would cost, predicted from short trials: nothing is solved to its end and nothing is written.
+//!
+//! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from states
+//! along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of refused steps is not known
+//! otherwise. What these steps cost stands for the parts of the run around them ([`estimate`]); the memory is counted ([`memory`]).
+
+pub mod advice;
+pub mod cost;
+pub mod course;
+pub mod estimate;
+pub mod memory;
+pub mod output;
+pub mod sample;
+pub mod timing;
+mod trials;
+
+use advice::Advice;
+use cost::{ForceCost, TangentCost, force_cost, tangent_cost};
+use estimate::{Estimate, two_digits};
+use memory::{Baseline, MemorySpec, Needs};
+use output::OutputCost;
+use trials::Trials;
+
+use crate::analysis::critical::{Confidence, CriticalStep};
+use crate::case::spec::Problem;
+use crate::drive::clock::{Step, Tolerance};
+use crate::integrate::registry::{Family, MethodChoice};
+use crate::output::frame::Fields;
+use crate::scene::Scene;
+
+/// A method that may run, and what is known of its largest stable step.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// the method
+    pub method: MethodChoice,
+    /// its limit; `None` where it is not known
+    pub limit: Option<CriticalStep>,
+}
+
+/// What is to be predicted.
+#[derive(Clone, Copy)]
+pub struct ForecastSpec<'a> {
+    /// the scene, built for one thread
+    pub scene: &'a dyn Scene,
+    /// the case
+    pub problem: &'a Problem,
+    /// fields of its frames
+    pub fields: Fields,
+    /// the methods, in the order of the rows
+    pub candidates: &'a [Candidate],
+    /// [-] accuracy to advise for, relative to the motion, in (0, 1)
+    pub accuracy: f64,
+    /// what this process held once the scene was built
+    pub baseline: Baseline,
+}
+
+/// One method's prospects.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Row {
+    /// name in a case
+    pub method: &'static str,
+    /// [-] order of accuracy
+    pub order: u32,
+    /// what a step needs
+    #[serde(skip)]
+    pub family: Family,
+    /// [s] largest stable step at the start; null without limit or where it is not known
+    pub critical_step: Option<f64>,
+    /// [s] the fixed step it would run with; null for adaptive steps
+    pub step: Option<f64>,
+    /// whether that is smaller than the case's step, which is not stable
+    pub step_reduced: bool,
+    /// [-] relative tolerance it would run with; null for fixed steps
+    pub tolerance: Option<f64>,
+    /// [byte] largest resident memory of the run
+    pub memory_bytes: u64,
+    /// the run as the case asks for it; null where it fails
+    pub run: Option<Estimate>,
+    /// why there is no such run
+    pub refused: Option<String>,
+    /// an adaptive run of the wanted accuracy
+    pub at_accuracy: Option<Estimate>,
+    /// why there is none
+    pub accuracy_refused: Option<String>,
+}
+
+/// What runs of a scene would cost.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Forecast {
+    /// one force pass
+    pub force: ForceCost,
+    /// one tangent; null where it cannot be made
+    pub tangent: Option<TangentCost>,
+    /// why it cannot
+    pub tangent_refused: Option<String>,
+    /// what writing results costs
+    pub output: OutputCost,
+    /// [-] part of the run that the trials saw
+    pub seen: f64,
+    /// one row a method
+    pub methods: Vec<Row>,
+    /// what to take for the wanted accuracy; null where no method came to a prediction
+    pub advice: Option<Advice>,
+}
+
+/// The tolerance of adaptive steps for an accuracy: a hundredth of it [m] is always allowed, as with `--tolerance`.
+pub fn tolerance_of(accuracy: f64) -> Tolerance {
+    Tolerance { relative: accuracy, absolute: accuracy / 100.0 }
+}
+
+/// Predicts runs of all candidates.
+pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
+    let ForecastSpec { scene, problem, fields, candidates, accuracy, baseline } = *spec;
+    let end = problem.time.end;
+    let force = force_cost(scene);
+    let h = problem.time.step.fixed().unwrap_or(1e-3 * end).min(end);
+    let made = tangent_cost(scene, problem.solver.linear, 4.0 / (h * h));
+    let (tangent, tangent_refused) = match made {
+        Ok(tangent) => (Some(tangent), None),
+        Err(why) => (None, Some(why)),
+    };
+    let output = OutputCost::of(scene, &problem.output, fields, end);
+    let mut trials = Trials::along(spec, &force, tangent.as_ref());
+    let memory = MemorySpec { scene, baseline, output: &output, tangent: tangent.as_ref() };
+    let rows = candidates.iter().map(|candidate| {
+        let step = planned(candidate, problem.time.step, end);
+        let asked = trials.predict(candidate, step);
+        let wanted = Step::Adaptive(tolerance_of(accuracy));
+        let at_accuracy = if step == wanted { asked.clone() } else { trials.predict(candidate, wanted) };
+        let complete = |estimate: Result<Estimate, String>| match estimate {
+            Ok(estimate) => (Some(estimate.with_output(output.seconds(estimate.steps))), None),
+            Err(why) => (None, Some(why)),
+        };
+        let ((run, refused), (at_accuracy, accuracy_refused)) = (complete(asked), complete(at_accuracy));
+        let needs = Needs {
+            family: candidate.method.info.family,
+            adaptive: step.fixed().is_none(),
+            searches: trials.searches(candidate, step),
+        };
+        Row {
+            method: candidate.method.info.name,
+            order: candidate.method.order(),
+            family: candidate.method.info.family,
+            critical_step: candidate.limit.map(|limit| limit.step).filter(|step| step.is_finite()),
+            step: step.fixed(),
+            step_reduced: step.fixed().zip(problem.time.step.fixed()).is_some_and(|(own, asked)| own < asked.min(end)),
+            tolerance: step.tolerance().map(|tolerance| tolerance.relative),
+            memory_bytes: memory.predict(needs),
+            run,
+            refused,
+            at_accuracy,
+            accuracy_refused,
+        }
+    });
+    let methods: Vec<Row> = rows.collect();
+    let steps = |method: &str, step: f64| {
+        let candidate = candidates.iter().find(|c| c.method.info.name == method)?;
+        let estimate = trials.predict(candidate, Step::Fixed(step)).ok()?;
+        Some(estimate.with_output(output.seconds(estimate.steps)))
+    };
+    let advice = advice::advise(accuracy, problem.method.info.name, &methods, candidates, steps);
+    let seen = trials.seen();
+    Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
+}
+
+/// The step a method would run with: the case's, or what is stable; a method that has no stable step at all keeps the case's.
+fn planned(candidate: &Candidate, step: Step, end: f64) -> Step {
+    let Step::Fixed(asked) = step else { return step };
+    let asked = asked.min(end);
+    match candidate.limit {
+        Some(limit) if limit.step > 0.0 && asked > limit.step => Step::Fixed(safe_step(limit)),
+        _ => Step::Fixed(asked),
+    }
+}
+
+/// [s] A step to type below a limit that is above 0: an estimate may lie a few percent above the true limit, what is proved does not.
+pub fn safe_step(limit: CriticalStep) -> f64 {
+    let share = match limit.confidence {
+        Confidence::Certified { .. } => 0.98,
+        Confidence::Estimate | Confidence::NoLimit => 0.9,
+    };
+    two_digits(share * limit.step)
+}

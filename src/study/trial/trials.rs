@@ -1,0 +1,159 @@
+//! Every method tried along the way of one run.
+
+use super::cost::{ForceCost, TangentCost};
+use super::course::{Course, Pilot, Window};
+use super::estimate::{Basis, Estimate};
+use super::sample::{Attempted, Sample, sample};
+use super::{Candidate, ForecastSpec, tolerance_of};
+use crate::analysis::critical::{has_limit, plainly_stable};
+use crate::drive::clock::{FixedSteps, Step};
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::{Family, MethodChoice};
+use crate::integrate::stepper::Stepper;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+
+/// [s] What a pilot may take.
+const PILOT: f64 = 0.3;
+/// [-] part of the run that the first pilot must come through, or another, with longer steps, is sent.
+const FAR: f64 = 0.5;
+/// States that a method is tried from.
+const WINDOWS: usize = 3;
+/// [s] What a method may take from one state, with fixed steps and with adaptive ones.
+const ALLOWANCE: [f64; 2] = [0.015, 0.03];
+/// [s] A single Newton iteration, or a hundred force passes, that takes longer is tried from one state only.
+const COSTLY: f64 = 0.03;
+/// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
+const DEAR: f64 = 0.15;
+/// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
+const UNTRIED: [f64; 2] = [2.0, 3.0];
+/// Steps that adaptive steps take at least: none is longer than a tenth of the run.
+const FEWEST: f64 = 10.0;
+
+/// The trials of a scene.
+pub struct Trials<'a> {
+    scene: &'a dyn Scene,
+    solver: SolverSpec,
+    end: f64,
+    force: &'a ForceCost,
+    tangent: Option<&'a TangentCost>,
+    windows: Vec<Window>,
+    /// [s]
+    reached: f64,
+    /// what dear implicit steps needed, by whether they were fixed
+    learnt: [Option<Sample>; 2],
+}
+
+impl<'a> Trials<'a> {
+    /// Sends pilots ahead.
+    pub fn along(spec: &ForecastSpec<'a>, force: &'a ForceCost, tangent: Option<&'a TangentCost>) -> Self {
+        let ForecastSpec { scene, problem, accuracy, .. } = *spec;
+        let end = problem.time.end;
+        let (solver, tolerance) = (problem.solver, tolerance_of(accuracy));
+        let follow = |name: &str| {
+            let method = MethodChoice::new(name, &BTreeMap::new()).ok()?;
+            Some(Course::follow(scene, Pilot { method: &method, solver, end, tolerance, budget: PILOT }))
+        };
+        let mut course = follow("velocity-verlet").unwrap_or_default();
+        let cheap = tangent.is_some_and(|t| t.measured && t.iteration_seconds().max(t.analysis_seconds) < COSTLY);
+        if course.reached < FAR * end && cheap {
+            course = follow("newmark").filter(|other| other.reached > course.reached).unwrap_or(course);
+        }
+        let windows = course.windows(if 100.0 * force.pass_seconds > COSTLY * 10.0 { 1 } else { WINDOWS });
+        Trials { scene, solver, end, force, tangent, windows, reached: course.reached, learnt: [None; 2] }
+    }
+
+    /// [-] Part of the run that the states cover.
+    pub fn seen(&self) -> f64 {
+        (self.reached / self.end).min(1.0)
+    }
+
+    /// Whether `solve` looks for a critical step before such a run.
+    pub fn searches(&self, candidate: &Candidate, step: Step) -> bool {
+        let plain = |h| plainly_stable(self.scene, self.scene.initial_state().as_ref(), &candidate.method, h).is_some();
+        has_limit(&candidate.method) && !step.fixed().is_some_and(plain)
+    }
+
+    /// A whole run of a method, without output.
+    ///
+    /// # Errors
+    /// Why there is none, in words.
+    pub fn predict(&mut self, candidate: &Candidate, step: Step) -> Result<Estimate, String> {
+        let steps = step.fixed().map(|h| FixedSteps::new(h, self.end).count());
+        let Some(tangent) = self.tangent.filter(|_| candidate.method.info.family == Family::Implicit) else {
+            return self.by_steps(&candidate.method, step, self.windows.len(), steps);
+        };
+        let iteration = tangent.iteration_seconds() + self.force.pass_seconds;
+        let slot = usize::from(steps.is_some());
+        if !tangent.measured || self.learnt[slot].is_some() {
+            return self.by_counts(iteration, self.learnt[slot], steps);
+        }
+        let count = match iteration.max(tangent.analysis_seconds) {
+            spent if spent > COSTLY => 1,
+            spent if spent > 0.2 * COSTLY => 2,
+            _ => self.windows.len(),
+        };
+        let estimate = self.by_steps(&candidate.method, step, count, steps)?;
+        if iteration.max(2.0 * tangent.analysis_seconds) > DEAR {
+            self.learnt[slot] = Some(Sample {
+                steps: estimate.steps,
+                simulated: self.end,
+                seconds: estimate.step_seconds * estimate.steps,
+                work: [
+                    estimate.force_evaluations,
+                    estimate.tangent_assemblies,
+                    estimate.factorizations,
+                    estimate.linear_solves,
+                    estimate.newton_iterations,
+                ],
+            });
+        }
+        Ok(estimate)
+    }
+
+    fn by_steps(
+        &self,
+        method: &MethodChoice,
+        step: Step,
+        count: usize,
+        steps: Option<u64>,
+    ) -> Result<Estimate, String> {
+        let bound = Stepper::bind(method.scheme(self.solver), self.scene.abilities());
+        let mut stepper = bound.map_err(|e| e.to_string())?;
+        let allowance = ALLOWANCE[usize::from(steps.is_none())];
+        let tried = Attempted { method, step, end: self.end, allowance };
+        // Of fewer states those in the middle.
+        let skip = (self.windows.len() - count.min(self.windows.len())) / 2;
+        let mut samples = Vec::new();
+        for window in self.windows.iter().skip(skip).take(count) {
+            samples.push(sample(self.scene, &mut stepper, tried, window).map_err(|e| e.to_string())?);
+        }
+        Estimate::of(&samples, self.end, steps).ok_or_else(|| "no state to try it from".to_owned())
+    }
+
+    /// From the iterations another method needed, or from two a step.
+    fn by_counts(&self, iteration: f64, learnt: Option<Sample>, steps: Option<u64>) -> Result<Estimate, String> {
+        let sample = match (learnt, steps) {
+            (Some(sample), _) => sample,
+            (None, Some(_)) => {
+                let [iterations, passes] = UNTRIED;
+                let seconds = iterations * iteration + (passes - iterations) * self.force.pass_seconds;
+                let simulated = 1.0;
+                Sample {
+                    steps: 1.0,
+                    simulated,
+                    seconds,
+                    work: [passes, iterations, iterations, iterations, iterations],
+                }
+            }
+            (None, None) => {
+                return Err(format!(
+                    "not tried: one Newton iteration would take about {iteration:.1} s, the fewest steps that are allowed at least {:.0} s",
+                    FEWEST * iteration
+                ));
+            }
+        };
+        let made = Estimate::of(&[sample], self.end, steps).ok_or_else(|| "no state to try it from".to_owned())?;
+        Ok(Estimate { basis: Basis::Counts, ..made })
+    }
+}

@@ -1,0 +1,236 @@
+//! `check`: what it predicts against what `solve` then counts, and what it refuses.
+
+use crate::bench::{Bench, contents};
+use crate::read_vtu::parse;
+use serde_json::Value;
+
+fn checked(bench: &Bench, arguments: &[&str]) -> Value {
+    let ended = bench.run(&[&["check"], arguments, &["--json"]].concat());
+    assert_eq!(ended.code, Some(0), "{arguments:?}: {}", ended.stderr);
+    serde_json::from_str(&ended.stdout).unwrap_or_else(|e| panic!("{e}: {}", ended.stdout))
+}
+
+fn rows(report: &Value) -> &[Value] {
+    report["methods"].as_array().expect("rows")
+}
+
+fn row<'a>(report: &'a Value, method: &str) -> &'a Value {
+    rows(report).iter().find(|row| row["method"] == method).unwrap_or_else(|| panic!("no row for {method}"))
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} is no number: {value}"))
+}
+
+/// A square cloth of 12 x 12 nodes, held on one edge, in the wind or not.
+fn cloth(bench: &Bench, wind: bool) -> &'static str {
+    let mut case: Value = serde_json::json!({
+        "name": "cloth",
+        "system": {"network": {
+            "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 11, "rows": 11}},
+            "mass": {"areal_density": 0.5},
+            "springs": [{"on": "all", "stiffness": 200.0, "dashpot": {"relative": {"time": 0.002}}}],
+            "supports": [{"on": {"box": [[-0.01, -1, -1], [0.01, 2, 1]]}, "fix": "xyz"}],
+            "gravity": [0, 0, -9.81]
+        }},
+        "time": {"end": 0.4, "method": "newmark", "step": 0.004},
+        "output": {"frames": {"every": 0.1}}
+    });
+    if wind {
+        case["system"]["network"]["aero"] = serde_json::json!({
+            "wind": [0, 0, 5.0], "law": {"pressure_coefficient": {"cp": 1.2, "air_density": 1.225}}
+        });
+    }
+    std::fs::write(bench.path("cloth.json"), case.to_string()).expect("a case");
+    "cloth.json"
+}
+
+/// The pendulum of the assets.
+fn pendulum(bench: &Bench) -> &'static str {
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases/pendulum.json");
+    std::fs::copy(case, bench.path("pendulum.json")).expect("a copy");
+    "pendulum.json"
+}
+
+/// Steps are told exactly, force passes and factorisations within a factor of two, for every method, each with the step it is told.
+#[test]
+fn the_work_that_check_predicts_is_the_work_that_solve_counts() {
+    for wind in [false, true] {
+        let bench = Bench::new();
+        let case = cloth(&bench, wind);
+        let report = checked(&bench, &[case]);
+        let mut compared = 0;
+        for row in rows(&report) {
+            let (method, run) = (row["method"].as_str().expect("a name"), &row["run"]);
+            assert!(run.is_object() || row["refused"].is_string(), "{row}");
+            if !run.is_object() || number(run, "steps") > 5000.0 {
+                continue;
+            }
+            let step = number(row, "step").to_string();
+            let ended =
+                bench.run(&["solve", case, "--method", method, "--step", &step, "--out", "out", "--force", "--quiet"]);
+            assert_eq!(ended.code, Some(0), "{method}: {}", ended.stderr);
+            let summary = bench.results().summary();
+            assert_eq!(number(run, "steps"), number(&summary, "steps"), "{method}");
+            for key in
+                ["force_evaluations", "tangent_assemblies", "factorizations", "linear_solves", "newton_iterations"]
+            {
+                let (told, counted) = (number(run, key), number(&summary, key));
+                assert!(told <= 2.0 * counted && counted <= 2.0 * told.max(1.0), "{method} {key}: {told}, {counted}");
+            }
+            compared += 1;
+        }
+        assert!(compared >= 8, "only {compared} methods were compared");
+    }
+}
+
+/// Adaptive steps too: their number and their work, from a trial of a part of the run.
+#[test]
+fn the_work_of_adaptive_steps_is_predicted() {
+    let bench = Bench::new();
+    let case = cloth(&bench, true);
+    for method in ["velocity-verlet", "rk4", "newmark"] {
+        let tolerance = ["--method", method, "--tolerance", "1e-3"];
+        let report = checked(&bench, &[&[case], &tolerance[..]].concat());
+        let run = &row(&report, method)["run"];
+        let ended = bench.run(&[&["solve", case, "--out", "out", "--force", "--quiet"], &tolerance[..]].concat());
+        assert_eq!(ended.code, Some(0), "{method}: {}", ended.stderr);
+        let summary = bench.results().summary();
+        for key in ["steps", "force_evaluations"] {
+            let (told, counted) = (number(run, key), number(&summary, key));
+            assert!(told <= 2.0 * counted && counted <= 2.0 * told, "{method} {key}: {told}, {counted}");
+        }
+    }
+}
+
+/// The memory of a run in a process of its own, within a factor of two.
+#[test]
+fn memory_is_predicted_within_a_factor_of_two() {
+    let bench = Bench::new();
+    let mesh = r#"system.network.mesh={"rectangle": {"width": 1.0, "height": 1.0, "columns": 70, "rows": 70}}"#;
+    let (cloth, pendulum) = (cloth(&bench, false), pendulum(&bench));
+    for case in [&[cloth][..], &[pendulum], &[cloth, "--set", mesh]] {
+        let case = [case, &["--end", "3e-4", "--step", "1e-5"]].concat();
+        let report = checked(&bench, &case);
+        for method in ["velocity-verlet", "newmark"] {
+            let more = ["--method", method, "--out", "out", "--force", "--quiet"];
+            let ended = bench.run(&[&["solve"], &case[..], &more].concat());
+            assert_eq!(ended.code, Some(0), "{case:?} {method}: {}", ended.stderr);
+            let used = number(&bench.results().summary(), "peak_memory_bytes");
+            let told = number(row(&report, method), "memory_bytes");
+            assert!(told <= 2.0 * used && used <= 2.0 * told, "{case:?} {method}: {told:e} told, {used:e} used");
+        }
+    }
+}
+
+/// There is a row for every method, a refused one with its reason.
+#[test]
+fn every_method_has_a_row() {
+    let bench = Bench::new();
+    let case = pendulum(&bench);
+    let report = checked(&bench, &[case]);
+    let names: Vec<&str> = rows(&report).iter().filter_map(|row| row["method"].as_str()).collect();
+    let known: Vec<&str> = canopy_fem::integrate::registry::methods().iter().map(|m| m.name).collect();
+    assert_eq!(names, known);
+    let kang = row(&report, "kang");
+    assert!(kang["run"].is_null() && kang["refused"].as_str().is_some_and(|why| why.contains("network")), "{kang}");
+    let text = bench.run(&["check", case]).stdout;
+    for name in known {
+        assert!(
+            text.lines().filter(|line| line.trim_start_matches(['*', ' ']).starts_with(name)).count() >= 2,
+            "{name}: {text}"
+        );
+    }
+}
+
+/// What is not modelled costs nothing and is not told.
+#[test]
+fn a_scene_without_air_shows_no_air() {
+    let bench = Bench::new();
+    for wind in [false, true] {
+        let case = cloth(&bench, wind);
+        let report = checked(&bench, &[case]);
+        let terms = report["force"]["terms"].as_array().expect("terms");
+        let air = terms.iter().find(|term| term["name"] == "air");
+        assert_eq!(air.is_some(), wind, "{terms:?}");
+        if let Some(air) = air {
+            assert!(number(air, "elements") == 242.0 && number(air, "seconds") > 0.0, "{air}");
+        }
+        let text = bench.run(&["check", case]).stdout;
+        assert!(text.contains("    springs") && text.contains("    air") == wind, "{text}");
+    }
+}
+
+/// An accuracy is a number between 0 and 1; the default is the case's tolerance.
+#[test]
+fn an_accuracy_out_of_range_is_refused() {
+    let bench = Bench::new();
+    let case = pendulum(&bench);
+    for wrong in ["0", "1", "-1e-3", "nan", "inf", "fine"] {
+        let ended = bench.run(&["check", case, "--accuracy", wrong]);
+        assert_eq!(ended.code, Some(2), "{wrong}: {}", ended.stderr);
+        assert!(ended.stderr.contains("above 0 and below 1"), "{wrong}: {}", ended.stderr);
+    }
+    for (arguments, accuracy) in
+        [(&[][..], 1e-3), (&["--tolerance", "1e-5"], 1e-5), (&["--tolerance", "1e-5", "--accuracy", "0.01"], 0.01)]
+    {
+        let report = checked(&bench, &[&[case], arguments].concat());
+        assert_eq!(number(&report["advice"], "accuracy"), accuracy, "{arguments:?}");
+    }
+}
+
+/// Trials leave nothing.
+#[test]
+fn nothing_is_written() {
+    let bench = Bench::new();
+    let case = cloth(&bench, true);
+    let before = contents(&bench.path(""));
+    for more in [&[][..], &["--json"], &["--accuracy", "1e-2"]] {
+        assert_eq!(bench.run(&[&["check", case], more].concat()).code, Some(0));
+    }
+    assert_eq!(contents(&bench.path("")), before);
+}
+
+/// All positions at the frames of a run.
+fn frames(bench: &Bench, arguments: &[&str]) -> Vec<Vec<f64>> {
+    let ended = bench.run(&[&["solve"], arguments, &["--out", "out", "--force", "--quiet"]].concat());
+    assert_eq!(ended.code, Some(0), "{arguments:?}: {}", ended.stderr);
+    let mut files: Vec<_> =
+        std::fs::read_dir(bench.path("out/frames")).expect("frames").flatten().map(|e| e.path()).collect();
+    files.sort();
+    let positions = |path: &std::path::PathBuf| parse(&std::fs::read(path).expect("a frame")).floats("Points");
+    files.iter().map(positions).collect()
+}
+
+/// Root mean square distance of two runs over the root mean square motion of the first.
+fn error(reference: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+    assert_eq!(reference.len(), other.len());
+    let square = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    let off: f64 = reference.iter().zip(other).map(|(a, b)| square(a, b)).sum();
+    let moved: f64 = reference.iter().map(|a| square(&reference[0], a)).sum();
+    (off / moved).sqrt()
+}
+
+/// What is recommended for an accuracy gives about that accuracy, with the tolerance and with the fixed step, measured against RK4 with a
+/// step far below.
+#[test]
+fn the_recommended_step_gives_the_wanted_accuracy() {
+    for (name, tight) in [("cloth", "1e-4"), ("pendulum", "1e-3")] {
+        let bench = Bench::new();
+        let case = if name == "cloth" { cloth(&bench, false) } else { pendulum(&bench) };
+        let case = [case, "--set", "output.frames.every=0.05", "--end", if name == "cloth" { "0.4" } else { "10" }];
+        let reference = frames(&bench, &[&case[..], &["--method", "rk4", "--step", tight]].concat());
+        for accuracy in ["1e-2", "1e-3"] {
+            let report = checked(&bench, &[&case[..], &["--accuracy", accuracy]].concat());
+            for choice in [&report["advice"]["best"], &report["advice"]["runner_up"]] {
+                let method = choice["method"].as_str().expect("a method");
+                let step = number(choice, "step").to_string();
+                for how in [["--tolerance", accuracy], ["--step", &step]] {
+                    let run = frames(&bench, &[&case[..], &["--method", method], &how[..]].concat());
+                    let (made, wanted) = (error(&reference, &run), accuracy.parse::<f64>().expect("a number"));
+                    assert!(made <= 10.0 * wanted, "{name} {method} {how:?}: {made:e} for {wanted:e}");
+                }
+            }
+        }
+    }
+}
