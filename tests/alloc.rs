@@ -89,7 +89,8 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let mut marks = Marks::default();
-    let spec = RunSpec { end: 0.5, step, frames_every: None, keep_going: false, method: &choice };
+    let end = if choice.order() > 4 { 10.0 } else { 0.5 };
+    let spec = RunSpec { end, step, frames_every: None, keep_going: false, method: &choice };
     run(scene, &mut stepper, spec, &mut [&mut marks], &AtomicBool::new(false)).expect("it starts");
     let Marks([first, last]) = marks;
     assert!(last > 0, "{method} makes 120 steps");

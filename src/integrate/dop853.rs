@@ -17,6 +17,11 @@ pub fn scheme() -> Scheme {
     Scheme::Explicit(Box::new(Embedded::new(&TABLEAU)))
 }
 
+/// [-] R - e^z over e and over z: 6.404e-8 z^9; e5 = 1.350e-5 z^6 and e3 = 4.202e-3 z^4, so e = 4.334e-7 z^8. Steps get ten times as much, as
+/// measured (`tests/claims/tolerance.rs`): a controller of order 8 settles at a quarter of what one of order 4 does, and where forces are not
+/// linear e5 sees more than the error has.
+pub(super) const LINEAR: f64 = 6.404e-8 / 4.334e-7;
+
 pub(super) static TABLEAU: Tableau = Tableau {
     stages: &[
         Stage { c: 0.05260015195876773, a: &[0.05260015195876773] },
@@ -140,6 +145,5 @@ pub(super) static TABLEAU: Tableau = Tableau {
             0.022651792198360825,
         ],
     },
-    // R - e^z = 6.404e-8 z^9; e5 = 1.350e-5 z^6 and e3 = 4.202e-3 z^4, so e = 4.334e-7 z^8.
-    info: PairInfo { leading: 6.404e-8 / 4.334e-7 },
+    info: PairInfo { leading: LINEAR / 10.0 },
 };

@@ -24,6 +24,10 @@ pub fn scheme() -> Scheme {
     Scheme::Explicit(Box::new(Embedded::new(&TABLEAU)))
 }
 
+/// [-] R - e^z over e and over z: z^6/3600 and -97/120000 z^5. A controller of order 5 settles lower than one of order 4, which is why steps get
+/// 1.5 times as much (`tests/claims/tolerance.rs`).
+pub(super) const LINEAR: f64 = (1.0 / 3600.0) / (97.0 / 120_000.0);
+
 pub(super) static TABLEAU: Tableau = Tableau {
     stages: &[
         Stage { c: 1.0 / 5.0, a: &[1.0 / 5.0] },
@@ -42,6 +46,5 @@ pub(super) static TABLEAU: Tableau = Tableau {
         22.0 / 525.0,
         -1.0 / 40.0,
     ]),
-    // R - e^z = z^6/3600 and e = -97/120000 z^5.
-    info: PairInfo { leading: (1.0 / 3600.0) / (97.0 / 120_000.0) },
+    info: PairInfo { leading: LINEAR / 1.5 },
 };

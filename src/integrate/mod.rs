@@ -89,8 +89,8 @@ pub struct Carried {
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairInfo {
-    /// [-] error of a step over its estimate and over w h, for an oscillation of w [rad/s] in small steps of h [s]: the run goes on with the
-    /// finer solution, whose error is of one order more than the estimate
+    /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h [s]: the run goes on with
+    /// the finer solution, whose error is of one order more than the estimate
     pub leading: f64,
 }
 
