@@ -32,6 +32,8 @@ pub struct Attempted<'a> {
     pub step: Step,
     /// [s] end of the run it stands for
     pub end: f64,
+    /// [s] interval of the frames, where adaptive steps of some schemes end
+    pub frames_every: Option<f64>,
     /// [s] processor time it may take, from one state
     pub allowance: f64,
 }
@@ -79,7 +81,13 @@ pub fn sample(
     window: &Window,
 ) -> Result<Sample, SampleError> {
     let snapshot = begin(scene, stepper, tried, &window.state)?;
-    let spec = RunSpec { end: tried.end, step: tried.step, keep_going: false, method: tried.method };
+    let spec = RunSpec {
+        end: tried.end,
+        step: tried.step,
+        frames_every: tried.frames_every,
+        keep_going: false,
+        method: tried.method,
+    };
     let stop = AtomicBool::new(false);
     let mut meter = Meter::new(tried, &stop);
     let outcome = drive::resume(scene, stepper, spec, snapshot, &mut [&mut meter], &stop)?;

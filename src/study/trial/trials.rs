@@ -35,6 +35,7 @@ pub struct Trials<'a> {
     scene: &'a dyn Scene,
     solver: SolverSpec,
     end: f64,
+    frames_every: Option<f64>,
     force: &'a ForceCost,
     tangent: Option<&'a TangentCost>,
     windows: Vec<Window>,
@@ -60,7 +61,17 @@ impl<'a> Trials<'a> {
             course = follow("newmark").filter(|other| other.reached > course.reached).unwrap_or(course);
         }
         let windows = course.windows(if 100.0 * force.pass_seconds > COSTLY * 10.0 { 1 } else { WINDOWS });
-        Trials { scene, solver, end, force, tangent, windows, reached: course.reached, learnt: [None; 2] }
+        Trials {
+            scene,
+            solver,
+            end,
+            frames_every: problem.output.frames_every,
+            force,
+            tangent,
+            windows,
+            reached: course.reached,
+            learnt: [None; 2],
+        }
     }
 
     /// [-] Part of the run that the states cover.
@@ -121,7 +132,7 @@ impl<'a> Trials<'a> {
         let bound = Stepper::bind(method.scheme(self.solver), self.scene.abilities());
         let mut stepper = bound.map_err(|e| e.to_string())?;
         let allowance = ALLOWANCE[usize::from(steps.is_none())];
-        let tried = Attempted { method, step, end: self.end, allowance };
+        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance };
         // Of fewer states those in the middle.
         let skip = (self.windows.len() - count.min(self.windows.len())) / 2;
         let mut samples = Vec::new();
