@@ -198,8 +198,8 @@ fn runs_are_drawn_where_they_belong() {
         .collect();
     expected.sort_by(|a, b| a.1.total_cmp(&b.1));
     assert!(expected.len() == 5 && expected[4].0 == 2.3e-9, "the last ones are better than the reference can tell");
-    let blue = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#0072B2").map(Element::points);
-    let line = blue.filter(|p| p.len() == expected.len()).next_back().expect("its line");
+    let mut blue = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#0072B2").map(Element::points);
+    let line = blue.rfind(|p| p.len() == expected.len()).expect("its line");
     for (point, (error, cost)) in line.iter().zip(expected) {
         let off = (x(point.0) / error).ln().abs().max((y(point.1) / cost).ln().abs());
         assert!(off < 0.02, "{point:?} is {}, {}, not {error}, {cost}", x(point.0), y(point.1));
