@@ -89,7 +89,7 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let mut marks = Marks::default();
-    let spec = RunSpec { end: 0.5, step, keep_going: false, method: &choice, meet: None };
+    let spec = RunSpec { end: 0.5, step, frames_every: None, keep_going: false, method: &choice };
     run(scene, &mut stepper, spec, &mut [&mut marks], &AtomicBool::new(false)).expect("it starts");
     let Marks([first, last]) = marks;
     assert!(last > 0, "{method} makes 120 steps");

@@ -13,12 +13,13 @@ use canopy_fem::model::system::Weights;
 use canopy_fem::scene::{BoundRoom, Scene};
 use canopy_fem::simulation::build_scene;
 use common::Random;
+use common::polynomials::{size, stability_polynomial};
 use common::run::case_of;
 use faer::{Mat, Side};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-const EXPLICIT: [&str; 7] = [
+const EXPLICIT: [&str; 9] = [
     "explicit-euler",
     "euler-cromer",
     "euler-richardson",
@@ -26,6 +27,8 @@ const EXPLICIT: [&str; 7] = [
     "improved-euler-pec",
     "velocity-verlet",
     "rk4",
+    "dormand-prince",
+    "dop853",
 ];
 
 fn method(name: &str) -> MethodChoice {
@@ -234,6 +237,8 @@ fn a_damped_oscillator_has_the_limits_of_the_table() {
         ("improved-euler-pec", [0.6492, 1.0]),
         ("velocity-verlet", [1.8435, 1.0]),
         ("rk4", [2.9508, 2.7853]),
+        ("dormand-prince", [2.6814, 3.3066]),
+        ("dop853", [6.2810, 6.3937]),
     ];
     for (at, zeta) in [0.1, 1.0].into_iter().enumerate() {
         let case = network(json!({
@@ -306,12 +311,10 @@ fn agrees(scene: &dyn Scene, what: &str) {
 /// Runge-Kutta schemes by their polynomial and the multistep one by Adams-Bashforth 2, on the eigenvalues of dense L: a net out of
 /// balance moves so far in one step that a difference of steps is not the tangent at its start.
 fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
-    let order = match name {
-        "euler-cromer" | "velocity-verlet" => return dense_limit(scene, name, most),
-        "explicit-euler" => 1,
-        "rk4" => 4,
-        _ => 2,
-    };
+    if ["euler-cromer", "velocity-verlet"].contains(&name) {
+        return dense_limit(scene, name, most);
+    }
+    let runge_kutta = stability_polynomial(name);
     let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
     let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
     let n = free.len();
@@ -325,13 +328,8 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     let grows = |h: f64| {
         roots.iter().any(|mu| {
             let (re, im) = (h * mu.re, h * mu.im);
-            if name != "improved-euler-pec" {
-                // R(mu h) = sum of (mu h)^j/j!, by Horner.
-                let (mut a, mut b) = (1.0, 0.0);
-                for j in (1..=order).rev() {
-                    (a, b) = (1.0 + (a * re - b * im) / f64::from(j), (a * im + b * re) / f64::from(j));
-                }
-                return f64::hypot(a, b) > 1.0 + 1e-9;
+            if let Some(coefficients) = &runge_kutta {
+                return size(coefficients, (re, im)) > 1.0 + 1e-9;
             }
             // z^2 - (1 + 3/2 mu h) z + mu h / 2, as a real 4 x 4 companion.
             let b = [[1.0 + 1.5 * re, -1.5 * im], [1.5 * im, 1.0 + 1.5 * re]];

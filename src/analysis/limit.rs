@@ -124,7 +124,7 @@ mod tests {
     /// The table "Critical steps" of structural dynamics: w h at damping ratio 0, 0.1 and 1.
     #[test]
     fn limits_equal_the_known_ones() {
-        let known: [(&str, [f64; 3]); 7] = [
+        let known: [(&str, [f64; 3]); 9] = [
             ("explicit-euler", [0.0, 0.2, 2.0]),
             ("euler-cromer", [2.0, 1.8099, 0.8284]),
             ("improved-euler", [0.0, 1.0497, 2.0]),
@@ -132,6 +132,8 @@ mod tests {
             ("improved-euler-pec", [0.0, 0.6492, 1.0]),
             ("velocity-verlet", [2.0, 1.8435, 1.0]),
             ("rk4", [2.8284, 2.9508, 2.7853]),
+            ("dormand-prince", [0.9972, 2.6814, 3.3066]),
+            ("dop853", [5.9604, 6.2810, 6.3937]),
         ];
         for (name, limits) in known {
             let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();

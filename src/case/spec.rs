@@ -34,7 +34,13 @@ pub struct Problem {
 impl Problem {
     /// What [`crate::drive::run`] is to do.
     pub fn run_spec(&self, keep_going: bool) -> RunSpec<'_> {
-        RunSpec { end: self.time.end, step: self.time.step, keep_going, method: &self.method, meet: None }
+        RunSpec {
+            end: self.time.end,
+            step: self.time.step,
+            frames_every: self.output.frames_every,
+            keep_going,
+            method: &self.method,
+        }
     }
 
     /// Takes the system out; an empty network stays. A large mesh is then not kept twice.

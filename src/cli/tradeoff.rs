@@ -9,6 +9,7 @@ use crate::output::names::file_stem;
 use crate::study::answers::{Answers, unfinished, used};
 use crate::study::plan::{Plan, Planner};
 use crate::study::reference::ALLOWANCE;
+use crate::study::report::{self, Machine, Rerun};
 use crate::study::row::{Row, RowStatus};
 use crate::study::store::Store;
 use crate::study::wishes::{Typed, Wishes};
@@ -165,7 +166,9 @@ impl Command<'_> {
         }
         let answers = Answers::of(&plan, &rows);
         let study = Study { plan, rows };
-        let text = if self.args.quiet { String::new() } else { report(&study, &answers) };
+        let how = Rerun { command: command_line(), machine: Machine::here() };
+        let files = report::write(&self.out, &study, &answers, &how)?;
+        let text = if self.args.quiet { String::new() } else { summary(&study, &answers) + &written(&files) };
         Ok(done(text))
     }
 
@@ -314,8 +317,22 @@ fn references(text: &mut String, plan: &Plan) {
     }
 }
 
+/// What was typed, so that a shell reads the same again.
+fn command_line() -> String {
+    let plain =
+        |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c));
+    let quoted = |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("canopy-fem".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+fn written(files: &[PathBuf]) -> String {
+    let names = files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
+    format!("\n  written         {}\n", names.join("\n                  "))
+}
+
 /// What a person reads.
-fn report(study: &Study, answers: &Answers) -> String {
+fn summary(study: &Study, answers: &Answers) -> String {
     let Study { plan, rows } = study;
     let mut text =
         format!("{}: {} runs to t = {} s", plan.name, rows.len(), plan.variants.first().map_or(0.0, |v| v.end));

@@ -269,7 +269,7 @@ impl Question<'_> {
             self.place(found.frequency_dof),
         );
         let damping = match (self.method.info.family, self.method.info.name) {
-            (_, "backward-euler" | "rk4") => "",
+            (_, "backward-euler" | "rk4" | "dop853") => "",
             (Family::Explicit, _) => ", or --method rk4",
             _ => ", or --method backward-euler",
         };

@@ -14,12 +14,13 @@ pub struct RunSpec<'a> {
     pub end: f64,
     /// how it goes there
     pub step: Step,
+    /// [s] what shows states between steps does so at multiples of this; `None` where only ends of steps are shown. Adaptive steps of a scheme with an
+    /// error estimate of its own end there, because cubic interpolation would be coarser than they are; other steps take no notice
+    pub frames_every: Option<f64>,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
-    /// [s] adaptive steps end at every multiple of this, so that no state there is interpolated; fixed steps are never altered
-    pub meet: Option<f64>,
 }
 
 /// How a run ended.

@@ -4,6 +4,7 @@ use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Trial};
 use super::clock::{FixedSteps, Step, Tick};
 use super::outcome::RunSpec;
 use crate::integrate::registry::Family;
+use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
 
 /// Steps of one size, or of the size a tolerance allows.
@@ -14,14 +15,15 @@ pub(super) enum Pace {
 
 impl Pace {
     /// From t = 0, or from where adaptive steps of an earlier run stood.
-    pub fn of(scene: &dyn Scene, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
+    pub fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
         match spec.step {
             Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
             Step::Adaptive(tolerance) => {
                 // Kang's filter is a drag on slow motion too.
                 let coherent = spec.method.info.family == Family::MatrixFree;
-                let made =
-                    AdaptiveSpec { end: spec.end, tolerance, order: spec.method.order(), meet: spec.meet, coherent };
+                let frames_every = spec.frames_every.filter(|_| stepper.pair().is_some());
+                let order = spec.method.order();
+                let made = AdaptiveSpec { end: spec.end, frames_every, tolerance, order, coherent };
                 Pace::Adaptive(Box::new(match state {
                     Some(state) => Adaptive::restore(scene, made, state),
                     None => Adaptive::new(scene, made),

@@ -135,7 +135,7 @@ impl<'a> Run<'a> {
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
-        let (to, pace) = (from.clone(), Pace::of(scene, spec, None));
+        let (to, pace) = (from.clone(), Pace::of(scene, stepper, spec, None));
         let (limit, new_doubt, doubt) = (limit(scene), None, None);
         Ok(Run {
             scene,
@@ -169,7 +169,7 @@ impl<'a> Run<'a> {
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
-        let (to, pace) = (from.clone(), Pace::of(scene, spec, adaptive));
+        let (to, pace) = (from.clone(), Pace::of(scene, stepper, spec, adaptive));
         let (limit, new_doubt, doubt) = (limit(scene), None, None);
         Ok(Run { scene, spec, pace, from, to, counters, ledger, watch, row, steps, limit, failure, new_doubt, doubt })
     }

@@ -15,6 +15,9 @@
 
 pub mod backward_euler;
 mod counters;
+pub mod dop853;
+pub mod dormand_prince;
+mod embedded;
 pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;
@@ -81,6 +84,23 @@ pub struct Carried {
     pub vectors: Vec<Vec<f64>>,
     /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
     pub made_with: f64,
+}
+
+/// How the estimate of an embedded pair compares with the error that the scheme itself makes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairInfo {
+    /// [-] error of a step over its estimate and over w h, for an oscillation of w [rad/s] in small steps of h [s]: the run goes on with the
+    /// finer solution, whose error is of one order more than the estimate
+    pub leading: f64,
+}
+
+/// Room for an error estimate.
+#[derive(Debug)]
+pub struct ErrorOut<'a> {
+    /// [m] of the positions
+    pub x: &'a mut [f64],
+    /// [m/s] of the velocities
+    pub v: &'a mut [f64],
 }
 
 /// Why a scheme cannot start or a step cannot be made.
@@ -151,6 +171,16 @@ pub trait Integrator<S: ?Sized>: Send {
     fn filter_error(&mut self, _e: &mut [f64], _system: &S, _counters: &mut Counters) -> Result<(), StepError> {
         Ok(())
     }
+
+    /// How this scheme's own estimate compares with its error; `None` for schemes without one.
+    fn pair(&self) -> Option<PairInfo> {
+        None
+    }
+
+    /// Writes the estimate that the embedded pair makes of the step attempted last, which ended at `to`. It falls as h^p in steps of h by
+    /// a scheme of order p, as the error at the end of a run does; the error of the step itself falls as h^(p+1) ([`PairInfo`]). Schemes
+    /// without a pair leave `out`.
+    fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorOut<'_>) {}
 
     /// Degree of freedom of an unknown; the same number for schemes without unknowns.
     fn dof_of_unknown(&self, unknown: usize) -> usize {

@@ -16,6 +16,7 @@ use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
 use super::velocity_verlet::VelocityVerlet;
+use super::{dop853, dormand_prince};
 use std::collections::BTreeMap;
 
 /// What a step of the method needs.
@@ -252,6 +253,28 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2.83 undamped",
         source: "Kutta 1901; thesis Eq. 42-51",
         build: |_, _| Scheme::Explicit(Box::new(Rk4::default())),
+    },
+    MethodInfo {
+        name: "dormand-prince",
+        order: 5,
+        order_with: None,
+        family: Family::Explicit,
+        evaluations: [6, 6],
+        parameters: &[],
+        stability: "w h < 0.997 undamped, growing slowly above; 2.68 at damping ratio 0.1",
+        source: "Dormand & Prince 1980, RK5(4)7M; Hairer, Norsett & Wanner 1993, Table II.5.2",
+        build: |_, _| dormand_prince::scheme(),
+    },
+    MethodInfo {
+        name: "dop853",
+        order: 8,
+        order_with: None,
+        family: Family::Explicit,
+        evaluations: [12, 12],
+        parameters: &[],
+        stability: "w h < 5.96 undamped",
+        source: "Prince & Dormand 1981; Hairer, Norsett & Wanner 1993, section II.10",
+        build: |_, _| dop853::scheme(),
     },
     MethodInfo {
         name: "newmark",

@@ -1,6 +1,6 @@
 //! A scheme bound to a scene that can do what the scheme needs.
 
-use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
+use super::{Carried, Counters, ErrorOut, Integrator, PairInfo, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::{Abilities, SpringGraph, System, TangentSystem};
 use crate::solve::LinearStats;
@@ -110,6 +110,18 @@ impl<'a> Stepper<'a> {
     /// When the factorised W cannot be solved with.
     pub fn filter_error(&mut self, e: &mut [f64], counters: &mut Counters) -> Result<(), StepError> {
         each!(&mut self.0, scheme, system => scheme.filter_error(e, *system, counters))
+    }
+
+    /// See [`Integrator::pair`].
+    pub fn pair(&self) -> Option<PairInfo> {
+        each!(&self.0, scheme, _system => scheme.pair())
+    }
+
+    /// See [`Integrator::embedded_error`].
+    pub fn embedded_error(&mut self, Attempt { from, h, t_next }: Attempt<'_>, to: &Point, out: ErrorOut<'_>) {
+        each!(&mut self.0, scheme, system => {
+            scheme.embedded_error(StepInput { system: *system, from, h, t_next }, to, out);
+        });
     }
 
     /// Degree of freedom of an unknown of an implicit scheme.

@@ -56,8 +56,15 @@ pub(super) fn power<S: System + ?Sized>(system: &S, forces: &Forces) -> StageWor
 pub(super) fn weigh<const N: usize>(stages: [(f64, StageWork); N]) -> StageWork {
     let mut sum = StageWork::default();
     for (w, p) in stages {
-        sum.external += w * p.external;
-        sum.dissipated += w * p.dissipated;
+        sum.add(w, p);
     }
     sum
+}
+
+impl StageWork {
+    /// += weight * power
+    pub(super) fn add(&mut self, weight: f64, power: StageWork) {
+        self.external += weight * power.external;
+        self.dissipated += weight * power.dissipated;
+    }
 }

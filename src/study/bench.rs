@@ -43,8 +43,6 @@ pub struct Try<'a> {
     pub step: Step,
     /// how implicit steps are solved
     pub solver: SolverSpec,
-    /// [s] adaptive steps end at every multiple of this
-    pub meet: Option<f64>,
     /// where an earlier part of the run had come to
     pub from: Option<Snapshot>,
 }
@@ -94,8 +92,8 @@ impl Bench {
     ) -> Result<Outcome, TryError> {
         let scene = &*self.scene;
         let mut stepper = Stepper::bind(what.method.scheme(what.solver), scene.abilities())?;
-        let Try { method, step, meet, .. } = what;
-        let spec = RunSpec { end: self.end(), step, keep_going: false, method, meet };
+        let Try { method, step, .. } = what;
+        let spec = RunSpec { end: self.end(), step, frames_every: Some(self.every), keep_going: false, method };
         Ok(match what.from {
             Some(snapshot) => drive::resume(scene, &mut stepper, spec, snapshot, observers, stop)?,
             None => drive::run(scene, &mut stepper, spec, observers, stop)?,

@@ -72,7 +72,6 @@ impl Meter<'_> {
             method: &method,
             step: job.pace.step(),
             solver: self.bench.problem.solver,
-            meet: None,
             from: earlier.map(|e| e.snapshot),
         };
         let run = self.bench.run(what, &mut [&mut attendant], &stop);

@@ -31,7 +31,7 @@ const NOT_AGREED: f64 = 0.1;
 /// Tolerances of the finer and the coarser solution, tried in turn.
 const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]];
 /// The two pairs.
-const PAIRS: [&str; 2] = ["rk4", "rk4"];
+const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
 /// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
@@ -253,7 +253,7 @@ impl Workshop<'_> {
         let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
         let mut solver: SolverSpec = self.bench.problem.solver;
         solver.newton.relative = solver.newton.relative.min(NEWTON);
-        let what = Try { method, step, solver, meet: Some(self.bench.every), from: None };
+        let what = Try { method, step, solver, from: None };
         let run = self.bench.run(what, &mut [&mut sampler], self.stop);
         let Outcome { status, counters, failure, .. } = run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
         spent.counters = spent.counters.plus(counters);

@@ -13,10 +13,22 @@ use serde_json::{Value, json};
 /// even at one parameter or on one term only, is off by 1.
 const TOLERANCE: f64 = 0.1;
 
+/// The quadratic law v|v| has a jump in its second derivative where the flow through a triangle turns round; there the local error of any
+/// method is of third order. Methods of order 4 and less do not see it at these steps, those of higher order see little else.
+#[derive(Clone, Copy, PartialEq)]
+enum Air {
+    Quadratic,
+    Linear,
+}
+
 /// [-] Positions and velocities at the end; `-log2` of the step.
-fn end_state(method: &Value, refinement: i32) -> Vec<f64> {
+fn end_state(air: Air, method: &Value, refinement: i32) -> Vec<f64> {
     let step = format!("{:e}", (-f64::from(refinement)).exp2());
-    let run = run(&changed(&case_of(&net(), &[]), &[("time.method", &method.to_string()), ("time.step", &step)]));
+    let mut net = net();
+    if air == Air::Linear {
+        net["system"]["network"]["aero"]["law"]["permeable"]["b"] = json!(0.0);
+    }
+    let run = run(&changed(&case_of(&net, &[]), &[("time.method", &method.to_string()), ("time.step", &step)]));
     assert_eq!(run.outcome.status, Status::Completed, "{method} at {step}: {:?}", run.outcome.failure);
     run.positions.iter().chain(&run.velocities).flatten().copied().collect()
 }
@@ -26,20 +38,30 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 struct Reference {
+    air: Air,
     state: Vec<f64>,
-    /// its own error: the distance to half as fine a solution, less the factor 2^4 of a method of order 4
+    /// its own error: the distance to half as fine a solution, less the factor 2^4 of a method of order 4; or to that of a method of order 5
     error: f64,
 }
 
 fn reference() -> Reference {
-    let (coarse, state) = (end_state(&json!("rk4"), 11), end_state(&json!("rk4"), 12));
+    let air = Air::Quadratic;
+    let (coarse, state) = (end_state(air, &json!("rk4"), 11), end_state(air, &json!("rk4"), 12));
     let error = distance(&coarse, &state) / 15.0;
-    Reference { state, error }
+    Reference { air, state, error }
+}
+
+fn smooth_reference() -> Reference {
+    let air = Air::Linear;
+    let (other, state) = (end_state(air, &json!("dormand-prince"), 10), end_state(air, &json!("dop853"), 8));
+    let error = distance(&other, &state);
+    Reference { air, state, error }
 }
 
 /// Steps 2^-first, 2^-(first+1), 2^-(first+2): the mean of two slopes.
 fn slope(reference: &Reference, method: &Value, first: i32) -> f64 {
-    let errors: Vec<f64> = (first..first + 3).map(|k| distance(&end_state(method, k), &reference.state)).collect();
+    let errors: Vec<f64> =
+        (first..first + 3).map(|k| distance(&end_state(reference.air, method, k), &reference.state)).collect();
     assert!(errors[2] > 100.0 * reference.error, "{method}: {errors:?} against {:e}", reference.error);
     let slopes = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
     0.5 * (slopes[0] + slopes[1])
@@ -50,17 +72,20 @@ fn first_refinement(order: u32) -> i32 {
     match order {
         1 => 11,
         2 => 8,
-        _ => 7,
+        4 => 7,
+        5 => 5,
+        _ => 3,
     }
 }
 
 pub fn claims() -> Vec<Claim> {
-    let reference = reference();
+    let (reference, smooth) = (reference(), smooth_reference());
     // Rounding of 4096 steps takes over below this; a coarser reference than that would be a defect.
-    let mut claims = vec![Claim::below("the reference's own error [m, m/s]", reference.error, 1e-12)];
+    let mut claims = vec![Claim::below("the reference's own error [m, m/s]", reference.error.max(smooth.error), 1e-12)];
     let registered = methods().iter().map(|m| (m.order, json!(m.name)));
     for (order, method) in registered.chain(with_parameters()) {
-        let slope = slope(&reference, &method, first_refinement(order));
+        let reference = if order > 4 { &smooth } else { &reference };
+        let slope = slope(reference, &method, first_refinement(order));
         claims.push(Claim::absolute(format!("{}: order", method_name(&method)), slope, f64::from(order), TOLERANCE));
     }
     claims

@@ -12,12 +12,19 @@
 //! It costs no force pass. For Newmark's displacement it is the estimate h^2 (beta - 1/6) (a_{n+1} - a_n) of Zienkiewicz & Xie
 //! (1991, Earthquake Eng. Struct. Dyn. 20, 871-887) to leading order, and unlike that sees the velocity's error too, which is as large, and does not vanish for beta = 1/6.
 //!
+//! [`embedded`], for schemes that bring their own estimate ([`crate::integrate::PairInfo`]), whatever came before. The run goes on with the finer of the two
+//! solutions (local extrapolation), whose own error is the estimate's times about C w h, with a constant C of the pair and the w of what
+//! moves. So it is the estimate of a step, not that of a unit of time, that is in proportion to what the errors come to at the end: error per
+//! step with extrapolation (XEPS: Shampine 1977, Math. Comp. 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
+//!
 //! [`doubled`], for higher orders and for steps without a step before: one step against two halves, divided by
 //! 2^p - 1 (Hairer, Norsett & Wanner 1993, section II.4).
 
 use serde::{Deserialize, Serialize};
 
 use crate::drive::clock::Tolerance;
+use crate::integrate::ErrorOut;
+use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 
@@ -92,6 +99,12 @@ impl Motion {
         Motion { x: self.x.max(x), v: self.v.max(v), ..self }
     }
 
+    /// [-] w h of what a step of `h` [s] gets wrong, at most 1: beyond that an estimate is no small part of the motion.
+    pub fn turn(&self, h: f64) -> f64 {
+        let period = self.period(h);
+        if period > 0.0 { h / period } else { 1.0 }
+    }
+
     /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what moves
     /// fastest counts, because that is what a step gets wrong.
     /// Never less than the step of `h` [s]: the next one makes that of it in any case, also of a scene that has not moved yet.
@@ -163,6 +176,17 @@ impl Quadrature {
         }
         bends
     }
+}
+
+/// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v are one step of the same
+/// oscillations, so they tell the time scale as two derivatives of the acceleration do.
+pub fn embedded(stepper: &mut Stepper<'_>, attempt: Attempt<'_>, to: &Point, error: &mut LocalError) -> Bends {
+    stepper.embedded_error(attempt, to, ErrorOut { x: &mut error.x, v: &mut error.v });
+    let mut bends = Bends::default();
+    for (x, v) in error.x.iter().zip(&error.v) {
+        bends.add(*x, *v);
+    }
+    bends
 }
 
 /// A whole step beside two halves of it.

@@ -13,7 +13,7 @@
 //! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
 //! three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together may make half of it.
 //!
-//! Steps end at the corners of load and wind tables and at the end of the run, and what was learnt of the motion before
+//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too), and what was learnt of the motion before
 //! a corner is forgotten there.
 
 pub mod controller;
@@ -22,13 +22,13 @@ mod floor;
 pub mod memory;
 
 use controller::{Controller, Judged};
-use estimate::{Bends, Deviation, LocalError, Motion, Pair, Quadrature, doubled};
+use estimate::{Bends, Deviation, LocalError, Motion, Pair, Quadrature, doubled, embedded};
 use memory::Memory;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Tolerance;
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::integrate::{Carried, Counters, StepError, StepReport};
+use crate::integrate::{Carried, Counters, PairInfo, StepError, StepReport};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
@@ -72,12 +72,12 @@ pub struct AdaptiveState {
 pub struct AdaptiveSpec {
     /// [s] end of the run
     pub end: f64,
+    /// [s] steps end at multiples of this, too, where frames are taken
+    pub frames_every: Option<f64>,
     /// error it may make
     pub tolerance: Tolerance,
     /// [-] order of the scheme with its parameters
     pub order: u32,
-    /// [s] steps end at every multiple of this too
-    pub meet: Option<f64>,
     /// whether the scheme's errors all pull one way, so that none of them cancel or are forgotten
     pub coherent: bool,
 }
@@ -109,6 +109,16 @@ pub struct Trial {
     pub t: f64,
     /// whether a corner of a table or the end lies there
     at_corner: bool,
+}
+
+/// What is known of an attempt's error besides the error.
+#[derive(Clone, Copy, Debug)]
+struct Guess {
+    bends: Bends,
+    /// [-] the most the next step may grow
+    most_growth: f64,
+    /// of an estimate that the scheme's own pair made
+    pair: Option<PairInfo>,
 }
 
 /// What attempts are made with.
@@ -184,10 +194,6 @@ impl Adaptive {
     /// A run that goes on.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
         let mut corners = scene.corners();
-        if let Some(every) = spec.meet {
-            corners.extend((1..).map(|k| f64::from(k) * every).take_while(|t| *t < spec.end * (1.0 - 1e-12)));
-            corners.sort_by(f64::total_cmp);
-        }
         corners.retain(|t| *t > 0.0 && *t < spec.end);
         corners.push(spec.end);
         let start = scene.initial_state().x;
@@ -212,6 +218,12 @@ impl Adaptive {
     pub fn next(&self, t: f64) -> Option<Trial> {
         let met = |corner: f64| corner - t <= 4.0 * f64::EPSILON * corner;
         let corner = self.corners.iter().copied().find(|corner| !met(*corner))?;
+        let frame = self.spec.frames_every.and_then(|every| {
+            let passed = (t / every).floor();
+            [1.0, 2.0].map(|more| (passed + more) * every).into_iter().find(|frame| !met(*frame))
+        });
+        // A frame at a corner is that corner, whatever rounding says.
+        let corner = frame.filter(|frame| corner - frame > 4.0 * f64::EPSILON * corner).unwrap_or(corner);
         let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
         if asked >= rest * (1.0 - 1e-9) {
             return Some(Trial { h: rest, t: corner, at_corner: true });
@@ -238,7 +250,9 @@ impl Adaptive {
         to: &mut Point,
     ) -> Result<Kept, Dropped> {
         let by_parabola = self.spec.order <= ORDER_OF_PARABOLA && self.state.before.is_ready();
-        let tried = if by_parabola {
+        let tried = if let Some(pair) = bench.stepper.pair() {
+            self.by_pair(&mut bench, trial, pair, from, to)
+        } else if by_parabola {
             self.single(&mut bench, trial, from, to)
         } else {
             self.halves(&mut bench, trial, from, to)
@@ -280,9 +294,25 @@ impl Adaptive {
         for error in [&mut self.error.x, &mut self.error.v] {
             bench.stepper.filter_error(error, bench.counters).map_err(Dropped::Unsolved)?;
         }
-        self.judge(trial, (bends, GROWTH[0]), to)?;
+        self.judge(trial, Guess { bends, most_growth: GROWTH[0], pair: None }, to)?;
         self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
         self.state.before.remember(trial.h, from, inverse_mass);
+        Ok(Kept::Single(report))
+    }
+
+    fn by_pair(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        pair: PairInfo,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        let report = bench.step(from, trial.t, to)?;
+        let attempt = Attempt { from, h: trial.h, t_next: trial.t };
+        let bends = embedded(bench.stepper, attempt, to, &mut self.error);
+        self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
+        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
         Ok(Kept::Single(report))
     }
 
@@ -302,7 +332,7 @@ impl Adaptive {
             let judge = |middle: &Point, end: &Point| {
                 let pair = Pair { h: trial.h, from, middle, halves: end, whole };
                 let bends = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
-                self.judge(trial, (bends, GROWTH[1]), end)
+                self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: None }, end)
             };
             let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
             self.carried = carried;
@@ -317,13 +347,16 @@ impl Adaptive {
     }
 
     /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.
-    fn judge(&mut self, trial: Trial, (bends, most_growth): (Bends, f64), end: &Point) -> Result<(), Dropped> {
+    fn judge(&mut self, trial: Trial, guess: Guess, end: &Point) -> Result<(), Dropped> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
+        let Guess { bends, most_growth, pair } = guess;
         let moved = motion.bent(bends);
-        let AdaptiveSpec { end: run, tolerance, order, coherent, meet: _ } = self.spec;
+        let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
         let off = moved.deviation(trial.h, &self.error, tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
-        let per_time = off.ratio * (run / trial.h) / share;
+        // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the estimate.
+        let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.turn(trial.h));
+        let per_time = own * (run / trial.h) / share;
         let judged = Judged { h: trial.h, error: per_time, order, most_growth };
         if per_time <= 1.0 {
             controller.accept(judged);

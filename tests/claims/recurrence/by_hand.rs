@@ -2,6 +2,7 @@
 //! formulas or one equation for the new acceleration.
 
 use super::bench::{Case, Damper, Oscillator};
+use crate::common::polynomials::stability_polynomial;
 
 /// x, v, a of the recurrence; `a` is the acceleration that the method itself carries.
 #[derive(Clone, Copy, Debug)]
@@ -17,21 +18,20 @@ fn product(a: Matrix, b: Matrix) -> Matrix {
     [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
 }
 
-/// p(h A) y for x' = A y + (0, g) where p is the truncated exponential series of `degree`, and the forcing
-/// enters through phi(h A) = sum (h A)^k/(k+1)!: what any Runge-Kutta method with as many stages as its order does.
-fn taylor(o: Oscillator, h: f64, degree: i32, m: Motion) -> Motion {
+/// R(h A) y for x' = A y + (0, g) with the polynomial R of a Runge-Kutta method; the forcing enters through
+/// (R(h A) - 1)/(h A).
+fn polynomial(o: Oscillator, h: f64, coefficients: &[f64], m: Motion) -> Motion {
     let za = [[0.0, h], [-h * o.frequency.powi(2), -h * o.d()]];
-    let (mut power, mut factorial) = ([[1.0, 0.0], [0.0, 1.0]], 1.0);
+    let mut power = [[1.0, 0.0], [0.0, 1.0]];
     let mut y = [m.x, m.v];
-    for k in 1..=degree {
-        // h g (hA)^(k-1)/k! before, (hA)^k/k! after the power is raised.
-        factorial *= f64::from(k);
+    for c in &coefficients[1..] {
+        // h g (hA)^(k-1) before, (hA)^k after the power is raised.
         for (i, y) in y.iter_mut().enumerate() {
-            *y += power[i][1] * h * o.push / factorial;
+            *y += power[i][1] * h * o.push * c;
         }
         power = product(za, power);
         for (i, y) in y.iter_mut().enumerate() {
-            *y += (power[i][0] * m.x + power[i][1] * m.v) / factorial;
+            *y += (power[i][0] * m.x + power[i][1] * m.v) * c;
         }
     }
     Motion { x: y[0], v: y[1], a: 0.0 }
@@ -88,10 +88,12 @@ impl Case {
     /// The recurrence, `steps` steps from rest of everything but x and v.
     pub fn expected(&self, o: Oscillator, h: f64, damper: Damper, start: Motion, steps: usize) -> Vec<Motion> {
         let newmark = |beta, gamma| Weighted { beta, gamma, am: 0.0, af: 0.0 };
+        let runge_kutta = stability_polynomial(self.method);
         let step: Box<dyn Fn(Motion) -> Motion> = match self.method {
-            "explicit-euler" => Box::new(move |m| taylor(o, h, 1, m)),
-            "euler-richardson" | "improved-euler" => Box::new(move |m| taylor(o, h, 2, m)),
-            "rk4" => Box::new(move |m| taylor(o, h, 4, m)),
+            _ if runge_kutta.is_some() => {
+                let coefficients = runge_kutta.unwrap_or_default();
+                Box::new(move |m| polynomial(o, h, &coefficients, m))
+            }
             "improved-euler-pec" => return adams_bashforth(o, h, start, steps),
             "euler-cromer" => Box::new(move |m| {
                 // x_{n+1} from its own row of the matrix [[1 - w^2 h^2, h - d h^2], [-w^2 h, 1 - d h]].

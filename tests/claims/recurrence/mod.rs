@@ -56,8 +56,9 @@ fn recurrence(case: &Case) -> Claim {
             worst = if error.is_nan() { f64::NAN } else { worst.max(error) };
         }
     }
-    // Rounding of 40 steps, in units of the largest motion.
-    Claim::below(format!("{}: recurrence, worst of 3 steps, 3 damping ratios, 5 dampers", case.name()), worst, 1e-13)
+    // Rounding of 40 steps, in units of the largest motion; the stages of dop853 have weights up to 43, which cancel.
+    let rounding = if case.method == "dop853" { 1e-12 } else { 1e-13 };
+    Claim::below(format!("{}: recurrence, worst of 3 steps, 3 damping ratios, 5 dampers", case.name()), worst, rounding)
 }
 
 /// Under a constant load with damping every implicit method comes to rest at x = F/K: its force weights sum to one.

@@ -1,0 +1,304 @@
+//! Explicit Runge-Kutta methods whose stages serve a second, coarser solution too, so that a step brings its own error estimate
+//! (Fehlberg 1969; Hairer, Norsett & Wanner 1993, section II.4).
+//!
+//! With y = (x, v) and the slopes k_i = (v_i, M^-1 f(t_i, x_i, v_i)):
+//! ```text
+//! y_i     = y_n + h sum_{j<i} a_ij k_j,     t_i = t_n + c_i h
+//! y_{n+1} = y_n + h sum_i b_i k_i
+//! e       = h sum_i e_i k_i                  e_i = b_i - b^_i, the weights of the coarser solution taken off
+//! ```
+//! The last slope of `e` may be that of the new point itself, whose forces the next step needs in any case ("first same as last"): a
+//! step costs as many force passes as the method has stages, and the estimate none.
+//! Sums are formed before they are added to y_n, so that they lose no digits to a far origin.
+
+use super::updates::{acceleration, accumulate, power};
+use super::{Counters, ErrorOut, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
+use crate::model::forces::Forces;
+use crate::model::point::Point;
+use crate::model::state::StateRef;
+use crate::model::system::System;
+
+/// A row of a Butcher tableau.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stage {
+    /// [-] its time within the step
+    pub c: f64,
+    /// [-] weights of the slopes before it
+    pub a: &'static [f64],
+}
+
+/// Weights of the estimate, one for each stage and, where it is used, one for the new point.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Estimate {
+    /// the coarser solution's difference
+    One(&'static [f64]),
+    /// `|e|^2 / sqrt(|e|^2 + 0.01 |e'|^2)` of a fine e and a coarse e' (Hairer, Norsett & Wanner 1993, section II.10)
+    Two {
+        /// e
+        fine: &'static [f64],
+        /// e'
+        coarse: &'static [f64],
+    },
+}
+
+/// A Butcher tableau with its estimate. The first stage is y_n.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tableau {
+    /// stages from the second on
+    pub stages: &'static [Stage],
+    /// [-] weights of the result
+    pub b: &'static [f64],
+    /// weights of its error
+    pub estimate: Estimate,
+    /// how the estimate compares with the error
+    pub info: PairInfo,
+}
+
+/// The slope of a stage.
+#[derive(Clone, Debug)]
+struct Slope {
+    /// [m/s] v_i
+    x: Vec<f64>,
+    /// [m/s^2] M^-1 f_i
+    v: Vec<f64>,
+}
+
+/// The method of a tableau; carries nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Embedded {
+    tableau: &'static Tableau,
+    slopes: Vec<Slope>,
+    /// [m] positions of a stage; its velocities are its slope
+    x: Vec<f64>,
+    forces: Forces,
+}
+
+impl Embedded {
+    /// The method of `tableau`.
+    pub fn new(tableau: &'static Tableau) -> Self {
+        Embedded { tableau, slopes: Vec::new(), x: Vec::new(), forces: Forces::default() }
+    }
+}
+
+impl Integrator<dyn System> for Embedded {
+    fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
+        let zero = vec![0.0; at.state.x.len()];
+        // One more than stages: the slope at the new point, for the estimate.
+        let count = self.tableau.stages.len() + 2;
+        self.slopes = vec![Slope { x: zero.clone(), v: zero.clone() }; count];
+        self.x = zero;
+        self.forces = system.new_forces();
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        let (n, Tableau { stages, b, .. }) = (&from.state, self.tableau);
+        let mut work = StageWork::default();
+        if let Some(first) = self.slopes.first_mut() {
+            first.x.copy_from_slice(&n.v);
+            acceleration(system, &mut first.v, &from.forces.total);
+            work.add(h * b.first().copied().unwrap_or(0.0), power(system, &from.forces));
+        }
+        for (i, Stage { c, a }) in (1..).zip(*stages) {
+            let (before, rest) = self.slopes.split_at_mut(i);
+            let Some(slope) = rest.first_mut() else { break };
+            advance(&mut self.x, &n.x, h, a, before, |k| &k.x);
+            advance(&mut slope.x, &n.v, h, a, before, |k| &k.v);
+            let t = if *c == 1.0 { t_next } else { n.t + c * h };
+            counters.evaluate(system, StateRef { t, x: &self.x, v: &slope.x }, &mut self.forces);
+            acceleration(system, &mut slope.v, &self.forces.total);
+            work.add(h * b.get(i).copied().unwrap_or(0.0), power(system, &self.forces));
+        }
+        to.state.t = t_next;
+        advance(&mut to.state.x, &n.x, h, b, &self.slopes, |k| &k.x);
+        advance(&mut to.state.v, &n.v, h, b, &self.slopes, |k| &k.v);
+        counters.evaluate(system, to.state.as_ref(), &mut to.forces);
+        Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
+    }
+
+    fn pair(&self) -> Option<PairInfo> {
+        Some(self.tableau.info)
+    }
+
+    fn embedded_error(
+        &mut self,
+        StepInput { system, h, .. }: StepInput<'_, dyn System>,
+        to: &Point,
+        out: ErrorOut<'_>,
+    ) {
+        if let Some(last) = self.slopes.last_mut() {
+            last.x.copy_from_slice(&to.state.v);
+            acceleration(system, &mut last.v, &to.forces.total);
+        }
+        let (slopes, room) = (&self.slopes, &mut self.x);
+        match self.tableau.estimate {
+            Estimate::One(e) => {
+                weighted(out.x, h, e, slopes, |k| &k.x);
+                weighted(out.v, h, e, slopes, |k| &k.v);
+            }
+            Estimate::Two { fine, coarse } => {
+                combined(out.x, room, (h, [fine, coarse]), slopes, |k| &k.x);
+                combined(out.v, room, (h, [fine, coarse]), slopes, |k| &k.v);
+            }
+        }
+    }
+}
+
+type Part = fn(&Slope) -> &[f64];
+
+/// Degrees of freedom summed at once: few enough for the sums to stay in the first cache while the slopes pass by.
+const BLOCK: usize = 256;
+
+/// out = base + h sum of weight * slope
+fn advance(out: &mut [f64], base: &[f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
+    weighted(out, h, weights, slopes, part);
+    accumulate(out, 1.0, base);
+}
+
+/// out = h sum of weight * slope
+fn weighted(out: &mut [f64], h: f64, weights: &[f64], slopes: &[Slope], part: Part) {
+    for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+        out.fill(0.0);
+        for (w, slope) in weights.iter().zip(slopes).filter(|(w, _)| **w != 0.0) {
+            if let Some(k) = part(slope).get(block * BLOCK..) {
+                accumulate(out, h * w, k);
+            }
+        }
+    }
+}
+
+/// out = e |e| / sqrt(|e|^2 + 0.01 |e'|^2), whose norm is that of [`Estimate::Two`]; `room` takes e'.
+fn combined(out: &mut [f64], room: &mut [f64], (h, two): (f64, [&[f64]; 2]), slopes: &[Slope], part: Part) {
+    let square = |e: &[f64]| e.iter().map(|e| e * e).sum::<f64>();
+    let [fine, coarse] = two;
+    weighted(out, h, fine, slopes, part);
+    weighted(room, h, coarse, slopes, part);
+    let (fine, coarse) = (square(out), square(room));
+    let share = (fine / (fine + 0.01 * coarse)).sqrt();
+    if fine > 0.0 {
+        out.iter_mut().for_each(|e| *e *= share);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{dop853, dormand_prince};
+    use super::*;
+
+    /// A rooted tree: its elementary weights by stage, the slope at the new point last, and its density gamma (Butcher; Hairer, Norsett &
+    /// Wanner 1993, section II.2).
+    struct Tree {
+        weights: Vec<f64>,
+        density: f64,
+    }
+
+    /// a_ij with a row for the new point.
+    fn rows(tableau: &Tableau) -> Vec<&'static [f64]> {
+        let stages = tableau.stages.iter().map(|stage| stage.a);
+        std::iter::once(&[] as &[f64]).chain(stages).chain([tableau.b]).collect()
+    }
+
+    fn dot(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    /// All trees up to an order, by order; the root of each joins smaller ones.
+    fn trees(tableau: &Tableau, most: usize) -> Vec<Vec<Tree>> {
+        let rows = rows(tableau);
+        let mut all: Vec<Vec<Tree>> = vec![Vec::new()];
+        for order in 1..=most {
+            let flat: Vec<(usize, &Tree)> =
+                all.iter().enumerate().flat_map(|(n, trees)| trees.iter().map(move |t| (n, t))).collect();
+            let mut found = Vec::new();
+            let bare = Tree { weights: vec![1.0; rows.len()], density: order as f64 };
+            join(&rows, &flat, order - 1, bare, &mut found);
+            all.push(found);
+        }
+        all
+    }
+
+    /// Hangs multisets of `branches` (order, tree) with `left` nodes in all on `root`.
+    fn join(rows: &[&[f64]], branches: &[(usize, &Tree)], left: usize, root: Tree, found: &mut Vec<Tree>) {
+        if left == 0 {
+            found.push(root);
+            return;
+        }
+        for (i, (order, branch)) in branches.iter().enumerate().filter(|(_, (order, _))| *order <= left) {
+            let weights = root.weights.iter().zip(rows).map(|(w, row)| w * dot(row, &branch.weights)).collect();
+            let next = Tree { weights, density: root.density * branch.density };
+            join(rows, &branches[i..], left - order, next, found);
+        }
+    }
+
+    /// Largest |b . weights - 1/gamma| of every order from 1 to `most`.
+    fn defects(tableau: &Tableau, b: &[f64], most: usize) -> Vec<f64> {
+        let off = |tree: &Tree| (dot(b, &tree.weights) - 1.0 / tree.density).abs();
+        trees(tableau, most)[1..].iter().map(|trees| trees.iter().map(off).fold(0.0, f64::max)).collect()
+    }
+
+    /// b less the weights of an estimate; the new point's slope counts as one more stage.
+    fn less(b: &[f64], e: &[f64]) -> Vec<f64> {
+        (0..b.len() + 1).map(|i| b.get(i).copied().unwrap_or(0.0) - e.get(i).copied().unwrap_or(0.0)).collect()
+    }
+
+    /// The solution meets every condition up to its order, to rounding, and not all of the next.
+    fn has_order(tableau: &Tableau, b: &[f64], order: usize) {
+        let defects = defects(tableau, b, order + 1);
+        assert!(defects[..order].iter().all(|d| *d < 2e-14), "order {order}: {defects:?}");
+        assert!(defects[order] > 1e-6, "more than order {order}: {defects:?}");
+    }
+
+    /// Coefficient of z^k in what a step with weights `b` does to y' = z y.
+    fn tall(tableau: &Tableau, b: &[f64], k: usize) -> f64 {
+        let rows = rows(tableau);
+        let mut weights = vec![1.0; rows.len()];
+        for _ in 1..k {
+            weights = rows.iter().map(|row| dot(row, &weights)).collect();
+        }
+        dot(b, &weights)
+    }
+
+    #[test]
+    fn there_are_as_many_trees_as_there_are() {
+        let counts: Vec<usize> = trees(&dop853::TABLEAU, 8).iter().map(Vec::len).collect();
+        assert_eq!(counts, [0, 1, 1, 2, 4, 9, 20, 48, 115]);
+    }
+
+    #[test]
+    fn rows_sum_to_their_times() {
+        for tableau in [&dormand_prince::TABLEAU, &dop853::TABLEAU] {
+            assert_eq!(tableau.b.len(), tableau.stages.len() + 1);
+            for (i, stage) in (1..).zip(tableau.stages) {
+                assert_eq!(stage.a.len(), i);
+                assert!((stage.a.iter().sum::<f64>() - stage.c).abs() < 1e-14, "stage {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn dormand_prince_meets_the_order_conditions() {
+        let tableau = &dormand_prince::TABLEAU;
+        has_order(tableau, tableau.b, 5);
+        let Estimate::One(e) = tableau.estimate else { panic!("one estimate") };
+        has_order(tableau, &less(tableau.b, e), 4);
+        let leading = (tall(tableau, tableau.b, 6) - 1.0 / 720.0) / tall(tableau, e, 5);
+        assert!((tableau.info.leading - leading.abs()).abs() < 1e-12, "{leading}");
+    }
+
+    #[test]
+    fn dop853_meets_the_order_conditions() {
+        let tableau = &dop853::TABLEAU;
+        has_order(tableau, tableau.b, 8);
+        let Estimate::Two { fine, coarse } = tableau.estimate else { panic!("two estimates") };
+        has_order(tableau, &less(tableau.b, fine), 5);
+        has_order(tableau, &less(tableau.b, coarse), 3);
+        let estimate = tall(tableau, fine, 6).powi(2) / (0.1 * tall(tableau, coarse, 4));
+        let leading = (tall(tableau, tableau.b, 9) - 1.0 / 362_880.0) / estimate;
+        assert!((tableau.info.leading / leading.abs() - 1.0).abs() < 1e-3, "{leading}");
+    }
+}
