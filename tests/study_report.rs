@@ -13,8 +13,8 @@ use canopy_fem::study::answers::Answers;
 use canopy_fem::study::report::{Machine, Rerun, write};
 use canopy_fem::study::row::{Pace, Row, RowStatus, label};
 use canopy_fem::study::wishes::{Typed, Wishes};
-use sample::{Law, laws, method, study};
-use svg::{Element, elements};
+use sample::{Law, laws, method, some_laws, study, with_ends};
+use svg::{Element, axis, elements, frames, marks};
 use tempfile::TempDir;
 
 const HEADER: &str = "method,step,tolerance,status,error,error_max,energy_error,cpu_seconds,force_evaluations,tangent_assemblies,factorizations,linear_solves,pareto";
@@ -56,29 +56,6 @@ impl Report {
         assert!(!svg.contains("NaN") && !svg.contains("inf\"") && !svg.contains("inf,"), "a number that is none");
         elements(&svg)
     }
-}
-
-/// Keeps some rows, with other ends for them.
-fn with_ends(mut study: Study, ends: &[RowStatus]) -> Study {
-    for (row, status) in study.rows.iter_mut().zip(ends) {
-        row.measured.status = *status;
-        if *status == RowStatus::Completed {
-            continue;
-        }
-        (row.measured.error, row.measured.error_max, row.pareto) = (None, None, false);
-        row.measured.note = format!("because of {}", status.word());
-        if matches!(status, RowStatus::Refused | RowStatus::NotRun) {
-            row.cpu_seconds = None;
-            row.measured.repeats.clear();
-            row.measured.counters = Default::default();
-        }
-    }
-    study.rows.truncate(ends.len());
-    study
-}
-
-fn some_laws(names: &[&str]) -> Vec<Law> {
-    laws().into_iter().filter(|law| names.contains(&law.method.name.as_str())).collect()
 }
 
 /// The table as other programs read it: its header to the letter, its cells as short as they can be, nothing where there is nothing.
@@ -123,29 +100,6 @@ fn methods_can_be_given_again() {
     assert_eq!(table.lines().count(), 1 + study.rows.len());
 }
 
-/// [px] Left, top, right and bottom of the frames of a picture, in the order they were drawn.
-fn frames(picture: &[Element]) -> Vec<[f64; 4]> {
-    let closed = |p: &[(f64, f64)]| p.len() == 5 && p.first() == p.last();
-    let lines = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#333333").map(Element::points);
-    lines.filter(|p| closed(p)).map(|p| [p[0].0, p[0].1, p[2].0, p[2].1]).collect()
-}
-
-/// Marks in a frame: one middle each. A cross is two lines, an upright cross two polylines at one place.
-fn marks(picture: &[Element], [left, top, right, bottom]: [f64; 4]) -> Vec<(f64, f64)> {
-    let within =
-        |p: &(f64, f64)| (left - 8.0..=right + 8.0).contains(&p.0) && (top - 8.0..=bottom + 8.0).contains(&p.1);
-    let coloured = picture.iter().filter(|e| matches!(e.name.as_str(), "line" | "polyline"));
-    let coloured = coloured.filter(|e| e.get("stroke") != "#E2E2E2" && e.get("stroke") != "#333333");
-    let mut found: Vec<(f64, f64)> = Vec::new();
-    for points in coloured.map(Element::points).filter(|p| p.len() == 2 && p.iter().all(within)) {
-        let at = (f64::midpoint(points[0].0, points[1].0), f64::midpoint(points[0].1, points[1].1));
-        if found.iter().all(|f| (f.0 - at.0).abs().max((f.1 - at.1).abs()) > 10.0) {
-            found.push(at);
-        }
-    }
-    found
-}
-
 /// No run is missing: each way to end has its rows, its marks in the strip, its word in the legend and its reason on the page.
 #[test]
 fn every_status_is_a_row_and_a_mark() {
@@ -169,21 +123,6 @@ fn every_status_is_a_row_and_a_mark() {
     }
 }
 
-/// A logarithmic axis read back from its powers of ten.
-fn axis(picture: &[Element], anchor: &str, of: fn((f64, f64)) -> f64) -> impl Fn(f64) -> f64 {
-    let power = |text: &str| -> Option<f64> {
-        let digits = text.strip_prefix("10")?.chars().map(|c| match c {
-            '⁻' => Some('-'),
-            c => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|d| d == c).and_then(|d| char::from_digit(d as u32, 10)),
-        });
-        digits.collect::<Option<String>>()?.parse().ok()
-    };
-    let texts = picture.iter().filter(|e| e.name == "text" && e.get("text-anchor") == anchor);
-    let ticks: Vec<(f64, f64)> = texts.filter_map(|e| Some((power(&e.text)?, of(e.points()[0])))).collect();
-    let ((first, a), (last, b)) = (ticks[0], *ticks.last().expect("ticks"));
-    move |at| 10f64.powf(first + (at - a) * (last - first) / (b - a))
-}
-
 /// Runs stand where their error and their cost are, and those more exact than the reference on its bound.
 #[test]
 fn runs_are_drawn_where_they_belong() {
@@ -198,8 +137,8 @@ fn runs_are_drawn_where_they_belong() {
         .collect();
     expected.sort_by(|a, b| a.1.total_cmp(&b.1));
     assert!(expected.len() == 5 && expected[4].0 == 2.3e-9, "the last ones are better than the reference can tell");
-    let blue = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#0072B2").map(Element::points);
-    let line = blue.filter(|p| p.len() == expected.len()).next_back().expect("its line");
+    let mut blue = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#0072B2").map(Element::points);
+    let line = blue.rfind(|p| p.len() == expected.len()).expect("its line");
     for (point, (error, cost)) in line.iter().zip(expected) {
         let off = (x(point.0) / error).ln().abs().max((y(point.1) / cost).ln().abs());
         assert!(off < 0.02, "{point:?} is {}, {}, not {error}, {cost}", x(point.0), y(point.1));

@@ -160,7 +160,7 @@ impl<'a> Pen<'a> {
                 self.stroke(spot, [(-0.55, 0.0), (0.55, 0.0)], ink)?;
                 self.stroke(spot, [(0.0, -0.55), (0.0, 0.55)], ink)
             }
-            Marker::Tick => self.stroke(spot, [(0.0, -0.6), (0.0, 0.6)], ink),
+            Marker::Tick => self.stroke(spot, [(0.0, -0.45), (0.0, 0.45)], ink),
             Marker::Bar => self.stroke(spot, [(-0.4, 0.0), (0.4, 0.0)], ink),
             Marker::Square | Marker::OpenSquare => self.shape(spot, &SQUARE, look),
             Marker::Triangle | Marker::OpenTriangle => self.shape(spot, &TRIANGLE, look),

@@ -164,3 +164,26 @@ pub fn study(name: &str, factors: &[f64], laws: &[Law], status: Option<RowStatus
     }
     Study { plan, rows: all }
 }
+
+/// Keeps some rows, with other ends for them.
+pub fn with_ends(mut study: Study, ends: &[RowStatus]) -> Study {
+    for (row, status) in study.rows.iter_mut().zip(ends) {
+        row.measured.status = *status;
+        if *status == RowStatus::Completed {
+            continue;
+        }
+        (row.measured.error, row.measured.error_max, row.pareto) = (None, None, false);
+        row.measured.note = format!("because of {}", status.word());
+        if matches!(status, RowStatus::Refused | RowStatus::NotRun) {
+            row.cpu_seconds = None;
+            row.measured.repeats.clear();
+            row.measured.counters = Default::default();
+        }
+    }
+    study.rows.truncate(ends.len());
+    study
+}
+
+pub fn some_laws(names: &[&str]) -> Vec<Law> {
+    laws().into_iter().filter(|law| names.contains(&law.method.name.as_str())).collect()
+}

@@ -96,3 +96,41 @@ fn text(escaped: &str) -> String {
     }
     plain
 }
+
+/// [px] Left, top, right and bottom of the frames of a picture, in the order they were drawn.
+pub fn frames(picture: &[Element]) -> Vec<[f64; 4]> {
+    let closed = |p: &[(f64, f64)]| p.len() == 5 && p.first() == p.last();
+    let lines = picture.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#333333").map(Element::points);
+    lines.filter(|p| closed(p)).map(|p| [p[0].0, p[0].1, p[2].0, p[2].1]).collect()
+}
+
+/// Marks in a frame: one middle each. A cross is two lines, an upright cross two polylines at one place.
+pub fn marks(picture: &[Element], [left, top, right, bottom]: [f64; 4]) -> Vec<(f64, f64)> {
+    let within =
+        |p: &(f64, f64)| (left - 8.0..=right + 8.0).contains(&p.0) && (top - 8.0..=bottom + 8.0).contains(&p.1);
+    let coloured = picture.iter().filter(|e| matches!(e.name.as_str(), "line" | "polyline"));
+    let coloured = coloured.filter(|e| e.get("stroke") != "#E2E2E2" && e.get("stroke") != "#333333");
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    for points in coloured.map(Element::points).filter(|p| p.len() == 2 && p.iter().all(within)) {
+        let at = (f64::midpoint(points[0].0, points[1].0), f64::midpoint(points[0].1, points[1].1));
+        if found.iter().all(|f| (f.0 - at.0).abs().max((f.1 - at.1).abs()) > 10.0) {
+            found.push(at);
+        }
+    }
+    found
+}
+
+/// A logarithmic axis read back from its powers of ten.
+pub fn axis(picture: &[Element], anchor: &str, of: fn((f64, f64)) -> f64) -> impl Fn(f64) -> f64 {
+    let power = |text: &str| -> Option<f64> {
+        let digits = text.strip_prefix("10")?.chars().map(|c| match c {
+            '⁻' => Some('-'),
+            c => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|d| d == c).and_then(|d| char::from_digit(d as u32, 10)),
+        });
+        digits.collect::<Option<String>>()?.parse().ok()
+    };
+    let texts = picture.iter().filter(|e| e.name == "text" && e.get("text-anchor") == anchor);
+    let ticks: Vec<(f64, f64)> = texts.filter_map(|e| Some((power(&e.text)?, of(e.points()[0])))).collect();
+    let ((first, a), (last, b)) = (ticks[0], *ticks.last().expect("ticks"));
+    move |at| 10f64.powf(first + (at - a) * (last - first) / (b - a))
+}

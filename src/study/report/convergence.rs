@@ -13,6 +13,9 @@ const SLOPES: [f64; 3] = [1.0, 2.0, 4.0];
 /// A limit or a bound is part of the picture if it is at most so many decades off.
 const FAR: f64 = 1.0;
 
+/// Where a guide that leaves the picture below has its name, as a share of the height.
+const NAMED: f64 = 0.06;
+
 /// Whether any run took fixed steps.
 pub(super) fn has_runs(study: &Study) -> bool {
     study.rows.iter().any(|row| step(row).is_some())
@@ -87,17 +90,15 @@ fn guides([x, y]: [Span; 2], lines: &mut Vec<Line>, notes: &mut Vec<Note>) {
     let ((left, right), (bottom, top)) = (x.ends(), y.ends());
     for slope in SLOPES {
         let at_left = top * (left / right).powf(slope);
-        let (end, align) = if at_left >= bottom {
-            ((left, at_left), Align::RightBelow)
+        let at = |height: f64| (right * (height / top).powf(1.0 / slope), height);
+        // Names stand clear of the ticks on the lower edge.
+        let (end, named) = if at_left >= bottom {
+            ((left, at_left), (left, at_left))
         } else {
-            ((right * (bottom / top).powf(1.0 / slope), bottom), Align::Right)
+            (at(bottom), at(bottom * (top / bottom).powf(NAMED)))
         };
-        lines.push(Line {
-            points: vec![(right, top), end],
-            stroke: Stroke::Thin,
-            color: Some(BLACK),
-            ..Line::default()
-        });
-        notes.push(Note { at: end, text: format!("slope {slope}"), align });
+        let points = vec![(right, top), end];
+        lines.push(Line { points, stroke: Stroke::Thin, color: Some(BLACK), ..Line::default() });
+        notes.push(Note { at: named, text: format!("slope {slope}"), align: Align::RightBelow });
     }
 }

@@ -31,6 +31,26 @@ pub struct Machine {
     pub date: Option<String>,
 }
 
+impl Rerun {
+    /// This machine, and the arguments of a command line without the program's own name, quoted as a POSIX shell wants them.
+    ///
+    /// ```
+    /// use canopy_fem::study::report::Rerun;
+    /// let typed = ["tradeoff", "a b.json", "--methods", r#"{"hht": {"alpha": -0.2}}"#, "--out", "it's"];
+    /// let how = Rerun::here(typed.map(String::from));
+    /// assert_eq!(how.command, r#"canopy-fem tradeoff 'a b.json' --methods '{"hht": {"alpha": -0.2}}' --out 'it'\''s'"#);
+    /// ```
+    pub fn here(arguments: impl IntoIterator<Item = String>) -> Self {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+        let quoted = |word: String| match word.is_empty() || !word.chars().all(plain) {
+            true => format!("'{}'", word.replace('\'', r"'\''")),
+            false => word,
+        };
+        let words = std::iter::once("canopy-fem".to_owned()).chain(arguments.into_iter().map(quoted));
+        Rerun { command: words.collect::<Vec<_>>().join(" "), machine: Machine::here() }
+    }
+}
+
 impl Machine {
     /// This machine, today.
     pub fn here() -> Self {
