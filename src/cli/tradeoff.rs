@@ -9,7 +9,7 @@ use crate::output::names::file_stem;
 use crate::study::answers::{Answers, unfinished, used};
 use crate::study::plan::{Plan, Planner};
 use crate::study::reference::ALLOWANCE;
-use crate::study::report::{self, Machine, Rerun};
+use crate::study::report::{self, Rerun};
 use crate::study::row::{Row, RowStatus};
 use crate::study::store::Store;
 use crate::study::wishes::{Typed, Wishes};
@@ -166,7 +166,10 @@ impl Command<'_> {
         }
         let answers = Answers::of(&plan, &rows);
         let study = Study { plan, rows };
-        let how = Rerun { command: command_line(), machine: Machine::here() };
+        let here = Rerun::here(typed());
+        // A study is made again by the command that planned it, not by one that joined its parts.
+        let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
+        let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
         let text = if self.args.quiet { String::new() } else { summary(&study, &answers) + &written(&files) };
         Ok(done(text))
@@ -206,6 +209,7 @@ impl Command<'_> {
             case,
             case_file: path,
             wishes,
+            command: Rerun::here(typed()).command,
             threads: usize::from(self.args.threads),
             allowance,
             stop: &self.store_stop,
@@ -317,13 +321,9 @@ fn references(text: &mut String, plan: &Plan) {
     }
 }
 
-/// What was typed, so that a shell reads the same again.
-fn command_line() -> String {
-    let plain =
-        |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c));
-    let quoted = |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("canopy-fem".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+/// The arguments as typed; what is not UTF-8 is told as well as it can be.
+fn typed() -> impl Iterator<Item = String> {
+    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }
 
 fn written(files: &[PathBuf]) -> String {

@@ -242,7 +242,7 @@ fn compare(factor: f64, row: &Row) -> String {
 /// `compared`: error and cost of the best implicit over that of the best explicit run, errors descending.
 fn describe(compared: &[(f64, f64)], changes: &[f64]) -> String {
     let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
-        return "explicit and implicit methods reached no accuracy in common".to_owned();
+        return "no accuracy was reached by both explicit and implicit methods".to_owned();
     };
     let range = |part: &[(f64, f64)], invert: bool| {
         let factors = part.iter().map(|(_, f)| if invert { 1.0 / f } else { *f });

@@ -37,6 +37,9 @@ pub struct Plan {
     pub program: String,
     /// name of the case
     pub name: String,
+    /// the command that planned it
+    #[serde(default)]
+    pub command: String,
     /// case file, as it was typed; paths in the case count from its folder
     pub case_file: String,
     /// the case, `--set` included
@@ -76,6 +79,8 @@ pub struct Planner<'a> {
     pub case_file: &'a Path,
     /// what is asked for
     pub wishes: Wishes,
+    /// the command, to be told in reports
+    pub command: String,
     /// threads of the force passes
     pub threads: usize,
     /// [s] what a reference may cost, by nominal figures
@@ -125,6 +130,7 @@ impl Planner<'_> {
             format: FORMAT,
             program: PROGRAM.to_owned(),
             name: problem.name.clone(),
+            command: self.command.clone(),
             case_file: self.case_file.display().to_string(),
             case: problem.case_json.clone(),
             asked: self.wishes.clone(),
