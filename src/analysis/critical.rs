@@ -284,6 +284,13 @@ impl<'a> Spectrum<'a> {
         Some(4.0 / (damping + (damping * damping + 4.0 * frequency * frequency).sqrt()))
     }
 
+    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer eigenvalues of L.
+    pub fn outer_motions(&mut self) -> Vec<Rates> {
+        let unit = self.unit();
+        let shapes = [&self.stiffest, &self.most_damped];
+        self.motions.get_or_insert_with(|| Motions::find(&self.linear, shapes, unit)).rates()
+    }
+
     fn estimate(&mut self, method: &MethodChoice) -> Option<CriticalStep> {
         let unit = self.unit();
         let shapes = [&self.stiffest, &self.most_damped];

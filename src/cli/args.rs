@@ -3,6 +3,7 @@
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
 use super::plot::PlotArgs;
+use super::stability::StabilityArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -22,6 +23,10 @@ pub enum Command {
     Solve(SolveArgs),
     /// Solve nothing: show all faults, what is modelled, and the critical step of every method
     Check(CaseArgs),
+    /// Measure the largest stable step of every method on this scene, beside the predicted one
+    ///
+    /// Bisects over real runs and writes stability.csv, stability.json and stability.svg (stability regions with the scene's motions in them).
+    Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
     /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from

@@ -7,11 +7,13 @@ use crate::case::CaseError;
 use crate::case::fingerprint::FingerprintError;
 use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
+use crate::integrate::registry::MethodError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::SetupError;
+use crate::study::stability::write::StudyError;
 use std::io::ErrorKind;
 
 /// Any failure of a command.
@@ -50,6 +52,12 @@ pub enum CliError {
     /// Results cannot be read or drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// A method cannot be chosen.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// A study cannot be kept.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// An example case cannot be written.
     #[error(transparent)]
     Init(#[from] InitError),
@@ -67,6 +75,8 @@ impl CliError {
             CliError::Folder(_) => 2,
             CliError::Mesh(e) => e.exit_status(),
             CliError::Plot(e) => e.exit_status(),
+            CliError::Study(e) => e.exit_status(),
+            CliError::Method(_) => 2,
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,

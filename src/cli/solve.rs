@@ -174,7 +174,7 @@ fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
 
 /// Sets the flag at the first Ctrl-C; the run then ends after the step it is in. A second Ctrl-C ends the program at once,
 /// unless it follows so closely that it is the same one, passed on by a wrapper.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
+pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     let mut first: Option<Instant> = None;
