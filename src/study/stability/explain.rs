@@ -1,6 +1,7 @@
 //! Why a measured limit is not the predicted one, from evidence.
 
 use super::measure::{Bench, E_FOLDS};
+use super::verdict::STAYS;
 use super::{Kind, KnownBy, Row, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
 use crate::figures::figures;
@@ -11,6 +12,8 @@ use crate::model::state::State;
 const CLEAR: f64 = 0.015;
 /// Estimates are this good where damping couples motions.
 const ESTIMATE: f64 = 0.1;
+/// A critical step this much above the failing one still explains it.
+const ENOUGH: f64 = 0.05;
 
 pub(super) fn explain(row: &mut Row, bench: &Bench<'_>) {
     if row.differs {
@@ -32,8 +35,18 @@ fn limited(row: &Row, bench: &Bench<'_>, predicted: f64) -> String {
 
 /// Runs fail below the predicted step.
 fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
+    let failed = row.runs.iter().find(|run| Some(run.step) == row.unstable);
+    let fails = row.unstable.unwrap_or(measured);
+    let swings = (bench.stays > STAYS[0]).then(|| {
+        format!(
+            "near its limit the method swings the energy of a stable motion many times (to {} times what was supplied in the run at {} s), \
+             beyond where this scene's forces are linear",
+            figures(failed.map_or(0.0, |run| run.peak), 3),
+            figures(fails, 4),
+        )
+    });
     if let Some((t, later)) = along(bench, measured, 0).filter(|(_, later)| below(*later, row)) {
-        return format!(
+        let stiffens = format!(
             "the scene stiffens: at t = {} s, in the run at {} s, the critical step has fallen to {} s (set around {}, w = {} rad/s, \
              damping rate {} 1/s)",
             figures(t, 4),
@@ -43,17 +56,22 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
             figures(later.rates.frequency, 4),
             figures(later.rates.damping, 4),
         );
+        let enough = later.step < (1.0 + ENOUGH) * fails;
+        return swings.filter(|_| !enough).map_or(stiffens.clone(), |swings| format!("{stiffens}; and {swings}"));
     }
-    let ratio = row.ratio.unwrap_or(0.0);
-    if row.prediction.known_by == KnownBy::Estimate && ratio > 1.0 - ESTIMATE {
-        return "the prediction is an estimate: damping couples the scene's motions, and it may lie some percent above the limit".to_owned();
+    if let Some(swings) = swings {
+        return swings;
     }
-    let when = row.runs.iter().find(|run| Some(run.step) == row.unstable).map_or(0.0, |run| run.t_end);
+    if row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
+        return "the prediction is an estimate from the motions found, damping couples them, and no stiffer state was seen in the run that \
+                held"
+            .to_owned();
+    }
     format!(
-        "not found in the tangent, whose critical step stays above {} s until runs at that step fail (at t = {} s): forces are not linear \
-         over a step there{}",
-        figures(row.unstable.unwrap_or(measured), 4),
-        figures(when, 4),
+        "no state in the run at {} s has a critical step below the predicted one: forces are not linear over a step there (runs fail at \
+         t = {} s){}",
+        figures(measured, 4),
+        figures(failed.map_or(0.0, |run| run.t_end), 4),
         because(row),
     )
 }

@@ -5,10 +5,10 @@
 //! no more than a number of force passes (or implicit steps) that depends on the size of the scene alone.
 
 use super::row::RunRow;
-use super::verdict::{Judge, Verdict};
+use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
 use crate::analysis::critical::{CriticalStep, Spectrum};
-use crate::analysis::limit::growth;
+use crate::analysis::limit::{growth, swing};
 use crate::drive::clock::Step;
 use crate::drive::observer::StepView;
 use crate::drive::{self, Failure, Outcome, RunSpec, Status};
@@ -30,6 +30,13 @@ const PASSES: [f64; 2] = [8e6, 2e5];
 const SOLVES: [f64; 2] = [6e4, 1e3];
 /// Fewest steps of a run: explicit, implicit.
 const FEWEST: [f64; 2] = [400.0, 20.0];
+/// Share of a limit at which it is seen whether a scheme swings the energy, and a swing that is none.
+const NEAR: f64 = 0.98;
+const CALM: f64 = 1.5;
+/// Motion is kept up where it is so many times that of a shorter step, and more than this share of all energy.
+const LIVELY: [f64; 2] = [30.0, 1e-3];
+/// Factor between the lengths of runs that can be compared.
+const ALIKE: f64 = 2.5;
 /// Looks at the scene in a run.
 const LOOKS: u64 = 64;
 
@@ -58,6 +65,8 @@ pub(super) struct Bench<'a> {
     spec: &'a StabilitySpec<'a>,
     pub method: &'a MethodChoice,
     pub critical: CriticalStep,
+    /// [-] share of the energy supplied that must not stay
+    pub stays: f64,
     interrupt: &'a AtomicBool,
     /// what was run, in this order
     pub trials: Vec<Trial>,
@@ -78,7 +87,15 @@ impl<'a> Bench<'a> {
         critical: CriticalStep,
         interrupt: &'a AtomicBool,
     ) -> Self {
-        Bench { spec, method, critical, interrupt, trials: Vec::new() }
+        let [calm, swings] = STAYS;
+        let step = match Kind::of(method, critical) {
+            Kind::Near(limit) => Some(NEAR * limit),
+            Kind::Somewhere => Some(0.01 / critical.rates.frequency).filter(|h| h.is_finite()),
+            Kind::Unlimited => None,
+        };
+        let swing = step.and_then(|h| swing(method, critical.rates, h));
+        let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
+        Bench { spec, method, critical, stays, interrupt, trials: Vec::new() }
     }
 
     pub fn scene(&self) -> &'a dyn Scene {
@@ -135,9 +152,22 @@ impl<'a> Bench<'a> {
             Status::Diverged if outcome.steps < steps => Verdict::NotFinite,
             _ => judge.energy(),
         };
-        let row = RunRow { step: h, steps, made: outcome.steps, t_end: outcome.t_end, peak: judge.peak, verdict };
+        let lively = judge.lively();
+        let verdict =
+            if verdict.is_stable() && self.kept_up(lively, h, outcome.t_end) { Verdict::MotionStays } else { verdict };
+        let row =
+            RunRow { step: h, steps, made: outcome.steps, t_end: outcome.t_end, peak: judge.peak, lively, verdict };
         self.trials.push(Trial { row, extremes: judge.looks.extremes() });
         Ok(verdict.is_stable())
+    }
+
+    /// Whether motion goes on that the next shorter step which held does not show over a time that can be compared.
+    fn kept_up(&self, lively: f64, h: f64, t_end: f64) -> bool {
+        let held = self.trials.iter().map(|trial| trial.row).filter(|row| row.step < h && row.verdict.is_stable());
+        let below = held
+            .max_by(|a, b| a.step.total_cmp(&b.step))
+            .filter(|row| row.t_end * ALIKE > t_end && row.t_end < t_end * ALIKE);
+        below.is_some_and(|row| lively > LIVELY[0] * row.lively && lively > LIVELY[1])
     }
 
     fn run(&self, h: f64, steps: u64, keep_going: bool) -> Result<(Outcome, Judge<'a>), Halt> {
@@ -146,7 +176,7 @@ impl<'a> Bench<'a> {
         let mut stepper =
             Stepper::bind(self.method.scheme(self.spec.solver), scene.abilities()).map_err(|e| refused(&e))?;
         let spec = RunSpec { end: steps as f64 * h, step: Step::Fixed(h), keep_going, method: self.method };
-        let mut judge = Judge::new(scene, self.method, steps, self.interrupt);
+        let mut judge = Judge::new(self, steps, self.interrupt);
         let stop = Arc::clone(&judge.stop);
         let outcome = drive::run(scene, &mut stepper, spec, &mut [&mut judge], &stop).map_err(|e| refused(&e))?;
         Ok((outcome, judge))
@@ -176,7 +206,8 @@ impl<'a> Looks<'a> {
     pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
         let start = scene.initial_state();
         let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
-        Looks { scene, every: steps.div_ceil(LOOKS).max(1), room: BoundRoom::default(), seen }
+        // Odd, so that a motion that alternates is seen on both sides.
+        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundRoom::default(), seen }
     }
 
     pub fn look(&mut self, at: StateRef<'_>) {

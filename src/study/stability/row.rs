@@ -38,6 +38,8 @@ pub struct RunRow {
     pub t_end: f64,
     /// [-] largest kinetic and elastic energy over all energy supplied so far
     pub peak: f64,
+    /// [-] mean kinetic energy over the last quarter of the run, over all energy supplied
+    pub lively: f64,
     /// what came of it
     pub verdict: Verdict,
 }
