@@ -116,6 +116,7 @@ fn nothing_a_user_can_cause_panics_by_design() {
         "plot",
         "scene",
         "solve",
+        "study",
     ] {
         for (path, text) in sources(folder) {
             let in_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");

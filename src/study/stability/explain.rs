@@ -81,7 +81,11 @@ fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     let (steps, middle) = (bench.steps(held), (held * row.prediction.step.unwrap_or(held)).sqrt());
     let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
     if folds(middle) < E_FOLDS {
-        return format!("{}; it takes about 37 e-folds to grow out of rounding", growth(bench, middle));
+        return format!(
+            "beyond the predicted limit the method grows too slowly to be seen: {}; {}; it takes about 37 e-folds to grow out of rounding",
+            growth(bench, middle),
+            growth(bench, held)
+        );
     }
     if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {
         return format!(
@@ -127,6 +131,8 @@ fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
 fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
     let what = match row.runs.iter().find(|run| Some(run.step) == row.unstable).map(|run| run.verdict) {
         Some(Verdict::NotConverged) => "Newton's iteration does not converge",
+        Some(Verdict::MotionStays) => "a motion goes on and on that dies out in shorter steps",
+        Some(Verdict::NotFinite | Verdict::BlownUp) => "the motion blows up",
         _ => "the scheme makes energy that stays",
     };
     let why = match bench.method.info.family {

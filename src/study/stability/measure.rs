@@ -224,7 +224,7 @@ impl<'a> Looks<'a> {
     }
 
     pub fn stepped(&mut self, step: &StepView<'_>) {
-        if step.step % self.every == 0 {
+        if step.step.is_multiple_of(self.every) {
             self.look(step.to.state.as_ref());
         }
     }

@@ -5,7 +5,7 @@ use super::Kind;
 /// Share of the prediction by which it is tried on either side.
 const NEAR: f64 = 0.02;
 /// [-] relative widths at which bisection ends: about a confirmed prediction, elsewhere, for methods whose steps are dear.
-const WIDTHS: [f64; 3] = [0.005, 0.01, 0.05];
+const WIDTHS: [f64; 3] = [0.0051, 0.01, 0.05];
 /// Largest factor between two steps of the search outwards.
 const STRIDE: f64 = 256.0;
 /// Factor from where nothing is searched any more.
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn brackets_hold_the_limit() {
         for (limit, width, most) in
-            [(1.0, 0.005, 6), (1.015, 0.005, 6), (0.3, 0.01, 12), (40.0, 0.01, 16), (1e-7, 0.01, 24)]
+            [(1.0, 0.0051, 6), (1.015, 0.0051, 6), (0.3, 0.01, 12), (40.0, 0.01, 16), (1e-7, 0.01, 24)]
         {
             let (Bracket { stable, unstable }, runs) = search(Kind::Near(1.0), limit);
             let (stable, unstable) = (stable.expect("a stable step"), unstable.expect("an unstable step"));

@@ -162,7 +162,7 @@ impl Observer for Judge<'_> {
             self.floor = self.floor.max(self.push(step.from, step.to.state.t - step.from.state.t));
             share = self.share(there);
         }
-        self.peak = self.peak.max(share);
+        self.peak = self.peak.max(share).min(f64::MAX);
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
             self.kinetic += kinetic;
