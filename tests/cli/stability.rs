@@ -81,7 +81,7 @@ fn refusals() {
         (&["--methods", "rk4,"], "is no method"),
         (&["--methods", "{\"hht\": {\"alpha\": 3}}"], "alpha"),
         (&["--budget", "soon"], "60s"),
-        (&["--budget", "-1s"], "above 0"),
+        (&["--budget", "0s"], "above 0"),
         (&["--end", "0"], "above 0"),
     ] {
         let ended = bench.run(&[&["stability", "mass.json", "--out", "none"], flags].concat());

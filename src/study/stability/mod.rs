@@ -6,8 +6,8 @@
 //! measured    [h, H]: runs at h held, runs at H did not; H/h - 1 is half a percent where the prediction is confirmed
 //! ```
 //! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of a percent needs
-//! hundreds of steps to grow out of rounding. [`verdict`] says how the two are told apart, [`measure`] how long the runs are,
-//! [`explain`](self) why a measured limit differs from the predicted one. Nothing here reads a clock but the budget, which only leaves
+//! hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how long the runs are,
+//! `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the budget, which only leaves
 //! methods out.
 
 mod explain;

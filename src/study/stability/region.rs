@@ -24,6 +24,9 @@ const COLUMNS: usize = 3;
 /// Of a panel; the legend takes its column from the picture's width.
 const PANEL: Size = Size { width: 400, height: 470 };
 
+/// [px] width of a picture of one panel, with room for the legend's words.
+const ALONE: u32 = 660;
+
 /// What the picture shows.
 pub(super) struct Scenery<'a> {
     pub scene: &'a dyn Scene,
@@ -42,6 +45,9 @@ pub(super) fn regions(shown: &Scenery<'_>) -> Result<Option<String>, PlotError> 
     for (_, row) in rows().filter(|(method, _)| !has_limit(method)) {
         let label = format!("no limit: {}", row.method);
         first.lines.push(Line { label, stroke: Stroke::None, ..Line::default() });
+    }
+    if charts.len() == 1 {
+        charts.iter_mut().for_each(|chart| chart.size.width = ALONE);
     }
     svg_grid(&charts, COLUMNS).map(Some)
 }

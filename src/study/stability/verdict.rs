@@ -122,11 +122,11 @@ impl<'a> Judge<'a> {
         if there > 0.0 { there / (self.supplied + self.floor) } else { 0.0 }
     }
 
-    /// [J] 1/2 h^2 sum f^2/m of the loads on resting masses.
-    fn push(&self, at: &Point, h: f64) -> f64 {
+    /// [J] 1/2 h^2 sum f^2/m of the loads at time `t` [s] on resting masses.
+    fn push(&self, at: &Point, t: f64, h: f64) -> f64 {
         let rest = vec![0.0; at.state.v.len()];
         let mut f = vec![0.0; at.state.x.len()];
-        self.scene.load(StateRef { t: at.state.t, x: &at.state.x, v: &rest }, &mut f);
+        self.scene.load(StateRef { t, x: &at.state.x, v: &rest }, &mut f);
         let push: f64 = f.iter().zip(self.scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
         if push.is_finite() { push } else { 0.0 }
     }
@@ -159,7 +159,9 @@ impl Observer for Judge<'_> {
         let mut share = self.share(there);
         if share > BLOWN {
             // Before a load has done any work, what the first step makes of it counts as supplied.
-            self.floor = self.floor.max(self.push(step.from, step.to.state.t - step.from.state.t));
+            let h = step.to.state.t - step.from.state.t;
+            let times = [step.from.state.t, step.to.state.t];
+            self.floor = times.into_iter().map(|t| self.push(step.from, t, h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
         self.peak = self.peak.max(share).min(f64::MAX);
