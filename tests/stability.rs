@@ -130,7 +130,7 @@ fn growth_at_every_step_is_explained() {
 }
 
 /// A mass held across two springs by a growing force: nothing limits a step at t = 0, and later both springs do, at 2/sqrt(2 k/m) = 0.1414 s
-/// at most (see tests/cli/stiffening.rs).
+/// at the end (see tests/cli/stiffening.rs). Some percent below that what moves is kept up already.
 #[test]
 fn a_scene_that_stiffens_fails_below_the_limit_at_its_start() {
     let string = |z: f64| {
@@ -153,14 +153,14 @@ fn a_scene_that_stiffens_fails_below_the_limit_at_its_start() {
     // From z = 0.5 on: 2 k (1 - 1/l^3)/m = 56.9, so 2/w = 0.265 s.
     let row = of(&string(0.5), &["velocity-verlet"]).remove(0);
     let (predicted, held) = (row.prediction.step.expect("a limit"), row.measured.expect("a step that held"));
-    assert!((predicted - 0.265).abs() < 0.001 && (0.135..0.16).contains(&held), "{predicted} {held}");
+    assert!((predicted - 0.265).abs() < 0.001 && (0.12..0.15).contains(&held), "{predicted} {held}");
     let words = row.explanation.as_deref().expect("they differ");
     assert!(words.contains("the scene stiffens: at t = ") && row.differs, "{words}");
     // From the straight string nothing is predicted.
     let row = of(&string(0.0), &["velocity-verlet"]).remove(0);
     assert_eq!((row.prediction.step, row.prediction.known_by), (None, KnownBy::Unlimited));
     let words = row.explanation.expect("a limit was found");
-    assert!(row.measured.is_some_and(|h| (0.135..0.2).contains(&h)) && words.contains("the scene stiffens"), "{words}");
+    assert!(row.measured.is_some_and(|h| (0.12..0.15).contains(&h)) && words.contains("the scene stiffens"), "{words}");
 }
 
 /// Unconditionally stable methods hold at every step tried, up to a quarter of the run.

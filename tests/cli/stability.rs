@@ -88,7 +88,7 @@ fn refusals() {
         assert!(ended.code == Some(2) && ended.stderr.contains(words), "{flags:?}: {:?} {}", ended.code, ended.stderr);
         assert!(!bench.path("none").exists());
     }
-    let pendulum = r#"{"name": "bob", "system": {"pendulum": {"length": 1.0, "mass": 1.0, "angle": 0.5}},
+    let pendulum = r#"{"name": "bob", "system": {"pendulum": {"length": 1.0, "mass": 1.0, "gravity": 9.81, "angle": 0.5}},
         "time": {"end": 5.0, "method": "rk4", "step": 0.01}, "study": {"methods": ["kang"], "budget_seconds": 100}}"#;
     std::fs::write(bench.path("bob.json"), pendulum).expect("a case");
     let ended = bench.run(&["stability", "bob.json", "--out", "bob"]);
