@@ -61,7 +61,7 @@ pub fn growth(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
     if unit > 0.0 { spectral_radius(method, oscillator, h * unit) } else { Some(1.0) }
 }
 
-/// [-] How far a step of `h` [s] swings the energy of the oscillation of `rates`: the largest energy of [`SWING`] steps over that at
+/// [-] How far a step of `h` [s] swings the energy of the oscillation of `rates`: the largest energy of some tens of steps over that at
 /// the start, from x and from v alone. At most 1 where the energy never rises; large just below the limit of a symplectic scheme.
 pub fn swing(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
     let unit = rates.frequency.max(rates.damping);
