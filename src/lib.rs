@@ -17,5 +17,6 @@ pub mod output;
 pub mod plot;
 pub mod scene;
 pub mod simulation;
+
 pub mod solve;
 pub mod study;

@@ -19,5 +19,7 @@ mod read_vtu;
 mod refusals;
 #[path = "cli/results.rs"]
 mod results;
+#[path = "cli/stability.rs"]
+mod stability;
 #[path = "cli/stiffening.rs"]
 mod stiffening;

@@ -60,6 +60,11 @@ pub struct CriticalStep {
     pub rates: Rates,
 }
 
+/// Whether a step of the method treats positions and velocities differently, so that it is no function of h times the scene's roots.
+pub fn is_split(method: &MethodChoice) -> bool {
+    SPLIT.contains(&method.info.name)
+}
+
 /// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one that
 /// is not found here.
 pub fn has_limit(method: &MethodChoice) -> bool {
@@ -284,6 +289,13 @@ impl<'a> Spectrum<'a> {
         Some(4.0 / (damping + (damping * damping + 4.0 * frequency * frequency).sqrt()))
     }
 
+    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer eigenvalues of L.
+    pub fn outer_motions(&mut self) -> Vec<Rates> {
+        let unit = self.unit();
+        let shapes = [&self.stiffest, &self.most_damped];
+        self.motions.get_or_insert_with(|| Motions::find(&self.linear, shapes, unit)).rates()
+    }
+
     fn estimate(&mut self, method: &MethodChoice) -> Option<CriticalStep> {
         let unit = self.unit();
         let shapes = [&self.stiffest, &self.most_damped];
@@ -291,7 +303,7 @@ impl<'a> Spectrum<'a> {
         let (mut step, motion) = motions.limit(method)?;
         let mut dof = motion.dof;
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
-        if SPLIT.contains(&method.info.name) && steppable && step < self.effort.sharpen_below && step > 0.0 {
+        if is_split(method) && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let search = Search { guess: step, unit, growth: self.natural_growth() };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
             (step, dof) = stepped.unwrap_or((step, dof));

@@ -16,6 +16,8 @@ use crate::model::system::{Abilities, System};
 const ROUNDING: f64 = 1e-10;
 /// Below this w h an undamped oscillation's growth hides in [`ROUNDING`]: the limit is 0.
 const NO_LIMIT_BELOW: f64 = 1e-2;
+/// Steps in which a swing of the energy shows.
+const SWING: u32 = 64;
 /// Squarings of the map: its power 2^40 is taken.
 const SQUARINGS: usize = 40;
 
@@ -58,6 +60,44 @@ pub fn growth(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
     let unit = rates.frequency.max(rates.damping);
     let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
     if unit > 0.0 { spectral_radius(method, oscillator, h * unit) } else { Some(1.0) }
+}
+
+/// [-] How far a step of `h` [s] swings the energy of the oscillation of `rates`: the largest energy of some tens of steps over that at
+/// the start, from x and from v alone. At most 1 where the energy never rises; large just below the limit of a symplectic scheme.
+pub fn swing(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
+    let unit = rates.frequency.max(rates.damping);
+    if unit == 0.0 {
+        return Some(1.0);
+    }
+    let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
+    let from_x = highest(method, oscillator, h * unit, [1.0, 0.0])?;
+    let from_v = highest(method, oscillator, h * unit, [0.0, oscillator.k.sqrt()])?;
+    Some(from_x.max(from_v))
+}
+
+/// Largest energy of a motion from (x, v), in units of that of x = 1.
+fn highest(method: &MethodChoice, oscillator: Oscillator, h: f64, [x, v]: [f64; 2]) -> Option<f64> {
+    let system = &oscillator;
+    let abilities = Abilities { system, tangent: system, graph: None };
+    let mut from = Point { state: system.initial_state(), forces: system.new_forces() };
+    (from.state.x[0], from.state.v[0]) = (x, v);
+    system.evaluate(from.state.as_ref(), &mut from.forces);
+    let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
+    stepper.start(&from).ok()?;
+    let mut to = from.clone();
+    let mut most = 0.0_f64;
+    for n in 1..=SWING {
+        let attempt = Attempt { from: &from, h, t_next: f64::from(n) * h };
+        let report = stepper.attempt(attempt, &mut to, &mut Counters::default()).ok()?;
+        stepper.accept();
+        if !report.forces_at_end {
+            system.evaluate(to.state.as_ref(), &mut to.forces);
+        }
+        std::mem::swap(&mut from, &mut to);
+        let (x, v) = (from.state.x[0], from.state.v[0]);
+        most = most.max(x * x + v * v / oscillator.k.max(f64::MIN_POSITIVE));
+    }
+    Some(most).filter(|most| most.is_finite())
 }
 
 /// Spectral radius of one step; `None` when a step cannot be made at all.
@@ -145,6 +185,21 @@ mod tests {
                 assert!((found - limit).abs() < 2e-4, "{name} at damping ratio {zeta}: {found}, known {limit}");
             }
         }
+    }
+
+    /// Just below its limit Verlet swings the energy by 1/(1 - (w h/2)^2), Euler-Cromer by (1 + w h/2)/(1 - w h/2); a Runge-Kutta scheme
+    /// never raises it.
+    #[test]
+    fn energy_swings_where_the_map_is_not_normal() {
+        let rates = Rates { frequency: 3.0, ..Rates::default() };
+        let of = |name: &str, wh: f64| {
+            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            swing(&method, rates, wh / 3.0).unwrap()
+        };
+        let (verlet, cromer) = (of("velocity-verlet", 1.96), of("euler-cromer", 1.96));
+        assert!((verlet / 25.25 - 1.0).abs() < 0.05, "{verlet}");
+        assert!(cromer > 25.0 && cromer < 99.1, "{cromer}");
+        assert!(of("rk4", 2.8) <= 1.0 && of("velocity-verlet", 0.1) < 1.01);
     }
 
     #[test]

@@ -74,6 +74,11 @@ impl Motions {
         }
     }
 
+    /// Rates of all motions that do not grow by themselves.
+    pub fn rates(&self) -> Vec<Rates> {
+        self.list.iter().filter(|motion| !motion.grows).map(Motion::rates).collect()
+    }
+
     /// The least limit of a method and the motion that sets it.
     pub fn limit(&self, method: &MethodChoice) -> Option<(f64, Motion)> {
         let mut found: Option<(f64, Motion)> = None;

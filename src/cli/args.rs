@@ -3,6 +3,7 @@
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
 use super::plot::PlotArgs;
+use super::stability::StabilityArgs;
 use super::tradeoff::TradeoffArgs;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -31,6 +32,10 @@ pub enum Command {
     /// laid around each explicit method's critical step and around the periods of the scene for implicit ones. A study that
     /// was stopped goes on when the same command is given again; finished runs are never made again.
     Tradeoff(TradeoffArgs),
+    /// Measure the largest stable step of every method on this scene, beside the predicted one
+    ///
+    /// Bisects over real runs and writes stability.csv, stability.json and stability.svg (stability regions with the scene's motions in them).
+    Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
     /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from

@@ -7,12 +7,14 @@ use crate::case::CaseError;
 use crate::case::fingerprint::FingerprintError;
 use crate::drive::RunError;
 use crate::drive::observer::ObserveError;
+use crate::integrate::registry::MethodError;
 use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::SetupError;
 use crate::study::StudyError;
+use crate::study::stability::write::StabilityError;
 use std::io::ErrorKind;
 
 /// Any failure of a command.
@@ -51,6 +53,12 @@ pub enum CliError {
     /// Results cannot be read or drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// A method cannot be chosen.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The results of a stability study cannot be kept.
+    #[error(transparent)]
+    Stability(#[from] StabilityError),
     /// A study cannot go on.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -72,6 +80,8 @@ impl CliError {
             CliError::Mesh(e) => e.exit_status(),
             CliError::Plot(e) => e.exit_status(),
             CliError::Study(e) => e.exit_status(),
+            CliError::Method(_) => 2,
+            CliError::Stability(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,

@@ -16,6 +16,7 @@ pub mod progress;
 mod resume;
 pub mod schema;
 mod solve;
+pub mod stability;
 mod stiffening;
 pub mod tradeoff;
 
@@ -79,6 +80,7 @@ fn dispatch(command: &Command) -> Result<Finished, CliError> {
     match command {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),
+        Command::Stability(args) => stability::run(args),
         Command::Mesh(args) => Ok(done(mesh::run(args)?)),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Plot(args) => plot::run(args).map(done),

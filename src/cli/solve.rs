@@ -168,8 +168,6 @@ fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
     }
 }
 
-/// Sets the flag at the first Ctrl-C; the run then ends after the step it is in. A second Ctrl-C ends the program at once,
-/// unless it follows so closely that it is the same one, passed on by a wrapper.
 fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",

@@ -153,6 +153,8 @@ pub enum Stroke {
     Normal,
     /// the usual line, dashed: references and bounds
     Dashed,
+    /// the usual line around a pale area that it closes; the area is not cut at the axes, so it must lie within them
+    Filled,
 }
 
 /// What stands at each point.

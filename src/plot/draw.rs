@@ -178,6 +178,9 @@ fn draw_line(pen: &Pen<'_>, line: &Line, look: Look, canvas: &Canvas) -> Result<
         let pieces = cut(places());
         let all: usize = pieces.iter().map(Vec::len).sum();
         let most = MOST_POINTS.min(canvas.share);
+        if look.stroke == Stroke::Filled {
+            pen.area(&places().flatten().map(|p| canvas.spot(p)).collect::<Vec<_>>(), look)?;
+        }
         for piece in pieces {
             let share = (most * piece.len()).div_ceil(all.max(1)).max(8);
             let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| canvas.spot(p)).collect();

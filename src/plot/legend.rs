@@ -56,6 +56,11 @@ impl<'a> Legend<'a> {
             // A hair line shows no colour; its sample is drawn as a usual line.
             let stroke = if look.stroke == Stroke::Thin { Stroke::Normal } else { look.stroke };
             let sample = Look { stroke, ..*look };
+            if look.stroke == Stroke::Filled {
+                let (left, right, half) = (from.x, from.x + SAMPLE, 0.3 * ROW);
+                let corners = [(left, y - half), (right, y - half), (right, y + half), (left, y + half)];
+                pen.area(&corners.map(|(x, y)| Spot { x, y }), *look)?;
+            }
             pen.line(&[Spot { x: from.x, y }, Spot { x: from.x + SAMPLE, y }], sample)?;
             if look.marker != Marker::None {
                 pen.mark(Spot { x: from.x + 0.5 * SAMPLE, y }, sample)?;

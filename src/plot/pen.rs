@@ -137,7 +137,7 @@ impl<'a> Pen<'a> {
             Stroke::Thin => (7, 0.6),
             Stroke::Fine => (10, 1.0),
             Stroke::Dashed => (16, 1.0),
-            Stroke::Normal => ((look.width * FINE).round() as u32, 1.0),
+            Stroke::Normal | Stroke::Filled => ((look.width * FINE).round() as u32, 1.0),
         };
         let style: ShapeStyle = look.ink().mix(alpha).stroke_width(width);
         let points = points.iter().map(|p| fine(*p));
@@ -146,6 +146,12 @@ impl<'a> Pen<'a> {
         } else {
             self.area.draw(&PathElement::new(points.collect::<Vec<_>>(), style)).map_err(refused)
         }
+    }
+
+    /// A pale area within a line that closes it.
+    pub(super) fn area(&self, corners: &[Spot], look: Look) -> Result<(), PlotError> {
+        let corners: Vec<_> = corners.iter().map(|p| fine(*p)).collect();
+        self.area.draw(&Polygon::new(corners, look.ink().mix(0.16))).map_err(refused)
     }
 
     /// The mark of a line at a point.

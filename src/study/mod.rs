@@ -19,6 +19,7 @@ pub mod reference;
 pub mod report;
 pub mod row;
 mod runner;
+pub mod stability;
 pub mod store;
 pub mod trial;
 pub mod wishes;

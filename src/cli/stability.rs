@@ -1,0 +1,182 @@
+//! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
+
+use super::{CaseArgs, CliError, Finished, complain};
+use crate::case::Case;
+use crate::integrate::registry::{MethodChoice, methods};
+use crate::output::names::file_stem;
+use crate::scene::Scene;
+use crate::simulation::build_scene;
+use crate::study::stability::{Beginning, Stability, StabilitySpec, Status, study, table, write};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// `stability`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct StabilityArgs {
+    /// the case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Methods to study, names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those of the case's study
+    /// section, else all; the case's own with its own parameters]
+    #[arg(long, value_name = "LIST", value_parser = method_list)]
+    pub methods: Option<MethodList>,
+    /// Time on the clock the study may take, e.g. 60s, 5min, 1h; methods that are not finished then are left out [default: no end]
+    #[arg(long, value_name = "TIME", value_parser = budget)]
+    pub budget: Option<f64>,
+    /// Folder for stability.csv, stability.json and stability.svg [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace an earlier study in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// No progress, no warnings, no table
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Methods as a JSON list, as a case has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MethodList(pub String);
+
+pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
+    let case = Case::from_file(&args.case.case, &overrides(args))?;
+    let wanted = case.file().study.clone().unwrap_or_default();
+    let (mut problem, _) = case.split();
+    if !args.quiet {
+        problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
+    }
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
+    let folder = write::Folder::prepare(&out, args.force)?;
+    let chosen = match wanted.methods {
+        Some(list) => list.iter().map(|m| MethodChoice::new(&m.name, &m.parameters)).collect::<Result<Vec<_>, _>>(),
+        None => all(&problem.method),
+    }?;
+    let scene = build_scene(problem.take_system(), 1)?;
+    let spec = StabilitySpec {
+        scene: &*scene,
+        methods: &chosen,
+        solver: problem.solver,
+        end: problem.time.end,
+        budget: wanted.budget_seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+    };
+    let stop = super::interrupt::stop_on_interrupt();
+    let bar = progress(chosen.len(), args.quiet);
+    let mut begins = |beginning: Beginning<'_>| show(&bar, beginning);
+    let rows = study(&spec, &mut begins, &stop);
+    bar.finish_and_clear();
+    let code = if rows.iter().any(|row| row.status == Status::Interrupted) { 130 } else { 0 };
+    let done = Stability {
+        name: problem.name.clone(),
+        end: problem.time.end,
+        unknowns: unknowns(&*scene),
+        methods: rows,
+        case: problem.case_json,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    let written = folder.write(&*scene, &chosen, &done)?;
+    let mut text = table(&done);
+    for path in written {
+        let _ = writeln!(text, "{}", path.display());
+    }
+    Ok(Finished { text: if args.quiet { String::new() } else { text }, code })
+}
+
+/// The flags of a study as values of the case's study section, so that they are checked as those are.
+fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
+    let mut all = args.case.overrides();
+    all.extend(args.methods.iter().map(|list| ("study.methods".to_owned(), list.0.clone())));
+    all.extend(args.budget.iter().map(|seconds| ("study.budget_seconds".to_owned(), format!("{seconds:e}"))));
+    all
+}
+
+/// All methods with their defaults; the case's own with its own parameters.
+fn all(own: &MethodChoice) -> Result<Vec<MethodChoice>, crate::integrate::registry::MethodError> {
+    let choice = |name: &str| match name == own.info.name {
+        true => Ok(own.clone()),
+        false => MethodChoice::new(name, &BTreeMap::new()),
+    };
+    methods().iter().map(|info| choice(info.name)).collect()
+}
+
+fn unknowns(scene: &dyn Scene) -> u64 {
+    scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as u64
+}
+
+fn progress(methods: usize, quiet: bool) -> ProgressBar {
+    let shown = !quiet && std::io::stderr().is_terminal();
+    let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(methods as u64), target);
+    if let Ok(style) = ProgressStyle::with_template("{pos}/{len} [{bar:24}] {wide_msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+fn show(bar: &ProgressBar, Beginning { index, method, run, step, steps }: Beginning<'_>) {
+    bar.set_position(index as u64);
+    bar.set_message(format!("{method}  run {run}  h {step:.3e} s  {steps} steps"));
+    bar.tick();
+}
+
+/// Names and JSON objects, parted by commas outside of braces, as a JSON list.
+fn method_list(text: &str) -> Result<MethodList, String> {
+    let wrong = |part: &str| {
+        format!("\"{part}\" is no method: expected a name, or JSON such as {{\"hht\": {{\"alpha\": -0.2}}}}")
+    };
+    let (mut depth, mut parts) = (0_i32, vec![String::new()]);
+    for c in text.chars() {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        match parts.last_mut() {
+            Some(part) if c != ',' || depth > 0 => part.push(c),
+            _ => parts.push(String::new()),
+        }
+    }
+    let json = |part: &String| match part.trim() {
+        "" => Err(wrong(part)),
+        object if object.starts_with('{') => serde_json::from_str(object).map_err(|_| wrong(object)),
+        name => Ok(serde_json::Value::from(name)),
+    };
+    let list = parts.iter().map(json).collect::<Result<Vec<_>, _>>()?;
+    Ok(MethodList(serde_json::Value::from(list).to_string()))
+}
+
+/// [s] A time with its unit; without one, seconds.
+fn budget(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
+    let (number, unit) =
+        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
+    let seconds = number.trim().parse().ok().map(|n: f64| n * unit);
+    seconds
+        .filter(|s| *s > 0.0 && s.is_finite())
+        .ok_or_else(|| "expected a time above 0 such as 60s, 5min or 1h".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Commas part methods, not their parameters.
+    #[test]
+    fn lists_of_methods() {
+        let list = |text| method_list(text).map(|list| list.0);
+        assert_eq!(list("rk4, newmark").as_deref(), Ok(r#"["rk4","newmark"]"#));
+        let both = r#"{"newmark": {"beta": 0.3, "gamma": 0.6}},rk4"#;
+        assert_eq!(list(both).as_deref(), Ok(r#"[{"newmark":{"beta":0.3,"gamma":0.6}},"rk4"]"#));
+        assert!(list("rk4,,newmark").is_err() && list("{rk4").is_err() && list("").is_err());
+    }
+
+    /// Times with and without their unit.
+    #[test]
+    fn budgets() {
+        assert_eq!(
+            [budget("60s"), budget("2min"), budget("0.5"), budget("1 h")],
+            [Ok(60.0), Ok(120.0), Ok(0.5), Ok(3600.0)]
+        );
+        assert!(["", "s", "-1s", "0", "inf", "nan", "1day"].into_iter().all(|text| budget(text).is_err()));
+    }
+}

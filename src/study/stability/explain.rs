@@ -1,0 +1,182 @@
+//! Why a measured limit is not the predicted one, from evidence.
+
+use super::measure::{Bench, E_FOLDS};
+use super::verdict::STAYS;
+use super::{Kind, KnownBy, Row, Verdict};
+use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::figures::figures;
+use crate::integrate::registry::Family;
+use crate::model::state::State;
+
+/// Relative change of a critical step that explains something.
+const CLEAR: f64 = 0.015;
+/// Estimates are this good where damping couples motions.
+const ESTIMATE: f64 = 0.1;
+/// A critical step this much above the failing one still explains it.
+const ENOUGH: f64 = 0.05;
+
+pub(super) fn explain(row: &mut Row, bench: &Bench<'_>) {
+    if row.differs {
+        row.explanation = Some(match bench.kind() {
+            Kind::Near(predicted) => limited(row, bench, predicted),
+            Kind::Somewhere if row.prediction.step == Some(0.0) => slow_from_zero(row, bench),
+            Kind::Somewhere => not_at_the_start(row, bench),
+            Kind::Unlimited => unlimited(row, bench),
+        });
+    }
+}
+
+fn limited(row: &Row, bench: &Bench<'_>, predicted: f64) -> String {
+    match row.measured {
+        Some(measured) if measured < predicted => too_early(row, bench, measured),
+        measured => too_late(row, bench, measured.or(row.tried_up_to).unwrap_or(predicted)),
+    }
+}
+
+/// Runs fail below the predicted step.
+fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
+    let failed = row.runs.iter().find(|run| Some(run.step) == row.unstable);
+    let fails = row.unstable.unwrap_or(measured);
+    let swings = (bench.stays > STAYS[0]).then(|| {
+        format!(
+            "near its limit the method swings the energy of a stable motion many times (to {} times what was supplied in the run at {} s), \
+             beyond where this scene's forces are linear",
+            figures(failed.map_or(0.0, |run| run.peak), 3),
+            figures(fails, 4),
+        )
+    });
+    if let Some((t, later)) = along(bench, measured, 0).filter(|(_, later)| below(*later, row)) {
+        let stiffens = format!(
+            "the scene stiffens: at t = {} s, in the run at {} s, the critical step has fallen to {} s (set around {}, w = {} rad/s, \
+             damping rate {} 1/s)",
+            figures(t, 4),
+            figures(measured, 4),
+            figures(later.step, 4),
+            place(bench, later.dof),
+            figures(later.rates.frequency, 4),
+            figures(later.rates.damping, 4),
+        );
+        let enough = later.step < (1.0 + ENOUGH) * fails;
+        return swings.filter(|_| !enough).map_or(stiffens.clone(), |swings| format!("{stiffens}; and {swings}"));
+    }
+    if let Some(swings) = swings {
+        return swings;
+    }
+    if row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
+        return "the prediction is an estimate from the motions found, damping couples them, and no stiffer state was seen in the run that \
+                held"
+            .to_owned();
+    }
+    format!(
+        "no state in the run at {} s has a critical step below the predicted one: forces are not linear over a step there (runs fail at \
+         t = {} s){}",
+        figures(measured, 4),
+        figures(failed.map_or(0.0, |run| run.t_end), 4),
+        because(row),
+    )
+}
+
+/// Runs hold above the predicted step.
+fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
+    let (steps, middle) = (bench.steps(held), (held * row.prediction.step.unwrap_or(held)).sqrt());
+    let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
+    if folds(middle) < E_FOLDS {
+        return format!(
+            "beyond the predicted limit the method grows too slowly to be seen: {}; {}; it takes about 37 e-folds to grow out of rounding",
+            growth(bench, middle),
+            growth(bench, held)
+        );
+    }
+    if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {
+        return format!(
+            "the scene softens: at t = {} s, in the run at {} s, the critical step has risen to {} s",
+            figures(t, 4),
+            figures(held, 4),
+            figures(later.step, 4),
+        );
+    }
+    format!(
+        "in {steps} steps the motion that sets the prediction (around {}) did not grow without bound: it is not reached, or forces that are \
+         not linear hold it",
+        place(bench, bench.critical.dof)
+    )
+}
+
+/// A method that grows at every step, measured over a number of steps.
+fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
+    let w = figures(bench.critical.rates.frequency, 4);
+    let place = place(bench, bench.critical.dof);
+    let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(bench, h)).unwrap_or_default();
+    let fails = row.unstable.map(|h| format!("; {}", growth(bench, h))).unwrap_or_default();
+    format!(
+        "nothing damps the oscillation of {w} rad/s around {place}, so the method grows at every step and shows it when a run has \
+         steps enough: {held}{fails}"
+    )
+}
+
+/// A scene that sets no limit at the start.
+fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
+    match along(bench, row.measured.unwrap_or(0.0), 0).filter(|(_, later)| later.step.is_finite()) {
+        Some((t, later)) => format!(
+            "nothing sets a limit at t = 0, but the scene stiffens: at t = {} s the critical step is {} s (set around {})",
+            figures(t, 4),
+            figures(later.step, 4),
+            place(bench, later.dof)
+        ),
+        None => format!("nothing sets a limit at t = 0{}", because(row)),
+    }
+}
+
+/// A method without limit on linear scenes.
+fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
+    let what = match row.runs.iter().find(|run| Some(run.step) == row.unstable).map(|run| run.verdict) {
+        Some(Verdict::NotConverged) => "Newton's iteration does not converge",
+        Some(Verdict::MotionStays) => "a motion goes on and on that dies out in shorter steps",
+        Some(Verdict::NotFinite | Verdict::BlownUp) => "the motion blows up",
+        _ => "the scheme makes energy that stays",
+    };
+    let why = match bench.method.info.family {
+        Family::MatrixFree => "what acts outside the filter is explicit, and the filter is no exact solution",
+        _ => "that every step is stable holds on linear scenes only",
+    };
+    format!("{why}: at {} s {what}{}", figures(row.unstable.unwrap_or(0.0), 4), because(row))
+}
+
+/// "at 0.1 s it grows by 2 % a step, 7.9 e-folds in 400 steps"
+fn growth(bench: &Bench<'_>, h: f64) -> String {
+    let (steps, rate) = (bench.steps(h), bench.e_folds(h).unwrap_or(f64::INFINITY));
+    format!(
+        "at {} s it grows by {} % a step, {} e-folds in {steps} steps",
+        figures(h, 4),
+        figures(100.0 * rate.exp_m1(), 3),
+        figures(rate * steps as f64, 3)
+    )
+}
+
+fn because(row: &Row) -> String {
+    row.failure.as_ref().map(|failure| format!("; {}", failure.cause)).unwrap_or_default()
+}
+
+/// The critical step where the run at step `h` [s] was stiffest (0) or softest (1).
+fn along(bench: &Bench<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)> {
+    let state: &State = bench.trial(h)?.extremes.get(which)?;
+    let critical = Spectrum::with(bench.scene(), state.as_ref(), Effort::START).critical_step(bench.method);
+    Some((state.t, critical))
+}
+
+fn below(later: CriticalStep, row: &Row) -> bool {
+    later.step < (1.0 - CLEAR) * row.prediction.step.unwrap_or(0.0)
+}
+
+fn above(later: CriticalStep, row: &Row) -> bool {
+    later.step > (1.0 + CLEAR) * row.prediction.step.unwrap_or(f64::INFINITY)
+}
+
+/// The node, and the fastest spring at it, in words.
+fn place(bench: &Bench<'_>, dof: usize) -> String {
+    let node = bench.scene().name_of(dof).0;
+    bench
+        .scene()
+        .fastest_spring(dof)
+        .map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+}

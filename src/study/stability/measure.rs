@@ -1,0 +1,251 @@
+//! One run of a method at one step: how long it is, what came of it, and where the scene was stiffest on its way.
+//!
+//! An instability of two percent has to grow out of rounding, e^37, within the run; how fast it does is known from one step of the scheme on
+//! the oscillator that sets the limit. A run makes as many steps as that takes, at least as many as the case itself would, and
+//! no more than a number of force passes (or implicit steps) that depends on the size of the scene alone.
+
+use super::row::RunRow;
+use super::verdict::{Judge, STAYS, Verdict};
+use super::{Kind, StabilitySpec, dear};
+use crate::analysis::critical::{CriticalStep, Spectrum};
+use crate::analysis::limit::{growth, swing};
+use crate::drive::clock::Step;
+use crate::drive::observer::StepView;
+use crate::drive::{self, Failure, Outcome, RunSpec, Status};
+use crate::integrate::registry::{MethodChoice, methods};
+use crate::integrate::stepper::Stepper;
+use crate::model::state::{State, StateRef};
+use crate::model::system::Weights;
+use crate::scene::{BoundRoom, Scene};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// E-folds from rounding to far more than there can be.
+pub(super) const E_FOLDS: f64 = 45.0;
+/// Share beyond the predicted limit whose growth a run is to show.
+const BEYOND: f64 = 0.015;
+/// Degree-of-freedom passes of an explicit run, and most passes of one.
+const PASSES: [f64; 2] = [8e6, 2e5];
+/// Degree-of-freedom steps of an implicit run, and most steps of one.
+const SOLVES: [f64; 2] = [6e4, 1e3];
+/// Fewest steps of a run: explicit, implicit.
+const FEWEST: [f64; 2] = [400.0, 20.0];
+/// Share of a limit at which it is seen whether a scheme swings the energy, and a swing that is none.
+const NEAR: f64 = 0.98;
+const CALM: f64 = 1.5;
+/// Motion is kept up where it is so many times that of a shorter step, and more than this share of all energy.
+const LIVELY: [f64; 2] = [30.0, 1e-3];
+/// Factor between the lengths of runs that can be compared.
+const ALIKE: f64 = 2.5;
+/// Looks at the scene in a run.
+const LOOKS: u64 = 64;
+
+/// Why a method's measurement ends before its time.
+#[derive(Debug)]
+pub(super) enum Halt {
+    /// the budget is spent
+    OutOfBudget,
+    /// the user has had enough
+    Interrupted,
+    /// the method does not go with the scene
+    Refused(String),
+}
+
+/// Where a search begins if nothing is predicted: velocity Verlet's limit, else a bound on it, else a part of the run.
+pub(super) fn reference(spec: &StabilitySpec<'_>, spectrum: &mut Spectrum<'_>) -> f64 {
+    let usable = |step: &f64| *step > 0.0 && step.is_finite();
+    let verlet = methods().iter().find(|m| m.name == "velocity-verlet");
+    let verlet = verlet.map(|info| spectrum.critical_step(&MethodChoice { info, values: Vec::new() }).step);
+    let bound = measure(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundRoom::default());
+    verlet.filter(usable).or(Some(bound).filter(usable)).unwrap_or(spec.end / 1000.0)
+}
+
+/// Runs of one method.
+pub(super) struct Bench<'a> {
+    spec: &'a StabilitySpec<'a>,
+    pub method: &'a MethodChoice,
+    pub critical: CriticalStep,
+    /// [-] share of the energy supplied that must not stay
+    pub stays: f64,
+    interrupt: &'a AtomicBool,
+    /// what was run, in this order
+    pub trials: Vec<Trial>,
+}
+
+/// A run and what is kept of it.
+#[derive(Clone, Debug)]
+pub(super) struct Trial {
+    pub row: RunRow,
+    /// where the scene was stiffest, and where it was softest
+    pub extremes: [State; 2],
+}
+
+impl<'a> Bench<'a> {
+    pub fn new(
+        spec: &'a StabilitySpec<'a>,
+        method: &'a MethodChoice,
+        critical: CriticalStep,
+        interrupt: &'a AtomicBool,
+    ) -> Self {
+        let [calm, swings] = STAYS;
+        let step = match Kind::of(method, critical) {
+            Kind::Near(limit) => Some(NEAR * limit),
+            Kind::Somewhere => Some(0.01 / critical.rates.frequency).filter(|h| h.is_finite()),
+            Kind::Unlimited => None,
+        };
+        let swing = step.and_then(|h| swing(method, critical.rates, h));
+        let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
+        Bench { spec, method, critical, stays, interrupt, trials: Vec::new() }
+    }
+
+    pub fn scene(&self) -> &'a dyn Scene {
+        self.spec.scene
+    }
+
+    pub fn end(&self) -> f64 {
+        self.spec.end
+    }
+
+    pub fn kind(&self) -> Kind {
+        Kind::of(self.method, self.critical)
+    }
+
+    /// Steps of a run at step `h` [s].
+    pub fn steps(&self, h: f64) -> u64 {
+        let n = self.scene().n_dof().max(1) as f64;
+        let (cap, fewest) = match dear(self.method) {
+            true => ((SOLVES[0] / n).min(SOLVES[1]), FEWEST[1]),
+            false => {
+                let passes = self.method.info.evaluations[usize::from(self.scene().velocity_dependent())].max(1);
+                ((PASSES[0] / n).min(PASSES[1]) / f64::from(passes), FEWEST[0])
+            }
+        };
+        let shown = match self.kind() {
+            Kind::Near(limit) => {
+                self.e_folds((1.0 + BEYOND) * limit).filter(|rate| *rate > 0.0).map(|rate| E_FOLDS / rate)
+            }
+            _ => None,
+        };
+        let wanted = (self.end() / h).max(shown.unwrap_or(0.0)).max(fewest);
+        // A number of steps that is not finite becomes the largest.
+        wanted.min(cap.max(fewest)).ceil() as u64
+    }
+
+    /// [-] E-folds a step of the motion that sets the prediction, at step `h` [s]; below 0 it dies out.
+    pub fn e_folds(&self, h: f64) -> Option<f64> {
+        growth(self.method, self.critical.rates, h).map(f64::ln)
+    }
+
+    /// Whether a run at step `h` [s] holds; `before` is asked for leave to begin it.
+    pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
+        let steps = self.steps(h);
+        before(h, steps)?;
+        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible.
+        let swings = self.kind() != Kind::Unlimited;
+        let (outcome, judge) = self.run(h, steps, swings)?;
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(Halt::Interrupted);
+        }
+        let verdict = match outcome.status {
+            Status::NotConverged => Verdict::NotConverged,
+            Status::Diverged if !swings => Verdict::Diverged,
+            Status::Diverged if outcome.steps < steps => Verdict::NotFinite,
+            _ => judge.energy(),
+        };
+        let lively = judge.lively();
+        let verdict =
+            if verdict.is_stable() && self.kept_up(lively, h, outcome.t_end) { Verdict::MotionStays } else { verdict };
+        let row =
+            RunRow { step: h, steps, made: outcome.steps, t_end: outcome.t_end, peak: judge.peak, lively, verdict };
+        self.trials.push(Trial { row, extremes: judge.looks.extremes() });
+        Ok(verdict.is_stable())
+    }
+
+    /// Whether motion goes on that the next shorter step which held does not show over a time that can be compared.
+    fn kept_up(&self, lively: f64, h: f64, t_end: f64) -> bool {
+        let held = self.trials.iter().map(|trial| trial.row).filter(|row| row.step < h && row.verdict.is_stable());
+        let below = held
+            .max_by(|a, b| a.step.total_cmp(&b.step))
+            .filter(|row| row.t_end * ALIKE > t_end && row.t_end < t_end * ALIKE);
+        below.is_some_and(|row| lively > LIVELY[0] * row.lively && lively > LIVELY[1])
+    }
+
+    fn run(&self, h: f64, steps: u64, keep_going: bool) -> Result<(Outcome, Judge<'a>), Halt> {
+        let scene = self.scene();
+        let refused = |why: &dyn std::fmt::Display| Halt::Refused(why.to_string());
+        let mut stepper =
+            Stepper::bind(self.method.scheme(self.spec.solver), scene.abilities()).map_err(|e| refused(&e))?;
+        let spec = RunSpec {
+            end: steps as f64 * h,
+            step: Step::Fixed(h),
+            frames_every: None,
+            keep_going,
+            method: self.method,
+        };
+        let mut judge = Judge::new(self, steps, self.interrupt);
+        let stop = Arc::clone(&judge.stop);
+        let outcome = drive::run(scene, &mut stepper, spec, &mut [&mut judge], &stop).map_err(|e| refused(&e))?;
+        Ok((outcome, judge))
+    }
+
+    /// Why a run at step `h` [s] fails, in the words of `solve`.
+    pub fn failure(&self, h: f64) -> Option<Failure> {
+        self.run(h, self.steps(h), false).ok().and_then(|(outcome, _)| outcome.failure)
+    }
+
+    /// The run at exactly this step.
+    pub fn trial(&self, h: f64) -> Option<&Trial> {
+        self.trials.iter().find(|trial| trial.row.step == h)
+    }
+}
+
+/// Now and then a measure of the critical step, from one pass over the elements.
+pub(super) struct Looks<'a> {
+    scene: &'a dyn Scene,
+    every: u64,
+    room: BoundRoom,
+    /// [s] least and largest measure, and where
+    seen: [(f64, State); 2],
+}
+
+impl<'a> Looks<'a> {
+    pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
+        let start = scene.initial_state();
+        let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
+        // Odd, so that a motion that alternates is seen on both sides.
+        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundRoom::default(), seen }
+    }
+
+    pub fn look(&mut self, at: StateRef<'_>) {
+        let now = measure(self.scene, at, &mut self.room);
+        let [(least, stiffest), (largest, softest)] = &mut self.seen;
+        if now < *least {
+            *least = now;
+            stiffest.copy_from(at);
+        }
+        if now > *largest {
+            *largest = now;
+            softest.copy_from(at);
+        }
+    }
+
+    pub fn stepped(&mut self, step: &StepView<'_>) {
+        if step.step.is_multiple_of(self.every) {
+            self.look(step.to.state.as_ref());
+        }
+    }
+
+    pub fn extremes(self) -> [State; 2] {
+        self.seen.map(|(_, state)| state)
+    }
+}
+
+/// [s] h with h^2 k + 2 h c = 4 for bounds k and c on the rates: where Euler-Cromer would have its limit, and a measure for others.
+fn measure(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
+    let (k, _) = scene.rate_bound(at, Weights { m: 0.0, c: 0.0, k: 1.0 }, room);
+    let c = match scene.velocity_dependent() {
+        true => scene.rate_bound(at, Weights { m: 0.0, c: 1.0, k: 0.0 }, room).0,
+        false => 0.0,
+    };
+    4.0 / (c + (c * c + 4.0 * k).sqrt())
+}

@@ -1,0 +1,124 @@
+//! The largest stable step of every method on a scene: predicted from the spectrum at t = 0, and measured by bisection over real runs
+//! of the real scene.
+//!
+//! ```text
+//! predicted   Spectrum::critical_step: the scene's outer motions, and one real step of the scheme on an oscillator
+//! measured    [h, H]: runs at h held, runs at H did not; H/h - 1 is half a percent where the prediction is confirmed
+//! ```
+//! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of a percent needs
+//! hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how long the runs are,
+//! `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the budget, which only leaves
+//! methods out.
+
+mod explain;
+mod measure;
+mod prediction;
+mod region;
+mod report;
+mod row;
+mod search;
+mod verdict;
+pub mod write;
+
+pub use prediction::{KnownBy, Prediction};
+pub use report::{csv, table};
+pub use row::{Row, RunRow, Stability, Status};
+pub use verdict::Verdict;
+
+use crate::analysis::critical::{CriticalStep, Spectrum};
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::{Family, MethodChoice};
+use crate::scene::Scene;
+use measure::{Bench, Halt};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// What to study.
+pub struct StabilitySpec<'a> {
+    /// the scene, at its initial state
+    pub scene: &'a dyn Scene,
+    /// methods with their parameters, in the order of the rows
+    pub methods: &'a [MethodChoice],
+    /// how implicit steps are solved
+    pub solver: SolverSpec,
+    /// [s] end of the case
+    pub end: f64,
+    /// time on the clock after which no run is begun; methods that are not finished then are left out
+    pub budget: Option<Duration>,
+}
+
+/// A run that is about to begin.
+#[derive(Clone, Copy, Debug)]
+pub struct Beginning<'a> {
+    /// number of the method, counted from 0
+    pub index: usize,
+    /// its name
+    pub method: &'a str,
+    /// number of the run, counted from 1
+    pub run: usize,
+    /// [s] its step
+    pub step: f64,
+    /// steps it is to make
+    pub steps: u64,
+}
+
+/// Predicts and measures every method; `begins` hears of every run. What cannot be measured is a row that says so.
+pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), stop: &AtomicBool) -> Vec<Row> {
+    let started = Instant::now();
+    let state = spec.scene.initial_state();
+    let mut spectrum = Spectrum::of(spec.scene, state.as_ref());
+    let reference = measure::reference(spec, &mut spectrum);
+    let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
+    let mut rows = Vec::with_capacity(spec.methods.len());
+    for (index, method) in spec.methods.iter().enumerate() {
+        let critical = spectrum.critical_step(method);
+        let prediction = Prediction::of(spec.scene, method, critical);
+        let mut row = Row::new(method, prediction);
+        let mut bench = Bench::new(spec, method, critical, stop);
+        let mut run = 0;
+        let mut before = |step: f64, steps: u64| {
+            if over() {
+                return Err(Halt::OutOfBudget);
+            }
+            run += 1;
+            begins(Beginning { index, method: &row.method, run, step, steps });
+            Ok(())
+        };
+        let found = search::largest(bench.kind(), reference, spec.end, &mut |h| bench.holds(h, &mut before));
+        match found {
+            Ok(bracket) => {
+                row.measured(&bench, bracket);
+                explain::explain(&mut row, &bench);
+            }
+            Err(halt) => row.halted(&bench, halt),
+        }
+        rows.push(row);
+    }
+    rows
+}
+
+/// What is searched for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// a limit predicted at a step [s] above 0
+    Near(f64),
+    /// a method with a limit, for which none or no step at all is predicted
+    Somewhere,
+    /// a method without limit on linear scenes
+    Unlimited,
+}
+
+impl Kind {
+    fn of(method: &MethodChoice, critical: CriticalStep) -> Self {
+        match (crate::analysis::critical::has_limit(method), critical.step) {
+            (false, _) => Kind::Unlimited,
+            (true, step) if step > 0.0 && step.is_finite() => Kind::Near(step),
+            (true, _) => Kind::Somewhere,
+        }
+    }
+}
+
+/// Whether a step is dear: a sparse factorisation or several.
+fn dear(method: &MethodChoice) -> bool {
+    method.info.family == Family::Implicit
+}

@@ -1,0 +1,149 @@
+//! What is known of a method in the end: a row of the table.
+
+use super::measure::{Bench, Halt};
+use super::search::Bracket;
+use super::{Kind, Prediction, Verdict};
+use crate::drive::Failure;
+use crate::integrate::registry::MethodChoice;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Relative difference that needs no explanation.
+const AGREES: f64 = 0.02;
+
+/// Whether a method was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// it was
+    Measured,
+    /// it does not go with the scene
+    Refused,
+    /// the budget was spent before
+    OutOfBudget,
+    /// the user stopped the study
+    Interrupted,
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRow {
+    /// [s] its step
+    pub step: f64,
+    /// steps it was to make
+    pub steps: u64,
+    /// steps it made
+    pub made: u64,
+    /// [s] time of its last good state
+    pub t_end: f64,
+    /// [-] largest kinetic and elastic energy over all energy supplied so far
+    pub peak: f64,
+    /// [-] mean kinetic energy over the last quarter of the run, over all energy supplied
+    pub lively: f64,
+    /// what came of it
+    pub verdict: Verdict,
+}
+
+/// A method, its predicted and its measured largest stable step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// name in a case, with the parameters that are not the default ones
+    pub method: String,
+    /// all parameters
+    pub parameters: BTreeMap<String, f64>,
+    /// whether it was measured
+    pub status: Status,
+    /// why it was not
+    pub why: Option<String>,
+    /// what theory says at t = 0
+    pub prediction: Prediction,
+    /// [s] largest step that held; null if no failing step was found (`tried_up_to`) or none that holds
+    pub measured: Option<f64>,
+    /// [s] least step above it that did not hold
+    pub unstable: Option<f64>,
+    /// [s] longest step tried by a method that held at every step
+    pub tried_up_to: Option<f64>,
+    /// [-] measured over predicted
+    pub ratio: Option<f64>,
+    /// whether they differ by more than 2 % and the width of the bracket
+    pub differs: bool,
+    /// why they differ
+    pub explanation: Option<String>,
+    /// the failure of a run at `unstable`
+    pub failure: Option<Failure>,
+    /// all runs, in the order they were made
+    pub runs: Vec<RunRow>,
+}
+
+/// A whole study, as `stability.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stability {
+    /// name of the case
+    pub name: String,
+    /// [s] end of the case
+    pub end: f64,
+    /// free degrees of freedom
+    pub unknowns: u64,
+    /// a row a method
+    pub methods: Vec<Row>,
+    /// the case as it was studied
+    pub case: serde_json::Value,
+    /// version of the program
+    pub version: String,
+}
+
+impl Row {
+    pub(super) fn new(method: &MethodChoice, prediction: Prediction) -> Self {
+        let other = method.info.parameters.iter().zip(&method.values).filter(|(p, v)| p.default != **v);
+        let other: Vec<String> = other.map(|(p, value)| format!("{}={value}", p.name)).collect();
+        let name = method.info.name.to_owned();
+        Row {
+            method: if other.is_empty() { name } else { format!("{name}({})", other.join(" ")) },
+            parameters: method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
+            status: Status::Measured,
+            why: None,
+            prediction,
+            measured: None,
+            unstable: None,
+            tried_up_to: None,
+            ratio: None,
+            differs: false,
+            explanation: None,
+            failure: None,
+            runs: Vec::new(),
+        }
+    }
+
+    pub(super) fn measured(&mut self, bench: &Bench<'_>, bracket: Bracket) {
+        self.runs = bench.trials.iter().map(|trial| trial.row).collect();
+        let Bracket { stable, unstable } = bracket;
+        self.unstable = unstable;
+        match unstable {
+            Some(_) => self.measured = Some(stable.unwrap_or(0.0)),
+            None => self.tried_up_to = stable,
+        }
+        let predicted = self.prediction.step.filter(|step| *step > 0.0);
+        self.ratio = predicted.zip(self.measured).map(|(predicted, measured)| measured / predicted);
+        self.differs = match (bench.kind(), predicted) {
+            (Kind::Near(_), Some(predicted)) => {
+                let most = self.prediction.at_most.unwrap_or(predicted).max(predicted);
+                let within = stable.is_some_and(|stable| stable <= most * (1.0 + AGREES))
+                    && unstable.is_some_and(|unstable| unstable >= predicted * (1.0 - AGREES));
+                !within
+            }
+            // No limit, and none found.
+            (Kind::Unlimited | Kind::Somewhere, _) => self.unstable.is_some(),
+            (Kind::Near(_), None) => false,
+        };
+        self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| bench.failure(h));
+    }
+
+    pub(super) fn halted(&mut self, bench: &Bench<'_>, halt: Halt) {
+        self.runs = bench.trials.iter().map(|trial| trial.row).collect();
+        (self.status, self.why) = match halt {
+            Halt::OutOfBudget => (Status::OutOfBudget, None),
+            Halt::Interrupted => (Status::Interrupted, None),
+            Halt::Refused(why) => (Status::Refused, Some(why)),
+        };
+    }
+}

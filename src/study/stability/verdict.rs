@@ -1,0 +1,189 @@
+//! Whether a run was stable.
+//!
+//! ```text
+//! supplied  = kinetic + elastic at t = 0, and the most that gravity and external work have put in since
+//! share     = (kinetic + elastic) / supplied
+//! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
+//!           share > stays in nine of ten steps of the last quarter of the run,
+//!           mean kinetic energy of the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
+//!           or the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last
+//! ```
+//! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable oscillation, as one step
+//! of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to 1/(1 - (h/h_c)^2), 25 times at
+//! 0.98 h_c and 100 times at 0.995 h_c, and down again within some ten steps; growth does not come down. An instability that a nonlinear
+//! scene holds at some level, such as a pendulum that whirls or a dashpot that overshoots in one spring of a cloth, keeps up a motion
+//! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
+
+use super::measure::{Bench, Looks};
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::integrate::registry::Family;
+use crate::model::state::StateRef;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A share of the energy supplied that is beyond all swinging.
+const BLOWN: f64 = 1e8;
+/// A share that a stable run comes back below, again and again: of a scheme that never raises the energy of a linear scene, and of others.
+pub(super) const STAYS: [f64; 2] = [3.0, 30.0];
+/// [-] part of the last quarter of a run in which a share stays.
+const MOST: f64 = 0.9;
+/// [-] share of the scene's size by which rounding may move all nodes.
+const ROUNDING: f64 = 1e-8;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// it held
+    Stable,
+    /// a value was not finite
+    NotFinite,
+    /// far more energy than was ever supplied
+    BlownUp,
+    /// energy made by the scheme stayed, or grew without end
+    EnergyStays,
+    /// a motion went on and on that dies out in shorter steps
+    MotionStays,
+    /// the watch of the run found more energy than can be
+    Diverged,
+    /// an implicit step could not be solved
+    NotConverged,
+}
+
+impl Verdict {
+    /// Whether the run held.
+    pub fn is_stable(self) -> bool {
+        self == Verdict::Stable
+    }
+}
+
+/// An observer that follows a run's energy, and stops the run once there is no doubt.
+pub(super) struct Judge<'a> {
+    /// set from outside: the user's interrupt
+    interrupt: &'a AtomicBool,
+    /// what the run is stopped by
+    pub stop: Arc<AtomicBool>,
+    pub looks: Looks<'a>,
+    scene: &'a dyn Scene,
+    steps: u64,
+    /// [-] share that must not stay
+    stays: f64,
+    /// whether what the account calls dissipated counts
+    dissipates: bool,
+    /// [J] what rounding may leave, and what a scheme of first order makes in the first step of a load
+    floor: f64,
+    /// [J] kinetic, elastic and gravity energy at the start
+    base: f64,
+    supplied: f64,
+    /// [-] largest share
+    pub peak: f64,
+    blown: bool,
+    /// steps of the last quarter, and those of them with a share that is too large
+    late: [u64; 2],
+    /// [J] sum of the kinetic energy over the last quarter
+    kinetic: f64,
+    /// [J] sums of the made energy over the last two eighths, and their steps
+    made: [(f64, u64); 2],
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(bench: &Bench<'a>, steps: u64, interrupt: &'a AtomicBool) -> Self {
+        let (scene, method) = (bench.scene(), bench.method);
+        let moved = ROUNDING * scene.size();
+        Judge {
+            interrupt,
+            stop: Arc::new(AtomicBool::new(false)),
+            looks: Looks::new(scene, steps),
+            scene,
+            steps,
+            stays: bench.stays,
+            dissipates: method.info.family != Family::MatrixFree,
+            floor: scene.nodal_stiffness().iter().sum::<f64>() * moved * moved,
+            base: 0.0,
+            supplied: 0.0,
+            peak: 0.0,
+            blown: false,
+            late: [0; 2],
+            kinetic: 0.0,
+            made: [(0.0, 0); 2],
+        }
+    }
+
+    /// [-] Mean kinetic energy over the last quarter of the run, over all energy supplied.
+    pub fn lively(&self) -> f64 {
+        let [all, _] = self.late;
+        let supplied = self.supplied + self.floor;
+        if all > 0 && supplied > 0.0 { self.kinetic / all as f64 / supplied } else { 0.0 }
+    }
+
+    fn share(&self, there: f64) -> f64 {
+        if there > 0.0 { there / (self.supplied + self.floor) } else { 0.0 }
+    }
+
+    /// [J] 1/2 h^2 sum f^2/m of the loads at time `t` [s] on resting masses.
+    fn push(&self, at: &Point, t: f64, h: f64) -> f64 {
+        let rest = vec![0.0; at.state.v.len()];
+        let mut f = vec![0.0; at.state.x.len()];
+        self.scene.load(StateRef { t, x: &at.state.x, v: &rest }, &mut f);
+        let push: f64 = f.iter().zip(self.scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
+        if push.is_finite() { push } else { 0.0 }
+    }
+
+    /// What the energy says of a run that came to the end of its steps, or was stopped here.
+    pub fn energy(&self) -> Verdict {
+        if self.blown {
+            return Verdict::BlownUp;
+        }
+        let [all, over] = self.late.map(|n| n as f64);
+        let mean = |(sum, n): (f64, u64)| sum / n.max(1) as f64;
+        let [before, last] = self.made.map(mean);
+        let grown = last - before > STAYS[1] * (self.supplied + self.floor);
+        if (all > 0.0 && over >= MOST * all) || grown { Verdict::EnergyStays } else { Verdict::Stable }
+    }
+}
+
+impl Observer for Judge<'_> {
+    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.supplied = ledger.kinetic + ledger.elastic;
+        self.base = self.supplied + ledger.gravity;
+        self.looks.look(at.state.as_ref());
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
+        self.supplied = self.supplied.max(self.base - gravity + external_work);
+        let there = kinetic + elastic;
+        let mut share = self.share(there);
+        if share > BLOWN {
+            // Before a load has done any work, what the first step makes of it counts as supplied.
+            let h = step.to.state.t - step.from.state.t;
+            let times = [step.from.state.t, step.to.state.t];
+            self.floor = times.into_iter().map(|t| self.push(step.from, t, h)).fold(self.floor, f64::max);
+            share = self.share(there);
+        }
+        self.peak = self.peak.max(share).min(f64::MAX);
+        if 4 * step.step > 3 * self.steps {
+            self.late[0] += 1;
+            self.kinetic += kinetic;
+            self.late[1] += u64::from(share > self.stays);
+            let eighth = usize::from(8 * step.step > 7 * self.steps);
+            if let Some((sum, n)) = self.made.get_mut(eighth) {
+                *sum -= numerical + if self.dissipates { 0.0 } else { dissipated };
+                *n += 1;
+            }
+        }
+        self.blown |= share > BLOWN;
+        if self.blown || self.interrupt.load(Ordering::Relaxed) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        self.looks.stepped(&step);
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}

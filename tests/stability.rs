@@ -1,0 +1,193 @@
+//! Predicted and measured largest stable steps, by the library.
+
+mod common;
+
+use canopy_fem::case::Case;
+use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
+use canopy_fem::simulation::build_scene;
+use canopy_fem::study::stability::{KnownBy, Row, StabilitySpec, Status, Verdict, study};
+use common::run::{asset, case_of};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+fn choices(names: &[&str]) -> Vec<MethodChoice> {
+    names.iter().map(|name| MethodChoice::new(name, &BTreeMap::new()).expect("a method")).collect()
+}
+
+fn explicit() -> Vec<&'static str> {
+    methods().iter().filter(|m| m.family == Family::Explicit).map(|m| m.name).collect()
+}
+
+fn rows(case: &Case, methods: &[MethodChoice], budget: Option<Duration>) -> Vec<Row> {
+    let mut problem = case.problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
+    let spec = StabilitySpec { scene: &*scene, methods, solver: problem.solver, end: problem.time.end, budget };
+    study(&spec, &mut |_| {}, &AtomicBool::new(false))
+}
+
+fn of(case: &Case, names: &[&str]) -> Vec<Row> {
+    rows(case, &choices(names), None)
+}
+
+/// Both ends of the measured bracket lie within 2 % of the prediction, or nothing is predicted and nothing fails.
+fn agrees(row: &Row) {
+    let name = &row.method;
+    match row.prediction.step {
+        Some(predicted) => {
+            let (held, failed) = (row.measured.expect("a step that held"), row.unstable.expect("a step that failed"));
+            let off = [held, failed].map(|h| h / predicted - 1.0);
+            assert!(off.iter().all(|off| off.abs() <= 0.0201), "{name}: {held} to {failed}, predicted {predicted}");
+            assert!(!row.differs && row.explanation.is_none(), "{name}: {:?}", row.explanation);
+        }
+        None => assert!(row.unstable.is_none() && row.tried_up_to.is_some(), "{name}: {:?}", row.runs),
+    }
+}
+
+/// Masses along a line that can only move along it: w = 2 sqrt(k/m) sin(...), whatever the amplitude while none passes another. All modes
+/// move, by small parts of the springs' length.
+fn chain(dashpot: Option<Value>) -> Case {
+    let n = 12;
+    let nodes: Vec<[f64; 3]> = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let springs: Vec<[i32; 2]> = (1..n).map(|i| [i - 1, i]).collect();
+    let start: Vec<[f64; 3]> = (0..n)
+        .map(|i| if i % (n - 1) == 0 { 0.0 } else { 1e-4 * f64::from((7 * i * i) % 11 - 5) })
+        .map(|x| [x, 0.0, 0.0])
+        .collect();
+    let mut group = json!({"on": "all", "stiffness": 500.0});
+    if let Some(dashpot) = dashpot {
+        group["dashpot"] = dashpot;
+    }
+    case_of(
+        &json!({
+            "name": "chain",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": nodes, "springs": springs}},
+                "mass": {"nodal": 0.2},
+                "springs": [group],
+                "supports": [{"on": {"ids": [0, n - 1]}, "fix": "xyz"}, {"on": "all", "fix": "yz"}],
+                "initial": {"displacement": start}
+            }},
+            "time": {"end": 4.0, "method": "velocity-verlet", "step": 1e-3}
+        }),
+        &[],
+    )
+}
+
+/// A linear oscillator without damping: the limits of the schemes that have one are 2/w and their like.
+#[test]
+fn an_undamped_oscillator_has_the_limits_of_theory() {
+    let case = asset("oscillator", &[("system.network.initial.displacement", "[0.01, 0, 0]")]);
+    let w = 1.5_f64.sqrt();
+    for (row, limit) in of(&case, &["euler-cromer", "velocity-verlet", "rk4"]).iter().zip([2.0, 2.0, 8.0_f64.sqrt()]) {
+        agrees(row);
+        let held = row.measured.expect("agrees");
+        assert!((held * w / limit - 1.0).abs() < 0.01, "{}: {held}", row.method);
+        assert_eq!(row.prediction.known_by, KnownBy::Certified);
+    }
+}
+
+/// With damping every explicit method has a limit, those included that grow without; the case of the thesis as it is, but smaller.
+#[test]
+fn a_damped_oscillator_agrees_for_every_explicit_method() {
+    let case = asset("oscillator-damped", &[("system.network.initial.displacement", "[0.01, 0, 0]")]);
+    for row in of(&case, &explicit()) {
+        agrees(&row);
+        assert_eq!(row.runs.len(), 6, "{}: {:?}", row.method, row.runs);
+    }
+}
+
+/// A chain of eleven springs, undamped and damped in proportion to stiffness: the limit is set by one of its ten modes.
+#[test]
+fn chains_agree_within_two_percent() {
+    for row in of(&chain(None), &["euler-cromer", "velocity-verlet", "rk4", "newmark", "backward-euler"]) {
+        agrees(&row);
+    }
+    for row in of(&chain(Some(json!({"axial": {"time": 5e-3}}))), &explicit()) {
+        agrees(&row);
+    }
+}
+
+/// Newmark with beta below gamma/2 has a limit of its own, which its real steps keep.
+#[test]
+fn linear_acceleration_is_limited() {
+    let method = MethodChoice::new("newmark", &BTreeMap::from([("beta".to_owned(), 1.0 / 6.0)])).expect("a method");
+    let row = rows(&chain(None), &[method], None).remove(0);
+    agrees(&row);
+    assert!(row.prediction.step.is_some() && row.method.starts_with("newmark(beta=0.1666"), "{}", row.method);
+}
+
+/// What grows at every step has no stable step; what a run of so many steps shows is measured and explained with its growth.
+#[test]
+fn growth_at_every_step_is_explained() {
+    for row in of(&chain(None), &["explicit-euler", "improved-euler"]) {
+        assert_eq!(row.prediction.step, Some(0.0), "{}", row.method);
+        assert!(row.measured.is_some_and(|h| h > 0.0) && row.unstable.is_some(), "{}: {:?}", row.method, row.runs);
+        let words = row.explanation.expect("they differ");
+        assert!(words.contains("grows at every step") && words.contains("e-folds in"), "{words}");
+    }
+}
+
+/// A mass held across two springs by a growing force: nothing limits a step at t = 0, and later both springs do, at 2/sqrt(2 k/m) = 0.1414 s
+/// at the end (see tests/cli/stiffening.rs). Some percent below that what moves is kept up already.
+#[test]
+fn a_scene_that_stiffens_fails_below_the_limit_at_its_start() {
+    let string = |z: f64| {
+        case_of(
+            &json!({
+                "name": "string",
+                "system": {"network": {
+                    "mesh": {"explicit": {"nodes": [[-1,0,0],[0,0,0],[1,0,0]], "springs": [[0,1],[1,2]]}},
+                    "mass": {"nodal": 0.5},
+                    "springs": [{"on": "all", "stiffness": 50.0}],
+                    "supports": [{"on": {"ids": [0, 2]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "xy"}],
+                    "loads": [{"on": {"ids": [1]}, "force": [0, 0, 1], "table": [[0, 0], [100, 400]]}],
+                    "initial": {"displacement": [[0,0,0],[0,0,z],[0,0,0]]}
+                }},
+                "time": {"end": 100, "method": "velocity-verlet", "step": 0.1}
+            }),
+            &[],
+        )
+    };
+    // From z = 0.5 on: 2 k (1 - 1/l^3)/m = 56.9, so 2/w = 0.265 s.
+    let row = of(&string(0.5), &["velocity-verlet"]).remove(0);
+    let (predicted, held) = (row.prediction.step.expect("a limit"), row.measured.expect("a step that held"));
+    assert!((predicted - 0.265).abs() < 0.001 && (0.12..0.15).contains(&held), "{predicted} {held}");
+    let words = row.explanation.as_deref().expect("they differ");
+    assert!(words.contains("the scene stiffens: at t = ") && row.differs, "{words}");
+    // From the straight string nothing is predicted.
+    let row = of(&string(0.0), &["velocity-verlet"]).remove(0);
+    assert_eq!((row.prediction.step, row.prediction.known_by), (None, KnownBy::Unlimited));
+    let words = row.explanation.expect("a limit was found");
+    assert!(row.measured.is_some_and(|h| (0.12..0.15).contains(&h)) && words.contains("the scene stiffens"), "{words}");
+}
+
+/// Unconditionally stable methods hold at every step tried, up to a quarter of the run.
+#[test]
+fn implicit_methods_hold_at_every_step() {
+    let implicit: Vec<&str> = methods().iter().filter(|m| m.family == Family::Implicit).map(|m| m.name).collect();
+    for row in of(&chain(None), &implicit) {
+        assert_eq!((row.measured, row.tried_up_to, row.differs), (None, Some(1.0), false), "{}", row.method);
+        assert!(row.runs.len() >= 2 && row.runs.iter().all(|run| run.verdict == Verdict::Stable));
+    }
+}
+
+/// A method that does not go with the scene, and methods for which no time is left, are rows that say so.
+#[test]
+fn nothing_is_missing() {
+    let row = of(&asset("pendulum", &[]), &["kang"]).remove(0);
+    assert!(row.status == Status::Refused && row.why.is_some_and(|why| why.contains("spring network")));
+    for row in rows(&chain(None), &choices(&["rk4", "newmark"]), Some(Duration::from_nanos(1))) {
+        assert_eq!((row.status, row.measured, row.runs.len()), (Status::OutOfBudget, None, 0), "{}", row.method);
+    }
+    let predicted = rows(&chain(None), &choices(&["rk4"]), Some(Duration::from_nanos(1))).remove(0).prediction.step;
+    assert!(predicted.is_some_and(|step| step > 0.0), "what costs nothing is still told");
+}
+
+/// The same study twice gives the same numbers to the last bit.
+#[test]
+fn studies_repeat_exactly() {
+    let once = || of(&chain(Some(json!({"relative": {"time": 1e-3}}))), &["velocity-verlet", "kang", "newmark"]);
+    assert_eq!(once(), once());
+}
