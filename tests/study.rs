@@ -3,7 +3,6 @@
 #[path = "cli/bench.rs"]
 #[allow(dead_code)] // this binary uses its own part
 mod bench;
-#[allow(dead_code)]
 mod common;
 #[path = "study/hyperqueue.rs"]
 mod hyperqueue;
