@@ -6,7 +6,7 @@ use super::{CliError, Finished, complain};
 use crate::case::Case;
 use crate::figures::figures;
 use crate::output::names::file_stem;
-use crate::study::answers::{Answers, unfinished, used};
+use crate::study::answers::{Answer, Answers, unfinished, used};
 use crate::study::plan::{Plan, Planner};
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
@@ -345,8 +345,13 @@ fn summary(study: &Study, answers: &Answers) -> String {
         }
         front(&mut text, rows, number);
         text.push('\n');
-        for answer in answers.targets.iter().filter(|a| a.variant == number) {
-            let _ = writeln!(text, "  {}", answer.sentence);
+        let all: Vec<&Answer> = answers.targets.iter().filter(|a| a.variant == number).collect();
+        // One line for accuracies with the same answer.
+        for same in all.chunk_by(|a, b| advice(a) == advice(b)) {
+            if let (Some(first), Some(last)) = (same.first(), same.last()) {
+                let range = if first == last { String::new() } else { format!(" to {:e}", last.wanted) };
+                let _ = writeln!(text, "  for {:e}{range} {}", first.wanted, advice(first));
+            }
         }
         for crossover in answers.crossovers.iter().filter(|c| c.variant == number) {
             let _ = writeln!(text, "  {}", crossover.sentence);
@@ -361,6 +366,11 @@ fn summary(study: &Study, answers: &Answers) -> String {
         let _ = writeln!(text, "  {}", crossover.sentence);
     }
     text
+}
+
+/// An answer without the accuracy it is for.
+fn advice(answer: &Answer) -> &str {
+    answer.sentence.find("use ").and_then(|at| answer.sentence.get(at..)).unwrap_or(&answer.sentence)
 }
 
 fn front(text: &mut String, rows: &[Row], variant: usize) {

@@ -21,6 +21,8 @@ const STEPS: [usize; 2] = [6, 5];
 const IMPLICIT_STEPS: usize = 8;
 /// Share by which a quotient of two times is off.
 const ROUNDING: f64 = 1e-9;
+/// Errors smaller than this are of no interest to a study that nobody told what to try.
+const FINE_ENOUGH: f64 = 1e-8;
 /// Tolerances tried by methods of order 2 and above.
 pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
@@ -60,6 +62,25 @@ impl Scales {
         }
     }
 
+    /// [-] About the error of a step of `h` [s] by a method of this order: (2 pi h / T)^p with the main period T.
+    fn rough_error(&self, h: f64, order: u32) -> f64 {
+        (std::f64::consts::TAU * h / self.period).powi(order.min(60) as i32)
+    }
+
+    /// How often a step of `h` [s] is worth halving: until errors are of no interest, but once at least.
+    fn levels(&self, h: f64, order: u32, most: usize) -> usize {
+        let fine = |k: &usize| self.rough_error(h * 0.5f64.powi(*k as i32), order) < FINE_ENOUGH;
+        (0..most).find(fine).map_or(most, |k| (k + 1).clamp(2, most))
+    }
+
+    /// Those of [`TOLERANCES`] that matter for a method with a limit of `limit` [s], infinite if it has none: where stability holds the
+    /// steps, looser tolerances all give the same run.
+    pub fn tolerances(&self, order: u32, limit: f64) -> Vec<f64> {
+        let held = if limit > 0.0 && limit.is_finite() { 10.0 * self.rough_error(limit, order) } else { f64::INFINITY };
+        let matters = |(i, t): &(usize, f64)| *i == 0 || *t < held;
+        TOLERANCES.into_iter().enumerate().filter(matters).map(|(_, t)| t).collect()
+    }
+
     /// [s] Steps for a method, the largest first, each once.
     pub fn steps(&self, method: &MethodChoice, spectrum: &mut Spectrum<'_>) -> Vec<f64> {
         let most = LARGEST * self.end;
@@ -77,7 +98,7 @@ impl Scales {
             (0..IMPLICIT_STEPS).map(|k| largest * 0.5f64.powi(k as i32)).collect()
         } else {
             let largest = most.min(BELOW * limit).min(OF_PERIOD * self.period.max(self.fastest.min(self.end)));
-            let count = STEPS[usize::from(method.order() > 2)];
+            let count = self.levels(largest, method.order(), STEPS[usize::from(method.order() > 2)]);
             let beyond = BEYOND * limit;
             let first = (beyond <= most && largest == BELOW * limit).then_some(beyond);
             first.into_iter().chain((0..count).map(|k| largest * 0.5f64.powi(k as i32))).collect()
@@ -145,6 +166,16 @@ mod tests {
             assert!(h <= wanted * (1.0 + 1e-9) && h > 0.5 * wanted, "{wanted} {h}");
             assert!((ratio - ratio.round()).abs() < 1e-9, "{wanted} {h}");
         }
+    }
+
+    /// A stiff scene, whose limit is far below what accuracy needs: few steps, and one tolerance that shows it. A soft one: all.
+    #[test]
+    fn nothing_is_tried_that_tells_nothing() {
+        let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
+        assert_eq!([scales.levels(1e-5, 2, 6), scales.levels(1e-3, 2, 6), scales.levels(1e-5, 1, 6)], [2, 6, 6]);
+        assert_eq!(scales.tolerances(4, 1e-3), [1e-2]);
+        assert_eq!(scales.tolerances(2, 1e-3), [1e-2, 1e-4, 1e-5, 1e-6]);
+        assert_eq!(scales.tolerances(2, f64::INFINITY), TOLERANCES);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::ladder::{Scales, TOLERANCES};
+use super::ladder::Scales;
 use super::reference::{Account, Reference, Workshop};
 use super::row::{Job, Pace, label};
 use super::wishes::Wishes;
@@ -179,7 +179,7 @@ impl Planner<'_> {
                 Some(tolerances) => tolerances.clone(),
                 // Whoever asks for steps wants those.
                 None if self.wishes.steps.is_some() || choice.order() < 2 => Vec::new(),
-                None => TOLERANCES.to_vec(),
+                None => scales.tolerances(choice.order(), limit),
             };
             let steps = steps.into_iter().filter(|h| *h <= bench.end()).map(Pace::Step);
             paces.push((method, steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect()));
