@@ -12,7 +12,7 @@ use crate::drive::clock::{Step, Tolerance};
 use crate::drive::observer::Observer;
 use crate::drive::{self, Outcome, RunError, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
-use crate::integrate::registry::MethodChoice;
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
 use crate::scene::Scene;
 use crate::simulation::build_scene;
@@ -21,6 +21,11 @@ use crate::simulation::build_scene;
 const FRAMES: f64 = 50.0;
 /// [byte] Most memory that the frames of a reference may take; above it fewer are compared.
 const MOST_BYTES: f64 = 2.5e8;
+
+/// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
+const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
+/// [s] nominal cost of an implicit step a degree of freedom
+const NOMINAL_IMPLICIT: f64 = 4e-6;
 
 /// A variant of the case on the bench.
 pub struct Bench {
@@ -73,6 +78,17 @@ impl Bench {
         let bytes = 24.0 * scene.reference().len() as f64 * (problem.time.end / asked);
         let every = asked * (bytes / MOST_BYTES).ceil().max(1.0);
         Ok(Bench { scene, problem, fingerprint, every })
+    }
+
+    /// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on every machine.
+    pub fn nominal_step(&self, method: &MethodChoice) -> f64 {
+        let scene = &*self.scene;
+        let [spring, triangle, node, pass] = NOMINAL;
+        let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+        let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())].max(1));
+        let solving =
+            if method.info.family == Family::Implicit { NOMINAL_IMPLICIT * scene.n_dof() as f64 } else { 0.0 };
+        solving + passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
     }
 
     /// [s] End of the runs.

@@ -67,6 +67,11 @@ impl Scales {
         (std::f64::consts::TAU * h / self.period).powi(order.min(60) as i32)
     }
 
+    /// [s] About the step that a method of this order takes within a tolerance.
+    pub fn rough_step(&self, tolerance: f64, order: u32) -> f64 {
+        self.period / std::f64::consts::TAU * tolerance.powf(1.0 / f64::from(order.max(1)))
+    }
+
     /// How often a step of `h` [s] is worth halving: until errors are of no interest, but once at least.
     fn levels(&self, h: f64, order: u32, most: usize) -> usize {
         let fine = |k: &usize| self.rough_error(h * 0.5f64.powi(*k as i32), order) < FINE_ENOUGH;

@@ -153,8 +153,7 @@ impl Planner<'_> {
         asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
     }
 
-    /// The runs of a variant: one level of steps after the other, the coarsest first, so that a budget that ends early has seen every
-    /// method.
+    /// The runs of a variant, the cheapest first by nominal figures, so that a budget that ends early has seen the most.
     fn list(
         &self,
         bench: &Bench,
@@ -165,7 +164,7 @@ impl Planner<'_> {
         let mut spectrum = Spectrum::of(&*bench.scene, state.as_ref());
         let scales = Scales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
         let mut limits = BTreeMap::new();
-        let mut paces: Vec<(Method, Vec<Pace>)> = Vec::new();
+        let mut paces: Vec<Tried> = Vec::new();
         for (method, choice) in self.methods()? {
             let limit = spectrum.critical_step(&choice).step;
             if limit.is_finite() {
@@ -182,14 +181,15 @@ impl Planner<'_> {
                 None => scales.tolerances(choice.order(), limit),
             };
             let steps = steps.into_iter().filter(|h| *h <= bench.end()).map(Pace::Step);
-            paces.push((method, steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect()));
+            let list = steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect();
+            paces.push(Tried { step_seconds: bench.nominal_step(&choice), order: choice.order(), limit, method, list });
         }
         self.add_own(bench, &mut paces);
-        Ok((limits, in_levels(&paces, variant)))
+        Ok((limits, by_cost(paces, &scales, variant)))
     }
 
     /// The case's own choice belongs to its study, unless other methods and steps were asked for.
-    fn add_own(&self, bench: &Bench, paces: &mut [(Method, Vec<Pace>)]) {
+    fn add_own(&self, bench: &Bench, paces: &mut [Tried]) {
         let Wishes { steps, tolerances, .. } = &self.wishes;
         let own = match bench.problem.time.step {
             Step::Fixed(h) if steps.is_none() => Pace::Step(h),
@@ -197,19 +197,44 @@ impl Planner<'_> {
             _ => return,
         };
         let method = &self.case.file().time.method;
-        if let Some((_, list)) = paces.iter_mut().find(|(m, _)| m == method)
-            && !list.contains(&own)
+        if let Some(tried) = paces.iter_mut().find(|tried| tried.method == *method)
+            && !tried.list.contains(&own)
         {
-            list.push(own);
+            tried.list.push(own);
         }
     }
 }
 
-/// Level by level; identifiers are the number of the run and what it is.
-fn in_levels(paces: &[(Method, Vec<Pace>)], variant: usize) -> Vec<Job> {
-    let levels = paces.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
-    let runs = (0..levels).flat_map(|level| paces.iter().filter_map(move |(m, list)| Some((m, *list.get(level)?))));
-    let job = |(number, (method, pace)): (usize, (&Method, Pace))| {
+/// A method and what it is tried with.
+struct Tried {
+    method: Method,
+    list: Vec<Pace>,
+    /// [s] nominal cost of a step
+    step_seconds: f64,
+    order: u32,
+    /// [s] critical step
+    limit: f64,
+}
+
+impl Tried {
+    /// [s] Nominal cost of a run.
+    fn seconds(&self, pace: Pace, scales: &Scales) -> f64 {
+        let h = match pace {
+            Pace::Step(h) => h,
+            Pace::Tolerance(t) => {
+                scales.rough_step(t, self.order).min(if self.limit > 0.0 { self.limit } else { f64::INFINITY })
+            }
+        };
+        self.step_seconds * (scales.end / h).max(1.0)
+    }
+}
+
+/// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run and what it is.
+fn by_cost(tried: Vec<Tried>, scales: &Scales, variant: usize) -> Vec<Job> {
+    let runs = tried.iter().flat_map(|t| t.list.iter().map(|pace| (t.seconds(*pace, scales), &t.method, *pace)));
+    let mut runs: Vec<(f64, &Method, Pace)> = runs.collect();
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let job = |(number, (_, method, pace)): (usize, (f64, &Method, Pace))| {
         let what = match pace {
             Pace::Step(h) => format!("h{h:.4e}"),
             Pace::Tolerance(t) => format!("tol{t:.2e}"),
@@ -218,7 +243,7 @@ fn in_levels(paces: &[(Method, Vec<Pace>)], variant: usize) -> Vec<Job> {
         let id = format!("v{variant}-{number:04}-{method_stem}-{what}");
         Job { id, variant, method: method.clone(), pace }
     };
-    runs.enumerate().map(job).collect()
+    runs.into_iter().enumerate().map(job).collect()
 }
 
 /// What is replaced in a case to make its springs `factor` times as stiff.

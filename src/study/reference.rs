@@ -34,10 +34,6 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
-/// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
-const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
-/// [s] nominal cost of an implicit step a degree of freedom
-const NOMINAL_IMPLICIT: f64 = 4e-6;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
 /// Tolerance of Newton's iteration for a reference.
@@ -187,17 +183,14 @@ impl Workshop<'_> {
         let state = scene.initial_state();
         let limit = Spectrum::of(scene, state.as_ref()).critical_step(method).step;
         let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
-        let passes = self.bench.end() / longest * f64::from(method.info.evaluations[1]);
-        let [spring, triangle, node, pass] = NOMINAL;
-        let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
-        passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+        self.bench.end() / longest * self.bench.nominal_step(method)
     }
 
     /// Newmark's trapezoidal rule, extrapolated.
     fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
         let newmark = plain("newmark").ok_or_else(|| NoWay::Failed("newmark is not in the registry".to_owned()))?;
         let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
-        let seconds = |j: i32| NOMINAL_IMPLICIT * self.bench.scene.n_dof() as f64 * steps(j);
+        let seconds = |j: i32| self.bench.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();
         let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<NoWay>) = (None, 0.0, None);
         for j in 0..24 {

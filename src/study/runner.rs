@@ -72,52 +72,75 @@ pub struct Runner<'a> {
     pub tell: &'a dyn Fn(usize, usize, &str),
 }
 
+/// A variant's turn.
+#[derive(Clone, Copy)]
+struct Turn {
+    number: usize,
+    /// when its share of the budget is spent
+    deadline: Option<Instant>,
+}
+
 /// A variant on the bench with its reference.
 struct Place {
-    number: usize,
     bench: Bench,
     reference: Reference,
 }
 
 impl Runner<'_> {
-    /// Makes every run of the share that is not finished: all of them once, then again for the repeats. Returns why runs were left out, by
-    /// identifier.
+    /// Makes every run of the share that is not finished: for each variant all of them once, then again for the repeats. Returns why runs
+    /// were left out, by identifier.
     ///
     /// # Errors
     /// An interrupt, another case than the plan's, or files that cannot be written.
     pub fn run(&self) -> Result<BTreeMap<String, String>, StudyError> {
         let mut left = BTreeMap::new();
-        let mut place: Option<Place> = None;
-        for pass in 0..self.plan.asked.repeat as usize {
-            for (number, job) in self.plan.jobs.iter().enumerate() {
-                if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
-                    continue;
-                }
-                let known = self.store.measured(job)?;
-                let finished =
-                    known.as_ref().is_some_and(|m| m.repeats.len() > pass || m.status != RowStatus::Completed);
-                if finished {
-                    continue;
-                }
-                if let Some(why) = self.too_long(job, known.as_ref())? {
-                    left.insert(job.id.clone(), why);
-                    continue;
-                }
-                if place.as_ref().is_none_or(|place| place.number != job.variant) {
-                    place = Some(self.set_up(job.variant)?);
-                }
-                let Some(place) = &place else { continue };
-                (self.tell)(number + 1, self.plan.jobs.len(), &told(job, pass, self.plan));
-                if let Some(why) = self.make(place, job, known)? {
-                    left.insert(job.id.clone(), why);
-                }
-            }
+        let variants = self.plan.variants.len();
+        for number in 0..variants {
+            // What is left of the budget is shared out, lest the first variant takes it all.
+            let now = Instant::now();
+            let share = |deadline: Instant| now + deadline.saturating_duration_since(now) / (variants - number) as u32;
+            let turn = Turn { number, deadline: self.deadline.map(share) };
+            self.run_variant(turn, &mut left)?;
         }
         Ok(left)
     }
 
+    fn run_variant(&self, turn: Turn, left: &mut BTreeMap<String, String>) -> Result<(), StudyError> {
+        let mut place: Option<Place> = None;
+        for pass in 0..self.plan.asked.repeat as usize {
+            for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == turn.number) {
+                if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
+                    continue;
+                }
+                let known = self.store.measured(job)?;
+                let enough = |m: &Measured| m.repeats.len() > pass || m.status != RowStatus::Completed;
+                if known.as_ref().is_some_and(enough) {
+                    continue;
+                }
+                if let Some(why) = self.too_long(turn, job, known.as_ref())? {
+                    left.insert(job.id.clone(), why);
+                    continue;
+                }
+                let place = match &place {
+                    Some(place) => place,
+                    None => place.insert(self.set_up(turn.number)?),
+                };
+                (self.tell)(number + 1, self.plan.jobs.len(), &told(job, pass, self.plan));
+                if let Some(why) = self.make((turn, place), job, known)? {
+                    left.insert(job.id.clone(), why);
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// One run; says why if it was not finished.
-    fn make(&self, place: &Place, job: &Job, known: Option<Measured>) -> Result<Option<String>, StudyError> {
+    fn make(
+        &self,
+        (turn, place): (Turn, &Place),
+        job: &Job,
+        known: Option<Measured>,
+    ) -> Result<Option<String>, StudyError> {
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(StudyError::Interrupted);
         }
@@ -128,7 +151,7 @@ impl Runner<'_> {
             motion: reference.account.motion,
             store: self.store,
             interrupt: self.interrupt,
-            deadline: self.deadline,
+            deadline: turn.deadline,
         };
         match meter.run(job)? {
             Ended::Interrupted => Err(StudyError::Interrupted),
@@ -155,12 +178,12 @@ impl Runner<'_> {
             let folder = self.store.plan_path();
             return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
         }
-        Ok(Place { number, bench, reference: self.store.reference(number)? })
+        Ok(Place { bench, reference: self.store.reference(number)? })
     }
 
     /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.
-    fn too_long(&self, job: &Job, known: Option<&Measured>) -> Result<Option<String>, StudyError> {
-        let Some(deadline) = self.deadline else { return Ok(None) };
+    fn too_long(&self, turn: Turn, job: &Job, known: Option<&Measured>) -> Result<Option<String>, StudyError> {
+        let Some(deadline) = turn.deadline else { return Ok(None) };
         let left = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
         let predicted = match known.and_then(|m| median(&m.repeats)) {
             Some(seconds) => Some(seconds),

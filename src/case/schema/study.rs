@@ -21,7 +21,7 @@ pub struct Study {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}))]
     pub tolerances: Option<Vec<f64>>,
-    /// [-] Times every run is repeated to measure its cost; the fastest counts.
+    /// [-] Times every run is repeated to measure its cost; the median counts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub repeat: Option<u32>,
