@@ -51,7 +51,14 @@ pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
     let scene = build_network(spec, Threads::one())?;
     let method = MethodChoice::new("newmark", &BTreeMap::new())?;
     let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), scene.abilities())?;
-    let spec = RunSpec { end: 0.5, step: Step::Fixed(2e-4), frames_every: None, keep_going: false, method: &method };
+    let spec = RunSpec {
+        end: 0.5,
+        step: Step::Fixed(2e-4),
+        frames_every: None,
+        keep_going: false,
+        explain_doubts: true,
+        method: &method,
+    };
     let outcome = run(&scene, &mut stepper, spec, &mut [], &AtomicBool::new(false))?;
     println!("{:?} after {} steps: {:#?}", outcome.status, outcome.steps, outcome.ledger);
     Ok(outcome.ledger)

@@ -18,7 +18,7 @@ use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 use common::{patch, spring_group};
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
@@ -59,21 +59,24 @@ fn blocks(scene: &Network, method: &str, steps: u32) -> u64 {
     dhat::HeapStats::get().total_blocks - before
 }
 
-/// Heap blocks at the first accepted step after 60 and after 120.
-#[derive(Default)]
-struct Marks([u64; 2]);
+/// Heap blocks at the first accepted step after 60 and after 120, where the run is stopped.
+struct Marks<'a> {
+    blocks: [u64; 2],
+    stop: &'a AtomicBool,
+}
 
-impl Observer for Marks {
+impl Observer for Marks<'_> {
     fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         Ok(())
     }
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        for (mark, at) in self.0.iter_mut().zip([60, 120]) {
+        for (mark, at) in self.blocks.iter_mut().zip([60, 120]) {
             if step.step >= at && *mark == 0 {
                 *mark = dhat::HeapStats::get().total_blocks;
             }
         }
+        self.stop.store(self.blocks[1] > 0, Ordering::Relaxed);
         Ok(())
     }
 
@@ -88,11 +91,12 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
     let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
-    let mut marks = Marks::default();
-    let end = if choice.order() > 4 { 10.0 } else { 0.5 };
-    let spec = RunSpec { end, step, frames_every: None, keep_going: false, method: &choice };
-    run(scene, &mut stepper, spec, &mut [&mut marks], &AtomicBool::new(false)).expect("it starts");
-    let Marks([first, last]) = marks;
+    let stop = AtomicBool::new(false);
+    let mut marks = Marks { blocks: [0; 2], stop: &stop };
+    let spec =
+        RunSpec { end: 100.0, step, frames_every: None, keep_going: false, explain_doubts: false, method: &choice };
+    run(scene, &mut stepper, spec, &mut [&mut marks], &stop).expect("it starts");
+    let [first, last] = marks.blocks;
     assert!(last > 0, "{method} makes 120 steps");
     last - first
 }

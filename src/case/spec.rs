@@ -39,6 +39,7 @@ impl Problem {
             step: self.time.step,
             frames_every: self.output.frames_every,
             keep_going,
+            explain_doubts: true,
             method: &self.method,
         }
     }

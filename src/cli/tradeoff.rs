@@ -34,23 +34,23 @@ pub struct TradeoffArgs {
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
     /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
     pub methods: Option<String>,
     /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's periods]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub steps: Option<String>,
     /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are given]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub tolerances: Option<String>,
     /// Times every run is made; the median counts [default: 3]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
     pub repeat: Option<u32>,
     /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given again
     /// [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
     /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub stiffness_sweep: Option<String>,
     /// Make the references and the list of runs, and stop there
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
@@ -143,12 +143,13 @@ impl Command<'_> {
             }
             (Some(plan), None) => plan,
             (None, Some((path, case))) if self.args.shard.is_none() && self.args.merge.is_none() => {
+                self.nothing_lost()?;
                 self.plan(path, &case, &store, &line)?
             }
             (None, _) => return Err(StudyError::NoPlan(self.out.clone()).into()),
         };
         if self.args.plan {
-            return Ok(done(planned(&plan, &store)));
+            return Ok(done(if self.args.quiet { String::new() } else { planned(&plan, &store) }));
         }
         let mut left = BTreeMap::new();
         match &self.args.merge {
@@ -173,6 +174,18 @@ impl Command<'_> {
         let files = report::write(&self.out, &study, &answers, &how)?;
         let text = if self.args.quiet { String::new() } else { summary(&study, &answers) + &written(&files) };
         Ok(done(text))
+    }
+
+    /// Refuses to write over results of a study whose plan is not there.
+    fn nothing_lost(&self) -> Result<(), StudyError> {
+        let there = report::FILES.iter().find(|name| !self.args.force && self.out.join(name).exists());
+        match there {
+            Some(name) => Err(StudyError::OtherStudy {
+                folder: self.out.clone(),
+                difference: format!("{name} is there without the plan it came from"),
+            }),
+            None => Ok(()),
+        }
     }
 
     fn wishes(&self, case: &Case) -> Result<Wishes, StudyError> {
@@ -338,12 +351,18 @@ fn summary(study: &Study, answers: &Answers) -> String {
         format!("{}: {} runs to t = {} s", plan.name, rows.len(), plan.variants.first().map_or(0.0, |v| v.end));
     let ended = unfinished(rows);
     let _ = writeln!(text, "{}", if ended.is_empty() { String::new() } else { format!("; {ended}") });
+    if rows.iter().any(|row| row.measured.status == RowStatus::NotRun) {
+        let _ = writeln!(
+            text,
+            "  not-run         the budget was spent before them, or their shard is not joined; the same command again goes on with them"
+        );
+    }
     references(&mut text, plan);
     for (number, variant) in plan.variants.iter().enumerate() {
         if plan.variants.len() > 1 {
             let _ = writeln!(text, "\n  {} times as stiff", variant.stiffness_factor);
         }
-        front(&mut text, rows, number);
+        front(&mut text, rows, (number, variant.reference.error));
         text.push('\n');
         let all: Vec<&Answer> = answers.targets.iter().filter(|a| a.variant == number).collect();
         // One line for accuracies with the same answer.
@@ -373,7 +392,8 @@ fn advice(answer: &Answer) -> &str {
     answer.sentence.find("use ").and_then(|at| answer.sentence.get(at..)).unwrap_or(&answer.sentence)
 }
 
-fn front(text: &mut String, rows: &[Row], variant: usize) {
+/// The front of a variant, whose reference is worth `floor`.
+fn front(text: &mut String, rows: &[Row], (variant, floor): (usize, f64)) {
     let mut front: Vec<&Row> = rows.iter().filter(|r| r.pareto && r.job.variant == variant).collect();
     front.sort_by(|a, b| b.measured.error.unwrap_or(0.0).total_cmp(&a.measured.error.unwrap_or(0.0)));
     let _ = writeln!(
@@ -382,7 +402,11 @@ fn front(text: &mut String, rows: &[Row], variant: usize) {
     );
     for row in front {
         let m = &row.measured;
-        let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.1e}"));
+        let number = |x: Option<f64>| match x {
+            Some(x) if x < floor => format!("<{floor:.1e}"),
+            Some(x) => format!("{x:.1e}"),
+            None => String::new(),
+        };
         let _ = writeln!(
             text,
             "  {:<42} {:<9} {:<9} {:<9} {:<13} {}",

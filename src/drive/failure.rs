@@ -93,17 +93,21 @@ impl Scenery<'_> {
     }
 
     /// A warning about energy that the scheme has made.
-    pub(super) fn doubt(&self, gain: Gain) -> String {
-        let Answer { why, advice, .. } = self.question().gain();
-        let joint = if why.is_empty() { "" } else { ": " };
-        format!(
-            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in{joint}{why}; {advice}",
+    pub(super) fn doubt(&self, gain: Gain, explained: bool) -> String {
+        let made = format!(
+            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in",
             figures(self.t, 4),
             self.step,
             self.method.info.name,
             figures(gain.made, 3),
             figures(gain.supplied, 3),
-        )
+        );
+        if !explained {
+            return made;
+        }
+        let Answer { why, advice, .. } = self.question().gain();
+        let joint = if why.is_empty() { "" } else { ": " };
+        format!("{made}{joint}{why}; {advice}")
     }
 
     /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual.

@@ -19,6 +19,9 @@ pub struct RunSpec<'a> {
     pub frames_every: Option<f64>,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,
+    /// look for the cause of energy that the scheme makes, which takes as long as some hundred steps of a small scene; without it the warning names
+    /// the energy only. Where a run's cost is measured
+    pub explain_doubts: bool,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
 }

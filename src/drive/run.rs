@@ -279,7 +279,9 @@ impl<'a> Run<'a> {
         let left = !finite || extent.is_nan() || extent > self.limit;
         match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
             Sight::Calm => {}
-            Sight::Doubt(gain) => self.new_doubt = Some(self.scenery(tick).doubt(gain)),
+            Sight::Doubt(gain) => {
+                self.new_doubt = Some(self.scenery(tick).doubt(gain, self.spec.explain_doubts));
+            }
             Sight::Trouble(trouble) => {
                 let adaptive = matches!(self.pace, Pace::Adaptive(_));
                 if let Pace::Adaptive(pace) = &mut self.pace

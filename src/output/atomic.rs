@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,25 @@ pub fn part_path(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// A temporary file beside `path` that no other process has: `.NAME.RANDOM.part`, for files that several processes may write at the same
+/// time, on several machines too.
+fn own_part_path(path: &Path) -> PathBuf {
+    // Seeded by the system for every process, and different at every call.
+    let random = RandomState::new().hash_one(std::process::id());
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{random:016x}.part"));
+    path.with_file_name(name)
+}
+
+/// As [`replace`], where several processes may write the same file at the same time: the last one stays.
+///
+/// # Errors
+/// Whatever the system answers; `path` then still holds what it held.
+pub fn replace_shared(path: &Path, content: &[u8], durability: Durability) -> io::Result<()> {
+    replace_via(&own_part_path(path), path, durability, |file| file.write_all(content))
+}
+
 /// Writes `content` to `path` by way of [`part_path`] and a rename in the same folder.
 ///
 /// # Errors
@@ -41,16 +61,24 @@ pub fn replace_by(
     durability: Durability,
     fill: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> io::Result<()> {
-    let part = part_path(path);
+    replace_via(&part_path(path), path, durability, fill)
+}
+
+fn replace_via(
+    part: &Path,
+    path: &Path,
+    durability: Durability,
+    fill: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
     // A leftover, possibly a link: removed rather than written through.
-    match fs::remove_file(&part) {
+    match fs::remove_file(part) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
         _ => {}
     }
-    let written = write_new(&part, durability, fill).and_then(|()| fs::rename(&part, path));
+    let written = write_new(part, durability, fill).and_then(|()| fs::rename(part, path));
     if written.is_err() {
         // The first error is the one to tell; the part is removed if that is still possible.
-        let _ = fs::remove_file(&part);
+        let _ = fs::remove_file(part);
         return written;
     }
     if durability == Durability::Synced {

@@ -187,10 +187,7 @@ impl<'a> View<'a> {
                 compared.push(format!("{}, {kind}", compare(c / cost, row)));
             }
             Some(_) => {}
-            None => {
-                let kind = if best.family == Family::Implicit { "explicit" } else { "implicit" };
-                compared.push(format!("no {kind} run was as accurate"));
-            }
+            None => compared.extend(self.none_as_accurate(best.family != Family::Implicit)),
         }
         if !compared.is_empty() {
             sentence.push_str(&format!(", {}", compared.join("; ")));
@@ -198,6 +195,20 @@ impl<'a> View<'a> {
         let pick = |found: Option<(&Row, f64)>| found.map(|(row, _)| self.pick(row));
         let (variant, next, best) = (self.variant, pick(next), self.pick(best));
         Some(Answer { variant, wanted, best, next, explicit: pick(explicit), implicit: pick(implicit), sentence })
+    }
+
+    /// Why the other family gave nothing; nothing if it was not asked for.
+    fn none_as_accurate(&self, implicit: bool) -> Option<String> {
+        let kind = if implicit { "implicit" } else { "explicit" };
+        let others = self.rows.iter().filter(|row| (row.family == Family::Implicit) == implicit);
+        let (all, open) = others
+            .fold((0, 0), |(all, open), row| (all + 1, open + usize::from(row.measured.status == RowStatus::NotRun)));
+        match (all, open) {
+            (0, _) => None,
+            (_, 0) => Some(format!("no {kind} run was as accurate")),
+            (_, open) if open == all => Some(format!("no {kind} run was made yet")),
+            (_, open) => Some(format!("no {kind} run was as accurate so far, {open} are still to be made")),
+        }
     }
 
     /// Walks down all errors that were reached and sees which family is cheaper.
@@ -247,20 +258,23 @@ fn describe(compared: &[(f64, f64)], changes: &[f64]) -> String {
     let range = |part: &[(f64, f64)], invert: bool| {
         let factors = part.iter().map(|(_, f)| if invert { 1.0 / f } else { *f });
         let (low, high) = factors.fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f), h.max(f)));
-        format!("by {} to {} times", figures(low, 2), figures(high, 2))
+        match [figures(low, 2), figures(high, 2)] {
+            [low, high] if low == high => format!("by {low} times"),
+            [low, high] => format!("by {low} to {high} times"),
+        }
     };
     let [from, to] = [first.0, last.0].map(|e| figures(e, 2));
     match changes {
-        [] if first.1 > 1.0 => {
-            format!(
-                "explicit methods are cheaper at every accuracy both reached, {from} to {to}, {}",
-                range(compared, false)
-            )
+        [] => {
+            let explicit = first.1 > 1.0;
+            let kind = if explicit { "explicit" } else { "implicit" };
+            let accuracies = if from == to {
+                format!("the only accuracy both reached, {from}")
+            } else {
+                format!("every accuracy both reached, {from} to {to}")
+            };
+            format!("{kind} methods are cheaper at {accuracies}, {}", range(compared, !explicit))
         }
-        [] => format!(
-            "implicit methods are cheaper at every accuracy both reached, {from} to {to}, {}",
-            range(compared, true)
-        ),
         [one] => {
             let [above, below] = if first.1 > 1.0 { ["explicit", "implicit"] } else { ["implicit", "explicit"] };
             format!(
@@ -296,19 +310,14 @@ fn stiffness_crossover(wanted: f64, points: &[StiffnessPoint]) -> StiffnessCross
         (Some(factor), ..) => {
             format!("for {wanted:e} implicit methods begin to win at about {} times the stiffness", figures(factor, 2))
         }
-        (None, Some((from, first)), Some((to, last))) if *first > 0.0 && *last > 0.0 => {
-            format!(
-                "for {wanted:e} explicit methods win from {} to {} times the stiffness",
-                figures(*from, 3),
-                figures(*to, 3)
-            )
-        }
-        (None, Some((from, _)), Some((to, last))) if *last <= 0.0 => {
-            format!(
-                "for {wanted:e} implicit methods win from {} to {} times the stiffness",
-                figures(*from, 3),
-                figures(*to, 3)
-            )
+        (None, Some((from, first)), Some((to, last))) if (*first > 0.0 && *last > 0.0) || *last <= 0.0 => {
+            let kind = if *last > 0.0 { "explicit" } else { "implicit" };
+            match [from, to].map(|factor| figures(*factor, 3)) {
+                [from, to] if from == to => format!(
+                    "for {wanted:e} {kind} methods win at {from} times the stiffness, the only one that both families reached"
+                ),
+                [from, to] => format!("for {wanted:e} {kind} methods win from {from} to {to} times the stiffness"),
+            }
         }
         (None, Some(_), Some(_)) => format!("for {wanted:e} implicit methods win on the softer springs only"),
         _ => format!("for {wanted:e} no stiffness was reached by both families"),

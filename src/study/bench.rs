@@ -109,7 +109,14 @@ impl Bench {
         let scene = &*self.scene;
         let mut stepper = Stepper::bind(what.method.scheme(what.solver), scene.abilities())?;
         let Try { method, step, .. } = what;
-        let spec = RunSpec { end: self.end(), step, frames_every: Some(self.every), keep_going: false, method };
+        let spec = RunSpec {
+            end: self.end(),
+            step,
+            frames_every: Some(self.every),
+            keep_going: false,
+            explain_doubts: false,
+            method,
+        };
         Ok(match what.from {
             Some(snapshot) => drive::resume(scene, &mut stepper, spec, snapshot, observers, stop)?,
             None => drive::run(scene, &mut stepper, spec, observers, stop)?,

@@ -6,9 +6,12 @@ use super::row::Row;
 pub const TIE: f64 = 1.1;
 
 /// Marks the runs of a variant that are on the front. Errors below that of the reference count as that, and of equally
-/// accurate runs the cheapest is on the front.
+/// accurate runs the cheapest is on the front. A run that is further off than the scene moves tells nothing and is not.
 pub fn mark_front(rows: &mut [Row], variant: usize, reference_error: f64) {
-    let ranked = |row: &Row| Some((row.rank_error(reference_error)?, row.cpu_seconds?));
+    let ranked = |row: &Row| {
+        let error = row.rank_error(reference_error).filter(|error| *error <= 1.0)?;
+        Some((error, row.cpu_seconds?))
+    };
     let all: Vec<(f64, f64)> = rows.iter().filter(|r| r.job.variant == variant).filter_map(ranked).collect();
     for row in rows.iter_mut().filter(|r| r.job.variant == variant) {
         row.pareto = ranked(row).is_some_and(|(error, cost)| {
@@ -50,6 +53,7 @@ mod tests {
             row("dominated", Completed, 2e-2, 1.5),
             row("fine", Completed, 1e-4, 3.0),
             row("diverged", Diverged, 1e-9, 0.1),
+            row("worse than standing still", Completed, 3.0, 0.01),
             row("as good as the reference", Completed, 1e-6, 5.0),
             row("better than it can tell", Completed, 1e-9, 9.0),
         ];

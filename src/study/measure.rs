@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use super::bench::{Bench, Try, TryError, choice};
 use super::error::StudyError;
 use super::frames::{Frames, Motion, Sampler};
-use super::row::{Job, Measured, RowStatus};
+use super::row::{Job, Measured, Pace, RowStatus};
 use super::store::{Store, Unfinished};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, StepView};
 use crate::drive::{Outcome, RunError, Status};
+use crate::figures::figures;
 use crate::output::process::{Cost, Stopwatch};
 
 /// An unfinished run is kept this often, so that a kill costs no more.
@@ -51,6 +52,15 @@ impl Meter<'_> {
     /// When files of the study cannot be written.
     pub fn run(&self, job: &Job) -> Result<Ended, StudyError> {
         let method = choice(&job.method)?;
+        if let Pace::Step(h) = job.pace
+            && h > self.bench.end()
+        {
+            return Ok(refused(format!(
+                "the step of {} s is longer than the run of {} s",
+                figures(h, 4),
+                self.bench.end()
+            )));
+        }
         let earlier = self.store.unfinished(job);
         let (from, spent) = earlier.as_ref().map_or((0.0, 0.0), |e| (e.snapshot.t, e.spent));
         let so_far = earlier.as_ref().map(|e| e.distance).unwrap_or_default();

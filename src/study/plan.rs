@@ -101,6 +101,14 @@ impl Planner<'_> {
             [] => vec![1.0],
             some => some.iter().rev().copied().collect(),
         };
+        let nothing =
+            || StudyError::Usage("there is nothing to run: neither steps nor tolerances are left to try".to_owned());
+        if let Wishes { steps: Some(steps), tolerances: Some(tolerances), .. } = &self.wishes
+            && steps.is_empty()
+            && tolerances.is_empty()
+        {
+            return Err(nothing());
+        }
         let (mut variants, mut jobs) = (Vec::new(), Vec::new());
         for (number, factor) in factors.into_iter().enumerate() {
             let overrides = stiffer(self.case, factor)?;
@@ -124,6 +132,9 @@ impl Planner<'_> {
                 critical_steps,
                 reference: reference.account,
             });
+        }
+        if jobs.is_empty() {
+            return Err(nothing());
         }
         let problem = self.case.problem();
         Ok(Plan {
@@ -180,7 +191,7 @@ impl Planner<'_> {
                 None if self.wishes.steps.is_some() || choice.order() < 2 => Vec::new(),
                 None => scales.tolerances(choice.order(), limit),
             };
-            let steps = steps.into_iter().filter(|h| *h <= bench.end()).map(Pace::Step);
+            let steps = steps.into_iter().map(Pace::Step);
             let list = steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect();
             paces.push(Tried { step_seconds: bench.nominal_step(&choice), order: choice.order(), limit, method, list });
         }

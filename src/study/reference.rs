@@ -26,6 +26,9 @@ use crate::output::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
+/// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a scene does, are told to
+/// differ by this.
+const ROUNDING: f64 = 1e-13;
 /// [-] Difference above which two solutions do not agree.
 const NOT_AGREED: f64 = 0.1;
 /// Tolerances of the finer and the coarser solution, tried in turn.
@@ -268,7 +271,10 @@ fn agreed(fine: Frames, coarse: &Frames, how: String) -> Result<Reference, NoWay
         return Ok(Reference { account: Account { how, motion, ..Account::default() }, frames: fine });
     }
     let difference = Distance::between(&fine, coarse).over(motion);
-    let [error, error_max] = difference.ok_or(NoWay::NotAgreed(f64::INFINITY))?;
+    let [error, error_max] = difference
+        .filter(|difference| difference.iter().all(|e| e.is_finite()))
+        .ok_or(NoWay::NotAgreed(f64::INFINITY))?
+        .map(|e| e.max(ROUNDING));
     Ok(Reference { account: Account { how, error, error_max, motion, ..Account::default() }, frames: fine })
 }
 

@@ -6,7 +6,7 @@
 //! DIR/tradeoff/runs/ID.json            what came of a run
 //! DIR/tradeoff/runs/ID.part            where an unfinished run has come to
 //! ```
-//! Every file appears whole, by a rename. A file that does not fit is refused, but for `.part`: such a run begins again.
+//! Every file appears whole, by a rename; processes that make the same run write the same result, and the last one stays. A file that does not fit is refused, but for `.part`: such a run begins again.
 
 use std::fs;
 use std::io;
@@ -21,7 +21,7 @@ use super::plan::{FORMAT, PROGRAM, Plan};
 use super::reference::Reference;
 use super::row::{Job, Measured};
 use crate::drive::Snapshot;
-use crate::output::atomic::{Durability, replace};
+use crate::output::atomic::{Durability, replace_shared};
 
 /// A study's folder.
 #[derive(Clone, Debug)]
@@ -208,7 +208,7 @@ impl Store {
     fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
         let folder = path.parent().unwrap_or(&self.dir);
         fs::create_dir_all(folder).map_err(|e| system(folder, e))?;
-        replace(path, bytes, Durability::Synced).map_err(|e| system(path, e))
+        replace_shared(path, bytes, Durability::Synced).map_err(|e| system(path, e))
     }
 }
 

@@ -5,7 +5,7 @@ use super::bench::Bench;
 #[test]
 fn bad_wishes_are_refused_before_anything_is_made() {
     let bench = Bench::new();
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 14] = [
         (&["--methods", "rk5"], "there is no method"),
         (&["--methods", r#"{"hht": {"alpha": 1}}"#], "outside"),
         (&["--steps", "0"], "above 0"),
@@ -16,6 +16,9 @@ fn bad_wishes_are_refused_before_anything_is_made() {
         (&["--shard", "0/3"], "I from 1 to N"),
         (&["--shard", "1/3"], "holds no plan"),
         (&["--merge"], "holds no plan"),
+        (&["--shard", "1/3", "--methods", "rk4"], "cannot be used with"),
+        (&["--merge", "--steps", "1e-3"], "cannot be used with"),
+        (&["--steps", "none", "--tolerances", "none"], "nothing to run"),
         (&["--set", "time.end=-1"], "time"),
     ];
     for (flags, why) in cases {
@@ -26,6 +29,19 @@ fn bad_wishes_are_refused_before_anything_is_made() {
     }
     let ended = bench.run(&["tradeoff", "--merge"]);
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+}
+
+/// A table whose study is gone is not written over unasked, and a quiet plan says nothing.
+#[test]
+fn nothing_is_lost_and_quiet_is_quiet() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("out")).expect("a folder");
+    std::fs::write(bench.path("out/tradeoff.html"), "a page").expect("written");
+    let flags = ["tradeoff", "sail.json", "--methods", "rk4", "--steps", "1e-2", "--out", "out", "--plan", "-q"];
+    let ended = bench.run(&flags);
+    assert!(ended.code == Some(2) && ended.stderr.contains("tradeoff.html is there"), "{}", ended.stderr);
+    let ended = bench.run(&[&flags[..], &["--force"]].concat());
+    assert_eq!((ended.code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
 }
 
 /// Another case or other wishes in the same folder are refused until --force.

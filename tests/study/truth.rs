@@ -98,7 +98,7 @@ fn references_are_worth_what_they_say() {
     let case = two_oscillators();
     let stop = AtomicBool::new(false);
     let mut ways = Vec::new();
-    for allowance in [300.0, 0.02] {
+    for allowance in [300.0, 0.04] {
         let bench = Bench::of(case.problem().clone(), 1).expect("good");
         let workshop = Workshop { bench: &bench, allowance, stop: &stop, tell: &|_| {} };
         let made = workshop.make().expect("a reference");
@@ -123,12 +123,12 @@ fn references_are_worth_what_they_say() {
     assert!(ways[0].starts_with("dop853") && ways[1].starts_with("newmark"), "{ways:?}");
 }
 
-/// A run above its limit diverges, a method that does not fit is refused: both are rows with a reason, and none is on the front.
+/// A run above its limit diverges, a method that does not fit and a step beyond the end are refused: both are rows with a reason, and none is on the front.
 #[test]
 fn failures_are_rows() {
     let folder = Folder::new();
     let path = format!("{}/assets/cases/pendulum.json", env!("CARGO_MANIFEST_DIR"));
-    let flags = ["--methods", "kang,explicit-euler,rk4", "--steps", "2,0.001", "--repeat", "1", "--out", "p"];
+    let flags = ["--methods", "kang,explicit-euler,rk4", "--steps", "100,2,0.001", "--repeat", "1", "--out", "p"];
     let ended = folder.run(&[&["tradeoff", path.as_str()], &flags[..]].concat());
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let found = study(&folder.path("p"));
@@ -141,7 +141,10 @@ fn failures_are_rows() {
         );
         row.measured.status
     };
-    assert_eq!(found.rows.len(), 6);
+    assert_eq!(found.rows.len(), 9);
+    for method in ["kang", "explicit-euler", "rk4"] {
+        assert_eq!(status(method, 100.0), RowStatus::Refused, "a step longer than the run, {method}");
+    }
     assert_eq!((status("kang", 2.0), status("kang", 0.001)), (RowStatus::Refused, RowStatus::Refused));
     assert_eq!(
         (status("explicit-euler", 2.0), status("explicit-euler", 0.001)),

@@ -24,10 +24,10 @@ use super::answers::Answers;
 use super::error::StudyError;
 use super::runner::Study;
 use super::store::system;
-use crate::output::atomic::{Durability, replace};
+use crate::output::atomic::{Durability, replace_shared};
 
 /// All files a report may have; those that a study has nothing for are removed, lest they tell of an earlier one.
-const FILES: [&str; 8] = [
+pub const FILES: [&str; 8] = [
     "tradeoff.csv",
     "tradeoff.json",
     "tradeoff.svg",
@@ -59,7 +59,7 @@ pub fn write(out: &Path, study: &Study, answers: &Answers, how: &Rerun) -> Resul
         let path = out.join(file);
         match made.iter().find(|(name, _)| *name == file) {
             Some((_, content)) => {
-                replace(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
+                replace_shared(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
                 written.push(path);
             }
             None => remove(&path)?,

@@ -180,6 +180,7 @@ impl<'a> Bench<'a> {
             step: Step::Fixed(h),
             frames_every: None,
             keep_going,
+            explain_doubts: false,
             method: self.method,
         };
         let mut judge = Judge::new(self, steps, self.interrupt);

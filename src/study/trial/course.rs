@@ -53,7 +53,14 @@ impl Course {
             return Course::default();
         };
         let step = Step::Adaptive(pilot.tolerance);
-        let spec = RunSpec { end: pilot.end, step, frames_every: None, keep_going: false, method: pilot.method };
+        let spec = RunSpec {
+            end: pilot.end,
+            step,
+            frames_every: None,
+            keep_going: false,
+            explain_doubts: false,
+            method: pilot.method,
+        };
         let stop = AtomicBool::new(false);
         let most = (ROOM / (48 * scene.n_dof()).max(1)).clamp(2, KEPT);
         let (clock, start) = (Clock::default(), Clock::default().seconds());

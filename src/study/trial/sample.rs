@@ -86,6 +86,7 @@ pub fn sample(
         step: tried.step,
         frames_every: tried.frames_every,
         keep_going: false,
+        explain_doubts: false,
         method: tried.method,
     };
     let stop = AtomicBool::new(false);
