@@ -208,6 +208,66 @@ fn the_assembled_matrix_is_the_one_the_terms_emit() {
     }
 }
 
+/// W of a scene as its symmetric assembler has it, both triangles, unknown by unknown.
+fn symmetric_matrix(scene: &Network, sample: &Sample, w: Weights, convex: bool) -> Vec<Vec<f64>> {
+    let mut assembler = scene.symmetric_assembler().expect("small").expect("a network");
+    assert!(assembler.pattern.symmetric);
+    scene.assemble_symmetric(sample.at(), w, convex, &mut assembler);
+    let n = assembler.pattern.n();
+    let column = |j: usize| {
+        let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
+        unit[j] = 1.0;
+        assembler.pattern.multiply(assembler.values(), &unit, &mut y);
+        y
+    };
+    (0..n).map(column).collect()
+}
+
+/// What a factor is made of that is kept: the exact W of terms with a symmetric one; the exact C of the air, which is symmetric; and where it is
+/// asked to be convex, nothing that any motion could gain energy from.
+#[test]
+fn symmetric_tangents_are_symmetric_and_near() {
+    let mut random = Random(7);
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        let exact = |sample: &Sample, w: Weights| -> Vec<Vec<f64>> {
+            let mut assembler = scene.assembler().expect("small");
+            scene.assemble(sample.at(), w, &mut assembler);
+            let n = assembler.pattern.n();
+            let column = |j: usize| {
+                let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
+                unit[j] = 1.0;
+                assembler.pattern.multiply(assembler.values(), &unit, &mut y);
+                y
+            };
+            (0..n).map(column).collect()
+        };
+        for seed in 0..3 {
+            let sample = Sample::new(&scene, seed);
+            let w = Weights { m: 0.0, c: 0.4, k: 1.3 };
+            let damping = Weights { m: 0.0, c: 1.0, k: 0.0 };
+            let pairs = [(w, scene.symmetric()), (damping, true)];
+            for (w, _) in pairs.into_iter().filter(|(_, same)| *same) {
+                let (found, expected) = (symmetric_matrix(&scene, &sample, w, false), exact(&sample, w));
+                for (j, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+                        let off = (found - expected).abs();
+                        assert!(off <= 1e-10 * (1.0 + expected.abs()), "{name}: W[{i}, {j}] {found}, exact {expected}");
+                    }
+                }
+            }
+            let convex = symmetric_matrix(&scene, &sample, w, true);
+            for _ in 0..50 {
+                let p: Vec<f64> = convex.iter().map(|_| random.next()).collect();
+                let product =
+                    convex.iter().zip(&p).map(|(row, a)| a * row.iter().zip(&p).map(|(w, b)| w * b).sum::<f64>());
+                let energy: f64 = product.sum();
+                assert!(energy >= -1e-9, "{name}: p.W p = {energy}");
+            }
+        }
+    }
+}
+
 #[test]
 fn symmetry_is_declared_truthfully() {
     for (name, spec) in scenes() {

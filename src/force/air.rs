@@ -150,4 +150,15 @@ impl ForceTerm for Air {
             sink.triangle(nodes, &[row; 3]);
         }
     }
+
+    /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth keeping.
+    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        let wind = interpolate(&data.wind, at.t);
+        for &nodes in data.triangles.iter() {
+            let flow = data.flow(at, wind, nodes);
+            let dv = outer(flow.area.s, flow.n) * (w.c * flow.slope / 9.0);
+            sink.triangle(nodes, &[[dv; 3]; 3]);
+        }
+    }
 }

@@ -126,4 +126,13 @@ impl ForceTerm for AxialDashpots {
             sink.edge(nodes, block);
         }
     }
+
+    /// c n n^T, the part in the velocities.
+    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.0.kernel();
+        for (i, &nodes) in data.springs.nodes.iter().enumerate() {
+            let d = data.damping(at, i);
+            sink.edge(nodes, outer(d.stretch.n, d.stretch.n) * (w.c * d.c));
+        }
+    }
 }

@@ -11,7 +11,7 @@ use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -84,6 +84,13 @@ impl ForceTerm for FollowerPressure {
             let area = AreaVector::new(at.x, nodes);
             let row = [0, 1, 2].map(|j| area.derivative(j) * (-w.k * p / 3.0));
             sink.triangle(nodes, &[row; 3]);
+        }
+    }
+
+    /// None: over a closed or held surface the symmetric part is that of its edge alone, of either sign.
+    fn symmetric_tangent(&self, _at: NodeState<'_>, _w: Weights, sink: &mut dyn TangentSink) {
+        for &nodes in self.0.kernel().triangles.iter() {
+            sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
         }
     }
 }

@@ -79,6 +79,12 @@ pub trait ForceTerm: Send + Sync {
         self.tangent(at, w, sink);
     }
 
+    /// The same elements in the same order, but symmetric and positive semidefinite, near the exact tangent: what a factor is made of that is kept
+    /// over many steps. Terms with a symmetric tangent need none.
+    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        self.convex_tangent(at, w, sink);
+    }
+
     /// Adds the stiffness [N/m] this term puts on every node, for the rounding floor of a residual; most have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;

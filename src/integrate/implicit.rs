@@ -4,13 +4,14 @@
 //! on where the origin is. Per iteration: one force pass, W = cm M + cc C + ck K assembled into its slots, one
 //! factorisation, one solve.
 
+use super::kept::Kept;
 use super::stage::StageMap;
+use super::tangents::{Tangents, Which};
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
-use crate::assembly::Assembler;
 use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales, norm};
-use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+use crate::solve::{Inertia, LinearChoice, LinearError, LinearStats};
 
 /// A scheme of the family: nothing but its stage map.
 pub trait ImplicitScheme: Send {
@@ -42,9 +43,9 @@ pub struct Implicit<M> {
 
 /// What a step works with, made once.
 struct Solver {
-    assembler: Assembler,
-    linear: Box<dyn LinearSolver>,
+    tangents: Tangents,
     newton: Newton,
+    kept: Kept,
     z: Vec<f64>,
     /// a_n as a step of another size would have left it
     a: Vec<f64>,
@@ -67,8 +68,8 @@ struct Stage<'a> {
     a: &'a [f64],
     to: &'a mut Point,
     counters: &'a mut Counters,
-    assembler: &'a mut Assembler,
-    linear: &'a mut dyn LinearSolver,
+    tangents: &'a mut Tangents,
+    kept: &'a mut Kept,
     a_next: &'a mut [f64],
     /// (1 - am) a_{n+1} + am a_n
     weighted: &'a mut [f64],
@@ -109,7 +110,7 @@ const LONG_STEP: f64 = 4.0;
 impl Stage<'_> {
     fn fill(&self, z: &mut [f64]) {
         let (h, v) = (self.h, &self.from.state.v);
-        for (&dof, z) in self.assembler.pattern.dof.iter().zip(z) {
+        for (&dof, z) in self.tangents.dof.iter().zip(z) {
             let i = dof as usize;
             *z = match self.guess {
                 Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * self.a[i]),
@@ -125,9 +126,26 @@ impl Stage<'_> {
         change.is_nan() || change.sqrt() > FORCE_CHANGE * self.force_scale
     }
 
+    /// Of W = dF/dz.
+    fn weights(&self) -> Weights {
+        let new = 1.0 - self.map.af;
+        Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new }
+    }
+
     fn is_long(&self) -> bool {
         let rates = self.stiffness.iter().zip(self.system.inverse_mass()).map(|(k, m)| k * m);
         self.h * self.h * rates.fold(0.0, f64::max) > LONG_STEP
+    }
+
+    /// Makes the kept factor again where another has taken its place since the last accepted step.
+    fn recall(&mut self) -> Result<(), LinearError> {
+        let Some((at, w, convex)) = self.kept.to_be_made() else { return Ok(()) };
+        self.tangents.freeze(self.system, at, w, convex)?;
+        if self.kept.recalled() {
+            self.counters.tangent_assemblies += 1;
+            self.counters.factorizations += 1;
+        }
+        Ok(())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -151,8 +169,7 @@ impl<M: ImplicitScheme> Implicit<M> {
 impl NonlinearProblem for Stage<'_> {
     fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
         let (n, map) = (&self.from.state, self.map);
-        let pattern = &self.assembler.pattern;
-        for (&dof, z) in pattern.dof.iter().zip(z) {
+        for (&dof, z) in self.tangents.dof.iter().zip(z) {
             let i = dof as usize;
             self.to.state.x[i] = n.x[i] + z;
             self.to.state.v[i] = map.cv * z + map.vv * n.v[i] + map.va * self.a[i];
@@ -165,7 +182,7 @@ impl NonlinearProblem for Stage<'_> {
         // Positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as
         // M v/(beta h).
         let moved = map.av.abs();
-        for ((&dof, r), floor) in pattern.dof.iter().zip(r).zip(floor) {
+        for ((&dof, r), floor) in self.tangents.dof.iter().zip(r).zip(floor) {
             let i = dof as usize;
             let force = (1.0 - map.af) * f[i] + map.af * f_n[i];
             *r = self.inertia[i] - force;
@@ -194,43 +211,63 @@ impl NonlinearProblem for Stage<'_> {
     }
 
     fn conservative(&self) -> bool {
-        self.assembler.pattern.symmetric
+        self.tangents.symmetric()
     }
 
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
-        let new = 1.0 - self.map.af;
-        let w = Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new };
+        let w = self.weights();
         self.counters.tangent_assemblies += 1;
         self.counters.factorizations += 1;
-        let at = self.to.state.as_ref();
-        match curvature {
-            Curvature::Exact => self.system.assemble(at, w, self.assembler),
-            Curvature::Convex => self.system.assemble_convex(at, w, self.assembler),
-        }
         *self.mass_weight = Some(w.m);
-        let values = self.assembler.values();
-        if self.conservative() { self.linear.factor_definite(values) } else { self.linear.factor(values) }
+        // Where W is symmetric the two share their room.
+        self.kept.is_lost(self.tangents.symmetric());
+        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature)
+    }
+
+    fn freeze(&mut self) -> Result<bool, LinearError> {
+        let w = self.weights();
+        for convex in [false, true] {
+            self.counters.tangent_assemblies += 1;
+            self.counters.factorizations += 1;
+            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex)? {
+                None => return Ok(false),
+                Some(Inertia::Indefinite) => {}
+                Some(_) => {
+                    self.kept.take(self.to.state.as_ref(), w, convex);
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    fn take_frozen(&mut self) {
+        *self.mass_weight = Some(self.kept.weights().m);
+        self.tangents.take(Which::Frozen);
+    }
+
+    fn factor_cost(&self) -> f64 {
+        self.tangents.factor_cost()
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         self.counters.linear_solves += 1;
-        self.linear.solve(self.assembler.values(), b)
+        self.tangents.solve(b)
     }
 }
 
 impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn start(&mut self, system: &dyn TangentSystem, at: &Point) -> Result<(), StepError> {
-        let assembler = system.assembler()?;
-        let linear = solver_for(assembler.pattern.clone(), self.spec.linear)?;
-        let (n, unknowns) = (system.n_dof(), assembler.pattern.n());
+        let tangents = Tangents::new(system, self.spec.newton.strategy, self.spec.linear)?;
+        let (n, unknowns) = (system.n_dof(), tangents.dof.len());
         let newton = Newton::new(self.spec.newton, unknowns);
         self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         let zero = || vec![0.0; n];
         let z = vec![0.0; unknowns];
         self.solver = Some(Solver {
-            assembler,
-            linear,
+            tangents,
             newton,
+            kept: Kept::new(n),
             z,
             a: zero(),
             a_next: zero(),
@@ -269,8 +306,8 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             a: &s.a,
             to,
             counters,
-            assembler: &mut s.assembler,
-            linear: &mut *s.linear,
+            tangents: &mut s.tangents,
+            kept: &mut s.kept,
             a_next: &mut s.a_next,
             weighted: &mut s.weighted,
             inertia: &mut s.inertia,
@@ -282,8 +319,11 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             halfway: &mut s.halfway,
             mass_weight: &mut s.mass_weight,
         };
+        stage.recall()?;
         stage.fill(&mut s.z);
-        let solved = s.newton.solve(&mut stage, &mut s.z, scales);
+        let mut frozen = stage.kept.usable(stage.weights());
+        let solved = s.newton.solve(&mut stage, &mut s.z, scales, &mut frozen);
+        s.kept.learn(frozen);
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
@@ -298,18 +338,28 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
             std::mem::swap(&mut self.a, &mut s.a_next);
+            s.kept.accept();
             self.made_with = self.attempted;
         }
     }
 
     fn save(&self) -> Carried {
-        Carried { vectors: vec![self.a.clone()], made_with: self.made_with }
+        let mut vectors = vec![self.a.clone()];
+        let factor = self.solver.as_ref().and_then(|s| s.kept.save(&mut vectors));
+        Carried { vectors, made_with: self.made_with, factor }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
-        carried.take_into(&mut [&mut self.a])?;
         self.made_with = carried.made_with;
-        Ok(())
+        match (&mut self.solver, &carried.factor) {
+            (Some(s), Some(factor)) => {
+                let [x, v] = s.kept.room();
+                carried.take_into(&mut [&mut self.a, x, v])?;
+                s.kept.restore(*factor);
+                Ok(())
+            }
+            _ => carried.take_into(&mut [&mut self.a]),
+        }
     }
 
     fn filter_error(
@@ -324,24 +374,24 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             return Ok(());
         }
         system.mass_times(e, &mut s.inertia);
-        for (&dof, b) in s.assembler.pattern.dof.iter().zip(&mut s.z) {
+        for (&dof, b) in s.tangents.dof.iter().zip(&mut s.z) {
             *b = weight * s.inertia[dof as usize];
         }
         counters.linear_solves += 1;
-        s.linear.solve(s.assembler.values(), &mut s.z)?;
-        for (&dof, b) in s.assembler.pattern.dof.iter().zip(&s.z) {
+        s.tangents.solve(&mut s.z)?;
+        for (&dof, b) in s.tangents.dof.iter().zip(&s.z) {
             e[dof as usize] = *b;
         }
         Ok(())
     }
 
     fn dof_of_unknown(&self, unknown: usize) -> usize {
-        let pattern = self.solver.as_ref().map(|s| &s.assembler.pattern);
-        pattern.and_then(|p| p.dof.get(unknown)).map_or(0, |&dof| dof as usize)
+        let dof = self.solver.as_ref().and_then(|s| s.tangents.dof.get(unknown));
+        dof.map_or(0, |&dof| dof as usize)
     }
 
     fn linear_stats(&self) -> Option<LinearStats> {
-        self.solver.as_ref().map(|s| s.linear.stats())
+        self.solver.as_ref().and_then(|s| s.tangents.stats())
     }
 }
 

@@ -27,15 +27,18 @@ pub mod implicit;
 pub mod improved_euler;
 pub mod improved_euler_pec;
 pub mod kang;
+mod kept;
 pub mod newmark;
 pub mod registry;
 pub mod rk4;
 pub mod stage;
 pub mod stepper;
+mod tangents;
 mod updates;
 pub mod velocity_verlet;
 
 pub use counters::Counters;
+pub use kept::KeptFactor;
 
 use crate::assembly::PatternError;
 use crate::model::point::Point;
@@ -84,6 +87,8 @@ pub struct Carried {
     pub vectors: Vec<Vec<f64>>,
     /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
     pub made_with: f64,
+    /// the factor that an implicit scheme keeps; its state is in the last two vectors
+    pub factor: Option<KeptFactor>,
 }
 
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.

@@ -69,6 +69,20 @@ pub trait TangentSystem: System {
         self.assemble(at, weights, assembler);
     }
 
+    /// The pattern of [`TangentSystem::assemble_symmetric`]; `None` for systems too small to keep a factor for.
+    ///
+    /// # Errors
+    /// As [`TangentSystem::assembler`].
+    fn symmetric_assembler(&self) -> Result<Option<Assembler>, crate::assembly::PatternError> {
+        Ok(None)
+    }
+
+    /// Writes a symmetric approximation of W: terms with a symmetric tangent as they are (or made positive semidefinite, if `convex`), the others
+    /// by [`crate::force::ForceTerm::symmetric_tangent`].
+    fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
+        let _ = (at, weights, convex, assembler);
+    }
+
     /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual there.
     fn nodal_stiffness(&self) -> Vec<f64>;
 

@@ -98,6 +98,16 @@ impl Network {
         self.mesh = Mesh::default();
     }
 
+    fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        let state = self.initial_state();
+        let mut recorder = Recorder::default();
+        for term in &self.terms {
+            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
+        }
+        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
+        Assembler::new(nodes, &recorder, symmetric)
+    }
+
     fn has_role(&self, role: Role) -> bool {
         self.infos.iter().any(|i| i.role == role)
     }
@@ -196,13 +206,22 @@ impl TangentSystem for Network {
     }
 
     fn assembler(&self) -> Result<Assembler, PatternError> {
-        let state = self.initial_state();
-        let mut recorder = Recorder::default();
+        self.pattern_of(self.symmetric())
+    }
+
+    fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
+        self.pattern_of(true).map(Some)
+    }
+
+    fn assemble_symmetric(&self, at: StateRef<'_>, w: Weights, convex: bool, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
         for term in &self.terms {
-            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
+            match (term.symmetric(), convex) {
+                (false, _) => term.symmetric_tangent(node_state(at), w, &mut sink),
+                (true, true) => term.convex_tangent(node_state(at), w, &mut sink),
+                (true, false) => term.tangent(node_state(at), w, &mut sink),
+            }
         }
-        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
-        Assembler::new(nodes, &recorder, self.symmetric())
     }
 
     fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {

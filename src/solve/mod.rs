@@ -5,6 +5,7 @@ mod linear;
 mod lu;
 pub mod newton;
 mod ordering;
+pub mod quasi;
 mod search;
 
 pub use cholesky::Cholesky;

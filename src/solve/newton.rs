@@ -5,16 +5,22 @@
 //! Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both only crawl, the convex
 //! direction and its slope take over until full steps are possible again.
 
+use super::quasi::{self, Frozen, Pairs};
 use super::{Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Strategy {
-    /// Chooses from counted work; for now always [`Strategy::Full`].
+    /// As [`Strategy::Quasi`] where a factorisation costs many iterations on an old factor; else, and where that does not
+    /// lead to the end of a step, as [`Strategy::Full`].
     #[default]
     Auto,
     /// The exact tangent in every iteration.
     Full,
+    /// A symmetric tangent of an earlier iterate, as long as it serves.
+    Modified,
+    /// The same, corrected by the iteration's own last steps.
+    Quasi,
 }
 
 /// Settings of the iteration.
@@ -77,6 +83,23 @@ pub trait NonlinearProblem {
     /// # Errors
     /// A tangent that is not finite or singular.
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
+
+    /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to be used for many
+    /// solves; `false` if there is none to be had.
+    ///
+    /// # Errors
+    /// A tangent that is not finite.
+    fn freeze(&mut self) -> Result<bool, LinearError> {
+        Ok(false)
+    }
+
+    /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.
+    fn take_frozen(&mut self) {}
+
+    /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.
+    fn factor_cost(&self) -> f64 {
+        0.0
+    }
 
     /// Replaces b by (dF/dz)^-1 b.
     ///
@@ -168,6 +191,9 @@ impl NewtonFailure {
 /// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
 const CRAWL: f64 = 0.125;
 
+/// [-] Cost of a factorisation, in iterations without one, from which on factors are kept.
+const WORTH_KEEPING: f64 = 3.0;
+
 /// How long a problem without a potential is led by the convex tangent after the exact one crawled.
 #[derive(Clone, Copy, Debug, Default)]
 struct Caution {
@@ -195,6 +221,9 @@ pub struct Newton {
     pub(super) trial: Vec<f64>,
     pub(super) r_trial: Vec<f64>,
     pub(super) correction: Vec<f64>,
+    pub(super) pairs: Pairs,
+    /// the first guess, to which an iteration that led nowhere returns
+    guess: Vec<f64>,
 }
 
 pub(crate) fn norm(v: &[f64]) -> f64 {
@@ -217,6 +246,21 @@ pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
     lanes.iter().sum()
 }
 
+/// What an iteration is to reach.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Goal {
+    /// [N] of the residual
+    pub tolerance: f64,
+    pub scales: Scales,
+}
+
+impl Goal {
+    /// [-] a residual over its scale
+    pub(super) fn over_scale(&self, residual: f64) -> f64 {
+        if self.scales.residual > 0.0 { residual / self.scales.residual } else { 0.0 }
+    }
+}
+
 /// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
 /// nothing of a soft one.
 pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
@@ -227,7 +271,27 @@ impl Newton {
     /// Buffers for `n` unknowns.
     pub fn new(spec: NewtonSpec, n: usize) -> Self {
         let zero = || vec![0.0; n];
-        Newton { spec, r: zero(), r_trial: zero(), floor: zero(), dz: zero(), trial: zero(), correction: zero() }
+        let pairs = match spec.strategy {
+            Strategy::Full => Pairs::default(),
+            Strategy::Modified => Pairs::new(n, 0),
+            Strategy::Auto | Strategy::Quasi => Pairs::for_unknowns(n),
+        };
+        let (r, r_trial, floor, dz, trial, correction, guess) =
+            (zero(), zero(), zero(), zero(), zero(), zero(), zero());
+        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, guess }
+    }
+
+    pub(super) fn most_iterations(&self) -> u32 {
+        self.spec.max_iterations
+    }
+
+    /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the reduction of the residual.
+    pub(super) fn has_arrived(&self, z: &[f64], goal: Goal, next: f64) -> bool {
+        let next_increment = next * norm(&self.dz);
+        let scales = goal.scales;
+        let small = (self.spec.relative * scales.increment.max(norm(z))).max(scales.increment_floor);
+        let excess = self.excess();
+        excess <= goal.tolerance && (next_increment <= small || excess == 0.0)
     }
 
     /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual is
@@ -243,9 +307,10 @@ impl Newton {
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         scales: Scales,
+        frozen: &mut Frozen,
     ) -> Result<NewtonReport, NewtonFailure> {
         let tolerance = self.spec.relative * scales.residual;
-        let over_scale = |r: f64| if scales.residual > 0.0 { r / scales.residual } else { 0.0 };
+        let goal = Goal { tolerance, scales };
         problem.residual(z, &mut self.r, &mut self.floor);
         while problem.retreat(z) {
             problem.residual(z, &mut self.r, &mut self.floor);
@@ -255,7 +320,21 @@ impl Newton {
             return Err(NewtonFailure::NotFinite { worst: self.worst() });
         }
         if self.excess() == 0.0 {
-            return Ok(NewtonReport { iterations: 0, residual: over_scale(residual) });
+            return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
+        }
+        if self.spec.strategy != Strategy::Full && self.pays(problem) {
+            self.guess.copy_from_slice(z);
+            let found = quasi::solve(self, problem, z, goal, frozen);
+            if let Some(report) =
+                found.map_err(|error| NewtonFailure::Linear { iterations: 0, error, worst: self.worst() })?
+            {
+                return Ok(report);
+            }
+            // The exact tangent from the same guess; what is frozen did not serve here.
+            *frozen = Frozen::default();
+            z.copy_from_slice(&self.guess);
+            problem.residual(z, &mut self.r, &mut self.floor);
+            residual = norm(&self.r);
         }
         let mut caution = Caution::default();
         for iterations in 1..=self.spec.max_iterations {
@@ -267,15 +346,18 @@ impl Newton {
                 return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst });
             };
             residual = norm(&self.r);
-            let next_increment = lambda * norm(&self.dz) * (residual / before);
-            let small = (self.spec.relative * scales.increment.max(norm(z))).max(scales.increment_floor);
-            let excess = self.excess();
-            if excess <= tolerance && (next_increment <= small || excess == 0.0) {
-                return Ok(NewtonReport { iterations, residual: over_scale(residual) });
+            if self.has_arrived(z, goal, lambda * (residual / before)) {
+                return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
             }
         }
         let worst = self.worst();
         Err(NewtonFailure::MaxIterations { iterations: self.spec.max_iterations, residual, tolerance, worst })
+    }
+
+    /// Whether a factor is worth keeping.
+    fn pays(&self, problem: &dyn NonlinearProblem) -> bool {
+        let cost = problem.factor_cost();
+        if self.spec.strategy == Strategy::Auto { cost >= WORTH_KEEPING } else { cost > 0.0 }
     }
 
     /// One direction and the search along it; moves `z` and `self.r`. Returns the accepted share of the direction, nothing when
@@ -369,7 +451,8 @@ mod tests {
     fn the_line_search_converges_where_plain_newton_diverges() {
         let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
         let mut z = [5.0];
-        let report = Newton::new(NewtonSpec::default(), 1).solve(&mut problem, &mut z, SCALES).unwrap();
+        let report =
+            Newton::new(NewtonSpec::default(), 1).solve(&mut problem, &mut z, SCALES, &mut Frozen::default()).unwrap();
         assert!(z[0].abs() < 1e-8, "{z:?} after {report:?}");
         assert_eq!(problem.z, z[0], "the last evaluation is the accepted one");
     }
@@ -378,7 +461,7 @@ mod tests {
     fn convergence_is_quadratic_or_better_near_the_solution() {
         let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
         let mut z = [0.05];
-        Newton::new(NewtonSpec::default(), 1).solve(&mut problem, &mut z, SCALES).unwrap();
+        Newton::new(NewtonSpec::default(), 1).solve(&mut problem, &mut z, SCALES, &mut Frozen::default()).unwrap();
         for pair in problem.evaluations.windows(2) {
             assert!(pair[1] <= 2.0 * pair[0] * pair[0], "{:?}", problem.evaluations);
         }
@@ -406,7 +489,9 @@ mod tests {
     /// A search does not step to where the norm of the forces overflows, so that a report has numbers.
     #[test]
     fn the_search_stays_where_forces_are_numbers() {
-        let failure = Newton::new(NewtonSpec::default(), 2).solve(&mut Wall, &mut [0.0; 2], SCALES).unwrap_err();
+        let failure = Newton::new(NewtonSpec::default(), 2)
+            .solve(&mut Wall, &mut [0.0; 2], SCALES, &mut Frozen::default())
+            .unwrap_err();
         let (NewtonFailure::Stuck { residual, .. } | NewtonFailure::MaxIterations { residual, .. }) = failure else {
             panic!("{failure:?}")
         };
@@ -417,7 +502,7 @@ mod tests {
     fn an_iteration_limit_is_a_refusal_with_its_numbers() {
         let spec = NewtonSpec { max_iterations: 2, ..Default::default() };
         let mut problem = Atan { z: 0.0, slope: 0.0, evaluations: vec![] };
-        let failure = Newton::new(spec, 1).solve(&mut problem, &mut [5.0], SCALES).unwrap_err();
+        let failure = Newton::new(spec, 1).solve(&mut problem, &mut [5.0], SCALES, &mut Frozen::default()).unwrap_err();
         let NewtonFailure::MaxIterations { iterations: 2, residual, tolerance, worst: 0 } = failure else {
             panic!("{failure:?}")
         };

@@ -189,6 +189,30 @@ fn every_method(scene: &Value, what: &str) {
     }
 }
 
+/// A factor that is kept over many steps is there after the resumption too, with fixed steps and adaptive ones.
+#[test]
+fn a_kept_factor_is_made_again() {
+    let adaptive = [("time.step", "null"), ("time.tolerance", r#"{"relative": 1e-3, "absolute": 1e-3}"#)];
+    for (scene, what) in [(sail(), "sail"), (calm(), "calm sail")] {
+        for method in methods().iter().filter(|m| m.family == Family::Implicit) {
+            for strategy in ["modified", "quasi"] {
+                let sets = [("time.method", method.name), ("solver.newton.strategy", strategy)];
+                let case = case_of(&scene, &sets);
+                let whole = solve(&case, tempfile::tempdir().expect("a folder").path(), WHOLE);
+                assert!(
+                    whole.counters.factorizations < whole.counters.newton_iterations,
+                    "{strategy} keeps no factor in {} of the {what}: {:?}",
+                    method.name,
+                    whole.counters
+                );
+                assert_resumes(&case, [7, 31], &format!("{} of the {what}, {strategy}", method.name));
+                let case = case_of(&scene, &[&sets[..], &adaptive, &[("output.history", "null")]].concat());
+                assert_resumes(&case, [2, 4], &format!("{} of the {what}, {strategy}, adaptive", method.name));
+            }
+        }
+    }
+}
+
 #[test]
 fn every_method_resumes_with_the_same_bits_in_the_wind() {
     every_method(&sail(), "sail");

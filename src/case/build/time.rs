@@ -163,11 +163,8 @@ pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> Solver
     newton.strategy = match given.strategy {
         schema::Strategy::Auto => Strategy::Auto,
         schema::Strategy::Full => Strategy::Full,
-        schema::Strategy::Modified | schema::Strategy::Quasi => {
-            let hint = "this strategy is not available in this version; \"auto\" means \"full\" for now";
-            faults.add_hint(&at.key("strategy"), "\"auto\" or \"full\"", hint);
-            Strategy::Auto
-        }
+        schema::Strategy::Modified => Strategy::Modified,
+        schema::Strategy::Quasi => Strategy::Quasi,
     };
     SolverSpec { newton, linear }
 }

@@ -37,14 +37,14 @@ pub struct Newton {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// The program chooses; `full` in this version.
+    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that leads nowhere, as `full`.
     #[default]
     Auto,
     /// In every iteration.
     Full,
-    /// Seldom. Not available in this version: use `auto` or `full`.
+    /// Seldom: the factor of a symmetric tangent is used as long as it serves.
     Modified,
-    /// By updates of the first one. Not available in this version: use `auto` or `full`.
+    /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,
 }
 

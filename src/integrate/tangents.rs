@@ -1,0 +1,165 @@
+//! The factorised tangents of an implicit scheme: the exact one of an iterate, and a symmetric one that is kept over many steps. Each
+//! is analysed when it is first called for; where W is symmetric they share their room, and one overwrites the other.
+
+use std::sync::Arc;
+
+use super::StepError;
+use crate::assembly::Assembler;
+use crate::model::state::StateRef;
+use crate::model::system::{TangentSystem, Weights};
+use crate::solve::newton::{Curvature, Strategy};
+use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+
+/// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
+const SOLVE_FLOPS: f64 = 4.0;
+const ITERATION_FLOPS: f64 = 100.0;
+/// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
+/// works on dense blocks.
+const SOLVE_SLOWNESS: f64 = 4.0;
+/// [flop] an entry of W in an assembly
+const ASSEMBLY_FLOPS: f64 = 50.0;
+
+/// A matrix with its solver.
+struct Factor {
+    assembler: Assembler,
+    linear: Box<dyn LinearSolver>,
+}
+
+impl Factor {
+    fn new(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
+        let linear = solver_for(assembler.pattern.clone(), choice)?;
+        Ok(Factor { assembler, linear })
+    }
+}
+
+/// Which of the two is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Which {
+    Exact,
+    Frozen,
+}
+
+/// Both.
+pub(super) struct Tangents {
+    symmetric: bool,
+    choice: LinearChoice,
+    exact: Option<Factor>,
+    frozen: Option<Factor>,
+    /// the factor that solves
+    current: Which,
+    /// degree of freedom of every unknown
+    pub dof: Arc<[u32]>,
+    factor_cost: f64,
+}
+
+impl Tangents {
+    /// # Errors
+    /// When patterns cannot be found or analysed, or the choice of solver does not fit.
+    pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
+        if choice == LinearChoice::Cholesky && !system.symmetric() {
+            return Err(LinearError::NotSymmetric.into());
+        }
+        // Whoever asks for LU wants it in every iteration.
+        let keeps = strategy != Strategy::Full && choice != LinearChoice::Lu;
+        let frozen = match keeps.then(|| system.symmetric_assembler()).transpose()?.flatten() {
+            Some(assembler) => Some(Factor::new(assembler, LinearChoice::Auto)?),
+            None => None,
+        };
+        let factor_cost = frozen.as_ref().map_or(0.0, factor_cost);
+        let exact = match &frozen {
+            Some(_) => None,
+            None => Some(Factor::new(system.assembler()?, choice)?),
+        };
+        // A pendulum's single entry is stored in full.
+        let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
+        let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
+        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof, factor_cost })
+    }
+
+    /// [-] cost of a factorisation in iterations without one.
+    pub fn factor_cost(&self) -> f64 {
+        self.factor_cost
+    }
+
+    /// Whether W is symmetric.
+    pub fn symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    /// Further solves are with this one.
+    pub fn take(&mut self, which: Which) {
+        self.current = which;
+    }
+
+    /// Factorises the exact tangent.
+    ///
+    /// # Errors
+    /// A tangent that is not finite or singular, or that cannot be analysed.
+    pub fn factor(
+        &mut self,
+        system: &dyn TangentSystem,
+        at: StateRef<'_>,
+        w: Weights,
+        curvature: Curvature,
+    ) -> Result<Inertia, LinearError> {
+        self.current = Which::Exact;
+        let symmetric = self.symmetric;
+        let slot = if symmetric && self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
+        let factor = match slot {
+            Some(factor) => factor,
+            None => {
+                let failed = |e: crate::assembly::PatternError| LinearError::Analysis {
+                    unknowns: self.dof.len(),
+                    reason: e.to_string(),
+                };
+                slot.insert(Factor::new(system.assembler().map_err(failed)?, self.choice)?)
+            }
+        };
+        match curvature {
+            Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
+            Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
+        }
+        let values = factor.assembler.values();
+        if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) }
+    }
+
+    /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
+    ///
+    /// # Errors
+    /// A tangent that is not finite.
+    pub fn freeze(
+        &mut self,
+        system: &dyn TangentSystem,
+        at: StateRef<'_>,
+        w: Weights,
+        convex: bool,
+    ) -> Result<Option<Inertia>, LinearError> {
+        let Some(factor) = &mut self.frozen else { return Ok(None) };
+        system.assemble_symmetric(at, w, convex, &mut factor.assembler);
+        factor.linear.factor_definite(factor.assembler.values()).map(Some)
+    }
+
+    /// Replaces b by W^-1 b.
+    ///
+    /// # Errors
+    /// A solution that is not finite, or no factor.
+    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+        let shared = self.symmetric && self.frozen.is_some();
+        let factor = if shared || self.current == Which::Frozen { &mut self.frozen } else { &mut self.exact };
+        let Some(factor) = factor else { return Err(LinearError::Singular { unknown: None }) };
+        factor.linear.solve(factor.assembler.values(), b)
+    }
+
+    /// The account of the solver that works most.
+    pub fn stats(&self) -> Option<LinearStats> {
+        self.frozen.as_ref().or(self.exact.as_ref()).map(|f| f.linear.stats())
+    }
+}
+
+fn factor_cost(factor: &Factor) -> f64 {
+    let LinearStats { matrix_nonzeros, factor_nonzeros, factor_operations, .. } = factor.linear.stats();
+    let entries = factor_nonzeros.unwrap_or(matrix_nonzeros) as f64;
+    let making = 2.0 * factor_operations.unwrap_or(0.0) + ASSEMBLY_FLOPS * matrix_nonzeros as f64;
+    let unknowns = factor.assembler.pattern.n() as f64;
+    making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns)
+}

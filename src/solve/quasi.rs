@@ -1,0 +1,266 @@
+//! Newton's iteration on a frozen factor: the tangent of some earlier iterate, made symmetric and positive definite, corrected by the
+//! last few steps themselves (L-BFGS: Nocedal & Wright 2006, algorithm 7.4, with the factor in the place of H_0).
+//!
+//! ```text
+//! s_i = z_{i+1} - z_i,   y_i = F(z_{i+1}) - F(z_i),   rho_i = 1/(y_i . s_i)
+//! H_{i+1} = (I - rho s y^T) H_i (I - rho y s^T) + rho s s^T,      dz = -H F
+//! ```
+//! An iteration costs a force pass and a solve, no factorisation. When to factorise anew is a question of rent or buy: within a step, as soon
+//! as the iterations still to be made cost more than a new factor and what it needs itself; from step to step, as soon as the iterations that
+//! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
+
+use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem, dot, norm};
+use super::{LinearError, search};
+
+/// Pairs kept.
+const PAIRS: usize = 8;
+/// Iterations after which the rate of convergence is judged.
+const WINDOW: usize = 4;
+/// Iterations a fresh factor is expected to need, if none was seen yet.
+const EXPECTED: u32 = 6;
+/// Factors made within a step before it is left to the exact tangent.
+const MOST_FACTORS: u32 = 8;
+/// A pair whose y . s is below this share of |y||s| tells more of rounding or of a tangent that is not positive definite.
+const CURVED: f64 = 1e-8;
+
+/// What is known of the factor that is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Frozen {
+    /// whether there is one
+    pub made: bool,
+    /// iterations that the step it was made in has needed with it
+    pub fresh: u32,
+    /// iterations beyond that since
+    pub excess: u32,
+}
+
+/// Steps of the iteration and what they did to the residual.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pairs {
+    s: Vec<Vec<f64>>,
+    y: Vec<Vec<f64>>,
+    rho: Vec<f64>,
+    share: Vec<f64>,
+    /// number of the next pair
+    next: usize,
+    /// pairs that count
+    held: usize,
+    /// the residual before a step
+    before: Vec<f64>,
+}
+
+impl Pairs {
+    pub(super) fn new(n: usize, pairs: usize) -> Self {
+        let vectors = |count: usize| vec![vec![0.0; n]; count];
+        Pairs {
+            s: vectors(pairs),
+            y: vectors(pairs),
+            rho: vec![0.0; pairs],
+            share: vec![0.0; pairs],
+            next: 0,
+            held: 0,
+            before: vec![0.0; n],
+        }
+    }
+
+    /// Room for the pairs of quasi-Newton steps.
+    pub(super) fn for_unknowns(n: usize) -> Self {
+        Self::new(n, PAIRS)
+    }
+
+    fn forget(&mut self) {
+        (self.next, self.held) = (0, 0);
+    }
+
+    /// Takes the step `lambda dz` that led from `self.before` to `after`.
+    fn push(&mut self, lambda: f64, dz: &[f64], after: &[f64]) {
+        let room = self.s.len();
+        if room == 0 {
+            return;
+        }
+        let i = self.next % room;
+        let (s, y) = (&mut self.s[i], &mut self.y[i]);
+        for ((s, y), ((dz, after), before)) in
+            s.iter_mut().zip(y.iter_mut()).zip(dz.iter().zip(after).zip(&self.before))
+        {
+            (*s, *y) = (lambda * dz, after - before);
+        }
+        let curvature = dot(s, y);
+        if curvature > CURVED * norm(s) * norm(y) {
+            self.rho[i] = 1.0 / curvature;
+            self.next += 1;
+            self.held = (self.held + 1).min(room);
+        }
+    }
+
+    /// The pairs from the newest to the oldest.
+    fn newest_first(&self) -> impl DoubleEndedIterator<Item = usize> + use<> {
+        let (next, room) = (self.next, self.s.len().max(1));
+        (1..=self.held).map(move |back| (next - back) % room)
+    }
+
+    /// Replaces g by H g, with `solve` for H_0.
+    fn apply(
+        &mut self,
+        g: &mut [f64],
+        solve: impl FnOnce(&mut [f64]) -> Result<(), LinearError>,
+    ) -> Result<(), LinearError> {
+        for i in self.newest_first() {
+            let share = self.rho[i] * dot(&self.s[i], g);
+            self.share[i] = share;
+            for (g, y) in g.iter_mut().zip(&self.y[i]) {
+                *g -= share * y;
+            }
+        }
+        solve(g)?;
+        for i in self.newest_first().rev() {
+            let share = self.share[i] - self.rho[i] * dot(&self.y[i], g);
+            for (g, s) in g.iter_mut().zip(&self.s[i]) {
+                *g += share * s;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Iterates from `z`, whose residual is in `newton.r`. `None`: this way does not lead there, and `z` is worthless.
+pub(super) fn solve(
+    newton: &mut Newton,
+    problem: &mut dyn NonlinearProblem,
+    z: &mut [f64],
+    goal: Goal,
+    frozen: &mut Frozen,
+) -> Result<Option<NewtonReport>, LinearError> {
+    let mut pairs = std::mem::take(&mut newton.pairs);
+    pairs.forget();
+    let found = Iteration { newton, problem, pairs: &mut pairs, goal, frozen }.run(z);
+    newton.pairs = pairs;
+    found
+}
+
+struct Iteration<'a> {
+    newton: &'a mut Newton,
+    problem: &'a mut dyn NonlinearProblem,
+    pairs: &'a mut Pairs,
+    goal: Goal,
+    frozen: &'a mut Frozen,
+}
+
+/// How far a step has come on one factor.
+struct Leg {
+    /// iterations on it
+    iterations: u32,
+    /// [N] residuals, the last first
+    residuals: [f64; WINDOW + 1],
+}
+
+impl Leg {
+    fn new(residual: f64) -> Self {
+        let mut residuals = [f64::NAN; WINDOW + 1];
+        residuals[0] = residual;
+        Leg { iterations: 0, residuals }
+    }
+
+    fn went_to(&mut self, residual: f64) {
+        self.iterations += 1;
+        self.residuals.rotate_right(1);
+        self.residuals[0] = residual;
+    }
+
+    /// Iterations still to be made at the present rate; nothing as long as there is none.
+    fn left(&self, tolerance: f64) -> Option<f64> {
+        let [now, .., then] = self.residuals;
+        if then.is_nan() {
+            return None;
+        }
+        let rate = (then / now).ln() / WINDOW as f64;
+        Some(if rate > 0.0 { (now / tolerance).max(1.0).ln() / rate } else { f64::INFINITY })
+    }
+}
+
+impl Iteration<'_> {
+    fn run(&mut self, z: &mut [f64]) -> Result<Option<NewtonReport>, LinearError> {
+        let cost = self.problem.factor_cost();
+        if !self.frozen.made || f64::from(self.frozen.excess) >= cost {
+            if !self.freeze()? {
+                return Ok(None);
+            }
+        }
+        self.problem.take_frozen();
+        let mut fresh = self.frozen.fresh == 0;
+        let (mut residual, mut factors) = (norm(&self.newton.r), 0);
+        let mut leg = Leg::new(residual);
+        for iterations in 1..=self.newton.most_iterations() {
+            let Some(lambda) = self.step(z)? else {
+                // No way down: a factor of another place may be to blame.
+                factors += 1;
+                if leg.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
+                    return Ok(None);
+                }
+                (fresh, leg) = (true, Leg::new(residual));
+                continue;
+            };
+            let before = residual;
+            residual = norm(&self.newton.r);
+            leg.went_to(residual);
+            if self.newton.has_arrived(z, self.goal, lambda * residual / before) {
+                self.learn(leg.iterations, fresh);
+                return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
+            }
+            let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
+            if leg.left(self.goal.tolerance).is_some_and(|left| left > cost + f64::from(needed)) {
+                factors += 1;
+                if factors > MOST_FACTORS || !self.refreeze(z)? {
+                    return Ok(None);
+                }
+                (fresh, leg) = (true, Leg::new(residual));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Books what a step has needed.
+    fn learn(&mut self, iterations: u32, fresh: bool) {
+        if fresh {
+            self.frozen.fresh = iterations.max(1);
+            self.frozen.excess = 0;
+        } else {
+            self.frozen.excess += iterations.saturating_sub(self.frozen.fresh);
+        }
+    }
+
+    /// A factor of the tangent where the residual was last evaluated.
+    fn freeze(&mut self) -> Result<bool, LinearError> {
+        self.pairs.forget();
+        let made = self.problem.freeze()?;
+        *self.frozen = Frozen { made, fresh: 0, excess: 0 };
+        Ok(made)
+    }
+
+    fn refreeze(&mut self, z: &[f64]) -> Result<bool, LinearError> {
+        // A search may have ended elsewhere.
+        let Newton { r, floor, .. } = &mut *self.newton;
+        self.problem.residual(z, r, floor);
+        let made = self.freeze()?;
+        self.problem.take_frozen();
+        Ok(made)
+    }
+
+    /// One direction and the search along it. Returns the share of it that was taken.
+    fn step(&mut self, z: &mut [f64]) -> Result<Option<f64>, LinearError> {
+        let Newton { r, dz, .. } = &mut *self.newton;
+        self.pairs.before.copy_from_slice(r);
+        dz.copy_from_slice(r);
+        self.pairs.apply(dz, |b| self.problem.solve(b))?;
+        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        if dot(r, dz) >= 0.0 {
+            return Ok(None);
+        }
+        // Without a potential the slope is still that of the symmetric part, which leads here; norms of residuals need not fall.
+        let lambda = search::downhill(self.newton, self.problem, z, self.goal.tolerance);
+        if let Some(lambda) = lambda {
+            self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
+        }
+        Ok(lambda)
+    }
+}
