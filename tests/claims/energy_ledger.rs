@@ -50,13 +50,25 @@ pub fn claims() -> Vec<Claim> {
 fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
     // -log2 of the steps, fine enough for the slope and coarse enough for the reference: a triangle that turns its edge to the
     // wind has a jump in the curvature of v|v| and leaves an error of h^3, small but noticed by order 4 in finer steps.
-    let first = [11, 10, 7][(method.order as usize - 1).min(2)];
+    let first = match method.order {
+        1 => 11,
+        2 => 10,
+        4 => 7,
+        5 => 6,
+        _ => 5,
+    };
     let (coarse, fine) = (run(method.name, first), run(method.name, first + 1));
     let (e1, e2) = (distance(&coarse.rows, reference), distance(&fine.rows, reference));
     let slope = |i: usize| (e1[i] / e2[i]).log2();
     let order = f64::from(method.order);
     for (i, column) in COLUMNS.iter().enumerate() {
-        claims.push(Claim::absolute(format!("{}: {column}: order", method.name), slope(i), order, TOLERANCE));
+        let name = format!("{}: {column}: order", method.name);
+        claims.push(if method.order <= 4 {
+            Claim::absolute(name, slope(i), order, TOLERANCE)
+        } else {
+            // That jump, and the reference, hide higher orders; `order.rs` measures them, two-sided, on a net without it.
+            Claim::between(name, slope(i), 4.5, 20.0)
+        });
     }
     claims.push(Claim::below(
         format!("{}: sum of the columns less its first value, worst row, over the largest column", method.name),

@@ -72,7 +72,7 @@ fn amplification(named: &Named, wh: f64) -> [[f64; 3]; 3] {
         let mut carried = vec![0.0; scene.n_dof()];
         carried[dof] = unit(2);
         stepper
-            .restore(&Carried { vectors: vec![carried], made_with: 0.0 })
+            .restore(&Carried { vectors: vec![carried], made_with: 0.0, ..Carried::default() })
             .expect("an acceleration is what the family carries");
         let mut to = start.clone();
         let step = Attempt { from: &start, h, t_next: h };
