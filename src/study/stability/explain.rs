@@ -1,6 +1,7 @@
 //! Why a measured limit is not the predicted one, from evidence.
 
 use super::measure::{Bench, E_FOLDS};
+use super::start::SEED;
 use super::verdict::STAYS;
 use super::{Kind, KnownBy, Row, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
@@ -12,6 +13,8 @@ use crate::model::state::State;
 const CLEAR: f64 = 0.015;
 /// Estimates are this good where damping couples motions.
 const ESTIMATE: f64 = 0.1;
+/// [-] a swing of the energy that explains something
+const SWINGS: f64 = 3.0;
 /// A critical step this much above the failing one still explains it.
 const ENOUGH: f64 = 0.05;
 
@@ -37,11 +40,12 @@ fn limited(row: &Row, bench: &Bench<'_>, predicted: f64) -> String {
 fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
     let failed = row.runs.iter().find(|run| Some(run.step) == row.unstable);
     let fails = row.unstable.unwrap_or(measured);
-    let swings = (bench.stays > STAYS[0]).then(|| {
+    let peak = failed.map_or(0.0, |run| run.peak);
+    let swings = (bench.stays > STAYS[0] && peak > SWINGS).then(|| {
         format!(
             "near its limit the method swings the energy of a stable motion many times (to {} times what was supplied in the run at {} s), \
              beyond where this scene's forces are linear",
-            figures(failed.map_or(0.0, |run| run.peak), 3),
+            figures(peak, 3),
             figures(fails, 4),
         )
     });
@@ -62,9 +66,9 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
     if let Some(swings) = swings {
         return swings;
     }
-    if row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
-        return "the prediction is an estimate from the motions found, damping couples them, and no stiffer state was seen in the run that \
-                held"
+    if coupled(bench) && row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
+        return "the prediction is an estimate from the motions found, damping may couple them, and no stiffer state was seen in the run \
+                that held"
             .to_owned();
     }
     format!(
@@ -82,9 +86,10 @@ fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
     if folds(middle) < E_FOLDS {
         return format!(
-            "beyond the predicted limit the method grows too slowly to be seen: {}; {}; it takes about 37 e-folds to grow out of rounding",
+            "beyond the predicted limit the method grows too slowly to be seen: {}; {}; it takes about {} e-folds to grow out of the displacement that a run starts with",
             growth(bench, middle),
-            growth(bench, held)
+            growth(bench, held),
+            figures(-SEED.ln(), 2)
         );
     }
     if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {
@@ -140,6 +145,12 @@ fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
         _ => "that every step is stable holds on linear scenes only",
     };
     format!("{why}: at {} s {what}{}", figures(row.unstable.unwrap_or(0.0), 4), because(row))
+}
+
+/// Whether there is more than one motion, and damping.
+fn coupled(bench: &Bench<'_>) -> bool {
+    let free = bench.scene().inverse_mass().iter().filter(|m| **m > 0.0).count();
+    free > 1 && bench.scene().velocity_dependent()
 }
 
 /// "at 0.1 s it grows by 2 % a step, 7.9 e-folds in 400 steps"

@@ -15,6 +15,7 @@
 //! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
 
 use super::measure::{Bench, Looks};
+use super::start::displacement;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
@@ -29,8 +30,6 @@ const BLOWN: f64 = 1e8;
 pub(super) const STAYS: [f64; 2] = [3.0, 30.0];
 /// [-] part of the last quarter of a run in which a share stays.
 const MOST: f64 = 0.9;
-/// [-] share of the scene's size by which rounding may move all nodes.
-const ROUNDING: f64 = 1e-8;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,7 +71,7 @@ pub(super) struct Judge<'a> {
     stays: f64,
     /// whether what the account calls dissipated counts
     dissipates: bool,
-    /// [J] what rounding may leave, and what a scheme of first order makes in the first step of a load
+    /// [J] what a run is displaced by at its start, and what a scheme of first order makes in the first step of a load
     floor: f64,
     /// [J] kinetic, elastic and gravity energy at the start
     base: f64,
@@ -80,6 +79,8 @@ pub(super) struct Judge<'a> {
     /// [-] largest share
     pub peak: f64,
     blown: bool,
+    /// whether the last step's share was one of a stable run
+    calm: bool,
     /// steps of the last quarter, and those of them with a share that is too large
     late: [u64; 2],
     /// [J] sum of the kinetic energy over the last quarter
@@ -91,7 +92,7 @@ pub(super) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub fn new(bench: &Bench<'a>, steps: u64, interrupt: &'a AtomicBool) -> Self {
         let (scene, method) = (bench.scene(), bench.method);
-        let moved = ROUNDING * scene.size();
+        let moved = displacement(scene);
         Judge {
             interrupt,
             stop: Arc::new(AtomicBool::new(false)),
@@ -105,6 +106,7 @@ impl<'a> Judge<'a> {
             supplied: 0.0,
             peak: 0.0,
             blown: false,
+            calm: true,
             late: [0; 2],
             kinetic: 0.0,
             made: [(0.0, 0); 2],
@@ -157,13 +159,14 @@ impl Observer for Judge<'_> {
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
         let mut share = self.share(there);
-        if share > BLOWN {
-            // Before a load has done any work, what the first step makes of it counts as supplied.
+        if share > BLOWN && self.calm {
+            // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not come as a jump.
             let h = step.to.state.t - step.from.state.t;
             let times = [step.from.state.t, step.to.state.t];
             self.floor = times.into_iter().map(|t| self.push(step.from, t, h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
+        self.calm = share <= self.stays;
         self.peak = self.peak.max(share).min(f64::MAX);
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
