@@ -105,8 +105,11 @@ fn the_oscillators_as_they_are_agree_for_every_method() {
     let all: Vec<&str> = methods().iter().map(|m| m.name).collect();
     let damped = of(&asset("oscillator-damped", &[]), &all);
     for row in &damped {
-        agrees(row);
-        assert!(row.measured.is_some() == (row.prediction.step.is_some()), "{}", row.method);
+        match row.prediction.known_by {
+            // Kang's filter leaves the dashpot to an explicit step; where its limit is no theory tells, so nothing can differ from it.
+            KnownBy::Unknown => assert!(row.method == "kang" && row.ratio.is_none() && row.measured.is_some()),
+            _ => agrees(row),
+        }
     }
     let row = damped.iter().find(|row| row.method == "dop853").expect("a row");
     let given = row.as_given.and_then(|given| given.unstable).expect("what its own start gives");
@@ -131,7 +134,7 @@ fn scenes_at_rest_agree_within_two_percent() {
     }
 }
 
-/// Five masses that hang on springs at rest: each spring carries the weight below it.
+/// Five masses that hang on springs at rest, and can only move up and down: each spring carries the weight below it.
 fn resting(dashpot: Option<Value>) -> Case {
     let (mass, stiffness, gravity, n) = (0.2, 500.0, 9.81, 5);
     let mut z = 0.0;
@@ -152,7 +155,7 @@ fn resting(dashpot: Option<Value>) -> Case {
                 "mesh": {"explicit": {"nodes": nodes, "springs": springs}},
                 "mass": {"nodal": mass},
                 "springs": [group],
-                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": "all", "fix": "xy"}],
                 "gravity": [0, 0, -gravity]
             }},
             "time": {"end": 4.0, "method": "velocity-verlet", "step": 1e-3}
@@ -193,7 +196,7 @@ fn explanations_are_of_the_scene() {
         assert!(!words.contains("spring") && !words.contains("couple"), "{}: {words}", row.method);
     }
     let hht = rows[0].explanation.as_deref().unwrap_or_default();
-    assert!(hht.contains("drives it away in the last good state"), "{hht}");
+    assert!(hht.contains("moves away from the last good state by itself"), "{hht}");
 }
 
 /// A chain of eleven springs, undamped and damped in proportion to stiffness: the limit is set by one of its ten modes.

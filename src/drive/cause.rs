@@ -320,14 +320,10 @@ impl Question<'_> {
         let mut step = 0.5 * self.h;
         if let Some(buckles) = buckling::fastest(self.scene, self.last.as_ref()) {
             let what = match self.scene.edges().is_empty() {
-                true => "what holds the scene drives it away",
-                false => "compressed springs buckle",
+                true => "the scene moves away from the last good state by itself",
+                false => "compressed springs buckle in the last good state",
             };
-            words.push(format!(
-                "{what} in the last good state, at a rate of {} 1/s {}",
-                figures(buckles.rate, 3),
-                self.place(buckles.dof)
-            ));
+            words.push(format!("{what}, at a rate of {} 1/s {}", figures(buckles.rate, 3), self.place(buckles.dof)));
             step = step.min(1.0 / buckles.rate);
         }
         words.extend(self.unheld(worst));

@@ -113,7 +113,10 @@ fn refusals() {
     std::fs::write(bench.path("bob.json"), pendulum).expect("a case");
     let ended = bench.run(&["stability", "bob.json", "--out", "bob"]);
     assert!(ended.code == Some(0) && ended.stdout.contains("refused"), "{}{}", ended.stdout, ended.stderr);
-    assert_eq!(Results(bench.path("bob")).text("stability.csv"), "method,predicted,measured,prediction,measurement\nkang,nan,nan,refused,refused\n");
+    assert_eq!(
+        Results(bench.path("bob")).text("stability.csv"),
+        "method,predicted,measured,prediction,measurement\nkang,nan,nan,refused,refused\n"
+    );
     assert!(!bench.path("bob/stability.svg").exists(), "no method has a region");
 }
 

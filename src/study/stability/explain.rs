@@ -3,7 +3,7 @@
 use super::measure::{Bench, E_FOLDS};
 use super::start::SEED;
 use super::verdict::STAYS;
-use super::{Kind, KnownBy, Row, Verdict};
+use super::{Kind, KnownBy, Row, Start, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
 use crate::figures::figures;
 use crate::integrate::registry::Family;
@@ -164,8 +164,13 @@ fn growth(bench: &Bench<'_>, h: f64) -> String {
     )
 }
 
+/// The words of `solve`; of a motion of some 1e-8 of the scene's size they are about nothing.
 fn because(row: &Row) -> String {
-    row.failure.as_ref().map(|failure| format!("; {}", failure.cause)).unwrap_or_default()
+    row.failure
+        .as_ref()
+        .filter(|_| row.start == Start::AsGiven)
+        .map(|failure| format!("; {}", failure.cause))
+        .unwrap_or_default()
 }
 
 /// The critical step where the run at step `h` [s] was stiffest (0) or softest (1).

@@ -1,5 +1,6 @@
 //! The study as text: a table to read, a csv file to compute with.
 
+use super::row::AGREES;
 use super::{AsGiven, KnownBy, Row, Stability, Status};
 use crate::figures::figures;
 use crate::output::names::csv_field;
@@ -71,7 +72,7 @@ pub fn table(study: &Stability) -> String {
         let _ = writeln!(text, "{}: {why}", row.method);
     }
     for (row, given) in study.methods.iter().filter_map(|row| Some((row, row.as_given?))) {
-        let _ = writeln!(text, "{}: {}", row.method, as_given(given));
+        let _ = writeln!(text, "{}: {}", row.method, as_given(row, given));
     }
     for (row, why) in study.methods.iter().filter_map(|row| Some((row, row.why.as_ref()?))) {
         let _ = writeln!(text, "{}: {why}", row.method);
@@ -80,7 +81,7 @@ pub fn table(study: &Stability) -> String {
 }
 
 /// Why small motion was measured.
-fn as_given(AsGiven { measured, unstable }: AsGiven) -> String {
+fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
     let found = match (measured, unstable) {
         (Some(held), Some(fails)) if held > 0.0 => {
             format!("runs hold up to {} s and fail at {} s", figures(held, 4), figures(fails, 4))
@@ -88,9 +89,18 @@ fn as_given(AsGiven { measured, unstable }: AsGiven) -> String {
         (_, Some(fails)) => format!("no run holds, down from {} s", figures(fails, 4)),
         (_, None) => "no run fails".to_owned(),
     };
+    let (held, fails) = (row.measured.or(row.tried_up_to).unwrap_or(0.0), row.unstable.unwrap_or(f64::INFINITY));
+    let why = match (measured, unstable) {
+        (_, Some(fails)) if fails < (1.0 - AGREES) * held => {
+            ", where steps reach beyond the range in which its forces are linear"
+        }
+        (held, fails_too) if fails_too.is_none() && fails.is_finite() || held > Some((1.0 + AGREES) * fails) => {
+            ", where forces that are not linear hold what grows"
+        }
+        _ => "",
+    };
     format!(
-        "measured from small motion about the equilibrium, because the scene's own motion is linear; from its own start {found}, where \
-         steps reach beyond the range in which its forces are linear"
+        "measured from small motion about the equilibrium, because the scene's own motion is linear; from its own start {found}{why}"
     )
 }
 

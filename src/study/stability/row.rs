@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Relative difference that needs no explanation.
-const AGREES: f64 = 0.02;
+pub(super) const AGREES: f64 = 0.02;
 
 /// Whether a method was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub struct RunRow {
     pub t_end: f64,
     /// [-] largest kinetic and elastic energy over all energy supplied so far
     pub peak: f64,
-    /// [-] mean kinetic energy over the last quarter of the run, over all energy supplied
+    /// [-] mean energy of motion over the last quarter of the run, over all energy supplied
     pub lively: f64,
     /// what came of it
     pub verdict: Verdict,
@@ -84,7 +84,7 @@ pub struct Row {
     pub as_given: Option<AsGiven>,
     /// [-] measured over predicted
     pub ratio: Option<f64>,
-    /// whether they differ by more than 2 % and the width of the bracket
+    /// whether they differ by more than 2 %
     pub differs: bool,
     /// why they differ
     pub explanation: Option<String>,
@@ -150,9 +150,8 @@ impl Row {
         self.differs = match (bench.kind(), predicted) {
             (Kind::Near(_), Some(predicted)) => {
                 let most = self.prediction.at_most.unwrap_or(predicted).max(predicted);
-                let within = stable.is_some_and(|stable| stable <= most * (1.0 + AGREES))
-                    && unstable.is_some_and(|unstable| unstable >= predicted * (1.0 - AGREES));
-                !within
+                let near = predicted * (1.0 - AGREES)..=most * (1.0 + AGREES);
+                unstable.is_none() || !stable.is_some_and(|stable| near.contains(&stable))
             }
             // No limit, and none found.
             (Kind::Unlimited | Kind::Somewhere, _) => self.unstable.is_some(),

@@ -5,8 +5,9 @@
 //! share     = (kinetic + elastic) / supplied
 //! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
 //!           share > stays in nine of ten steps of the last quarter of the run,
-//!           mean kinetic energy of the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
+//!           mean energy of motion in the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
 //!           or the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last
+//! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable oscillation, as one step
 //! of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to 1/(1 - (h/h_c)^2), 25 times at
@@ -83,8 +84,10 @@ pub(super) struct Judge<'a> {
     calm: bool,
     /// steps of the last quarter, and those of them with a share that is too large
     late: [u64; 2],
-    /// [J] sum of the kinetic energy over the last quarter
-    kinetic: f64,
+    /// [J] sum of the energy of motion over the last quarter
+    motion: f64,
+    /// [m/s] room for (x_{n+1} - x_n)/h
+    secant: Vec<f64>,
     /// [J] sums of the made energy over the last two eighths, and their steps
     made: [(f64, u64); 2],
 }
@@ -108,20 +111,29 @@ impl<'a> Judge<'a> {
             blown: false,
             calm: true,
             late: [0; 2],
-            kinetic: 0.0,
+            motion: 0.0,
+            secant: vec![0.0; scene.n_dof()],
             made: [(0.0, 0); 2],
         }
     }
 
-    /// [-] Mean kinetic energy over the last quarter of the run, over all energy supplied.
+    /// [-] Mean energy of motion over the last quarter of the run, over all energy supplied.
     pub fn lively(&self) -> f64 {
         let [all, _] = self.late;
         let supplied = self.supplied + self.floor;
-        if all > 0 && supplied > 0.0 { self.kinetic / all as f64 / supplied } else { 0.0 }
+        if all > 0 && supplied > 0.0 { self.motion / all as f64 / supplied } else { 0.0 }
     }
 
     fn share(&self, there: f64) -> f64 {
         if there > 0.0 { there / (self.supplied + self.floor) } else { 0.0 }
+    }
+
+    /// [J] Kinetic energy of (x_{n+1} - x_n)/h.
+    fn secant(&mut self, step: &StepView<'_>) -> f64 {
+        let (from, to) = (&step.from.state, &step.to.state);
+        let h = to.t - from.t;
+        self.secant.iter_mut().zip(&to.x).zip(&from.x).for_each(|((v, to), from)| *v = (to - from) / h);
+        self.scene.kinetic_energy(&self.secant)
     }
 
     /// [J] 1/2 h^2 sum f^2/m of the loads at time `t` [s] on resting masses.
@@ -170,7 +182,7 @@ impl Observer for Judge<'_> {
         self.peak = self.peak.max(share).min(f64::MAX);
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
-            self.kinetic += kinetic;
+            self.motion += kinetic.max(self.secant(&step));
             self.late[1] += u64::from(share > self.stays);
             let eighth = usize::from(8 * step.step > 7 * self.steps);
             if let Some((sum, n)) = self.made.get_mut(eighth) {
