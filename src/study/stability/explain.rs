@@ -136,6 +136,7 @@ fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
 fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
     let what = match row.runs.iter().find(|run| Some(run.step) == row.unstable).map(|run| run.verdict) {
         Some(Verdict::NotConverged) => "Newton's iteration does not converge",
+        Some(Verdict::Grows) => "small motion grows",
         Some(Verdict::MotionStays) => "a motion goes on and on that dies out in shorter steps",
         Some(Verdict::NotFinite | Verdict::BlownUp) => "the motion blows up",
         _ => "the scheme makes energy that stays",

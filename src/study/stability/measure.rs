@@ -117,6 +117,10 @@ impl<'a> Bench<'a> {
         self.spec.end
     }
 
+    pub fn start(&self) -> Start {
+        self.from.start
+    }
+
     pub fn kind(&self) -> Kind {
         Kind::of(self.method, self.critical)
     }
@@ -151,8 +155,8 @@ impl<'a> Bench<'a> {
     pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
         let steps = self.steps(h);
         before(h, steps)?;
-        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible.
-        let swings = self.kind() != Kind::Unlimited;
+        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is nothing to it.
+        let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
         let (outcome, judge) = self.run(h, steps, swings)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);

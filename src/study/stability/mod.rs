@@ -75,8 +75,14 @@ pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), st
     let mut spectrum = Spectrum::of(spec.scene, state.as_ref());
     let reference = measure::reference(spec, &mut spectrum);
     let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
-    let common =
-        Common { spec, reference, given: start::seeded(spec.scene, state.clone()), small: OnceCell::new(), stop };
+    let common = Common {
+        spec,
+        reference,
+        given: start::seeded(spec.scene, state.clone()),
+        at_rest: start::at_rest(spec.scene, &state),
+        small: OnceCell::new(),
+        stop,
+    };
     let mut rows = Vec::with_capacity(spec.methods.len());
     for (index, method) in spec.methods.iter().enumerate() {
         let critical = spectrum.critical_step(method);
@@ -104,6 +110,8 @@ struct Common<'a> {
     reference: f64,
     /// the scene's own start, a little displaced
     given: State,
+    /// whether that is one of small motion already
+    at_rest: bool,
     /// the start of small motion, if the scene's own motion is linear; sought when it is needed first
     small: OnceCell<Option<State>>,
     stop: &'a AtomicBool,
@@ -116,10 +124,11 @@ impl Common<'_> {
     /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's own motion is
     /// linear, from small motion.
     fn measure(&self, row: &mut Row, of: (&MethodChoice, CriticalStep), before: &mut Before<'_>) {
-        let given = From { start: Start::AsGiven, state: &self.given };
+        row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
+        let given = From { start: row.start, state: &self.given };
         let found = self.search(row, of, given, before);
         let Some(bench) = found else { return };
-        if row.differs && row.prediction.step != Some(0.0) {
+        if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
             let small = self.small.get_or_init(|| start::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
                 return row.halted(Halt::Interrupted);

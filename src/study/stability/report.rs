@@ -89,13 +89,10 @@ fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
         (_, Some(fails)) => format!("no run holds, down from {} s", figures(fails, 4)),
         (_, None) => "no run fails".to_owned(),
     };
-    let (held, fails) = (row.measured.or(row.tried_up_to).unwrap_or(0.0), row.unstable.unwrap_or(f64::INFINITY));
-    let why = match (measured, unstable) {
-        (_, Some(fails)) if fails < (1.0 - AGREES) * held => {
+    let held = row.measured.or(row.tried_up_to).unwrap_or(0.0);
+    let why = match unstable {
+        Some(fails) if fails < (1.0 - AGREES) * held => {
             ", where steps reach beyond the range in which its forces are linear"
-        }
-        (held, fails_too) if fails_too.is_none() && fails.is_finite() || held > Some((1.0 + AGREES) * fails) => {
-            ", where forces that are not linear hold what grows"
         }
         _ => "",
     };

@@ -48,7 +48,7 @@ const ROUNDING: f64 = 1e-12;
 pub enum Start {
     /// at the scene's own start
     AsGiven,
-    /// at the scene's equilibrium
+    /// at the scene's equilibrium, which may be its own start
     SmallMotion,
 }
 
@@ -70,6 +70,14 @@ pub(super) fn seeded(scene: &dyn Scene, mut state: State) -> State {
         .filter(|(_, (_, free))| *free)
         .for_each(|(i, (x, _))| *x += far * rough(i));
     state
+}
+
+/// Whether nothing moves a scene from its own start.
+pub(super) fn at_rest(scene: &dyn Scene, state: &State) -> bool {
+    let mut forces = scene.new_forces();
+    scene.evaluate(state.as_ref(), &mut forces);
+    let allowed = ROUNDING * scene.force_scale(&forces);
+    state.v.iter().all(|v| *v == 0.0) && forces.total.iter().all(|f| f.abs() <= allowed) && scene.corners().is_empty()
 }
 
 /// The start of small motion about the equilibrium, for a scene whose own motion is linear and that has an equilibrium.

@@ -6,7 +6,8 @@
 //! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
 //!           share > stays in nine of ten steps of the last quarter of the run,
 //!           mean energy of motion in the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
-//!           or the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last
+//!           the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last,
+//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the motion's from eighth to eighth
 //! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable oscillation, as one step
@@ -16,7 +17,7 @@
 //! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
 
 use super::measure::{Bench, Looks};
-use super::start::displacement;
+use super::start::{Start, displacement};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
@@ -32,6 +33,9 @@ pub(super) const STAYS: [f64; 2] = [3.0, 30.0];
 /// [-] part of the last quarter of a run in which a share stays.
 const MOST: f64 = 0.9;
 
+/// A rise of the energy of small motion from an eighth of the run to the next that is growth: share of the motion's, and of all supplied.
+const RISE: [f64; 2] = [0.02, 1e-3];
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -44,6 +48,8 @@ pub enum Verdict {
     BlownUp,
     /// energy made by the scheme stayed, or grew without end
     EnergyStays,
+    /// the energy of a small motion rose all the time
+    Grows,
     /// a motion went on and on that dies out in shorter steps
     MotionStays,
     /// the watch of the run found more energy than can be
@@ -88,6 +94,10 @@ pub(super) struct Judge<'a> {
     motion: f64,
     /// [m/s] room for (x_{n+1} - x_n)/h
     secant: Vec<f64>,
+    /// whether the energy of a motion that is stable cannot rise
+    sinks: bool,
+    /// [J] sums over the last four eighths: of all energy but that of loads, of the kinetic energy, and their steps
+    eighths: [(f64, f64, u64); 4],
     /// [J] sums of the made energy over the last two eighths, and their steps
     made: [(f64, u64); 2],
 }
@@ -113,6 +123,8 @@ impl<'a> Judge<'a> {
             late: [0; 2],
             motion: 0.0,
             secant: vec![0.0; scene.n_dof()],
+            sinks: bench.start() == Start::SmallMotion && bench.stays == STAYS[0] && scene.corners().is_empty(),
+            eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }
     }
@@ -154,7 +166,19 @@ impl<'a> Judge<'a> {
         let mean = |(sum, n): (f64, u64)| sum / n.max(1) as f64;
         let [before, last] = self.made.map(mean);
         let grown = last - before > STAYS[1] * (self.supplied + self.floor);
-        if (all > 0.0 && over >= MOST * all) || grown { Verdict::EnergyStays } else { Verdict::Stable }
+        if (all > 0.0 && over >= MOST * all) || grown {
+            return Verdict::EnergyStays;
+        }
+        if self.sinks && self.rises() { Verdict::Grows } else { Verdict::Stable }
+    }
+
+    /// Whether the energy of the motion rose from eighth to eighth.
+    fn rises(&self) -> bool {
+        let means = self.eighths.map(|(energy, kinetic, n)| (energy / n.max(1) as f64, kinetic / n.max(1) as f64));
+        means.windows(2).all(|pair| match pair {
+            [(before, _), (last, kinetic)] => last - before > (2.0 * RISE[0] * kinetic).max(RISE[1] * self.supplied),
+            _ => false,
+        })
     }
 }
 
@@ -180,6 +204,13 @@ impl Observer for Judge<'_> {
         }
         self.calm = share <= self.stays;
         self.peak = self.peak.max(share).min(f64::MAX);
+        let eighth = (8 * step.step).saturating_sub(1) / self.steps.max(1);
+        let late = eighth.checked_sub(4).and_then(|late| self.eighths.get_mut(late as usize));
+        if let Some((energy, motion, n)) = late {
+            *energy -= numerical + dissipated;
+            *motion += kinetic;
+            *n += 1;
+        }
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
             self.motion += kinetic.max(self.secant(&step));
