@@ -1,7 +1,6 @@
 //! Why a measured limit is not the predicted one, from evidence.
 
 use super::measure::{Bench, E_FOLDS};
-use super::start::SEED;
 use super::verdict::STAYS;
 use super::{Kind, KnownBy, Row, Start, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
@@ -86,10 +85,9 @@ fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
     if folds(middle) < E_FOLDS {
         return format!(
-            "beyond the predicted limit the method grows too slowly to be seen: {}; {}; it takes about {} e-folds to grow out of the displacement that a run starts with",
+            "beyond the predicted limit the method grows too slowly to be seen: {}; {}",
             growth(bench, middle),
-            growth(bench, held),
-            figures(-SEED.ln(), 2)
+            growth(bench, held)
         );
     }
     if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {

@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] share of the scene's size by which coordinates are moved, and by which rounding may.
-pub(super) const SEED: f64 = 1e-8;
+const SEED: f64 = 1e-8;
 /// Share of the reference step at which the scene's own motion is followed.
 const FINE: f64 = 0.25;
 /// Times the scene's tangent is compared on its way.
