@@ -72,7 +72,7 @@ impl<'a> Linearised<'a> {
 }
 
 /// A fixed number in [-1, 1] of alternating sign, from a multiplicative hash.
-pub(super) fn rough(i: usize) -> f64 {
+pub(crate) fn rough(i: usize) -> f64 {
     let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }

@@ -12,3 +12,5 @@ mod motions;
 mod oscillator;
 pub mod rates;
 mod step_map;
+
+pub(crate) use linearised::rough;

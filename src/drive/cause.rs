@@ -147,9 +147,9 @@ impl Question<'_> {
         let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
         let motion = self.motion(dof, rates);
         let why = format!(
-            "the step of {} s is {about}{} times the critical step of {} {when}, {} s, set by {motion}",
+            "the step of {} s is {about}{} the critical step of {} {when}, {} s, set by {motion}",
             figures(self.h, 4),
-            figures(self.h / step, 3),
+            times(self.h / step),
             self.method.info.name,
             figures(step, 3),
         );
@@ -233,9 +233,9 @@ impl Question<'_> {
         }
         let dof = rates.damping_dof;
         let why = format!(
-            "the step of {} s is about {} times what {} allows forces outside its filter: they act within m/(dF/dv) = {} s {}",
+            "the step of {} s is about {} what {} allows forces outside its filter: they act within m/(dF/dv) = {} s {}",
             figures(self.h, 4),
-            figures(self.h / critical, 3),
+            times(self.h / critical),
             self.method.info.name,
             figures(1.0 / rates.damping, 3),
             self.place(dof)
@@ -319,11 +319,11 @@ impl Question<'_> {
         let mut words = Vec::new();
         let mut step = 0.5 * self.h;
         if let Some(buckles) = buckling::fastest(self.scene, self.last.as_ref()) {
-            words.push(format!(
-                "compressed springs buckle in the last good state, at a rate of {} 1/s {}",
-                figures(buckles.rate, 3),
-                self.place(buckles.dof)
-            ));
+            let what = match self.scene.edges().is_empty() {
+                true => "the scene moves away from the last good state by itself",
+                false => "compressed springs buckle in the last good state",
+            };
+            words.push(format!("{what}, at a rate of {} 1/s {}", figures(buckles.rate, 3), self.place(buckles.dof)));
             step = step.min(1.0 / buckles.rate);
         }
         words.extend(self.unheld(worst));
@@ -373,6 +373,14 @@ impl Question<'_> {
             Some(spring) => format!("around node {node} (spring {spring})"),
             None => format!("around node {node}"),
         }
+    }
+}
+
+/// "2.5 times", or nothing where it is one time.
+fn times(ratio: f64) -> String {
+    match figures(ratio, 3).as_str() {
+        "1" => "just".to_owned(),
+        ratio => format!("{ratio} times"),
     }
 }
 

@@ -19,5 +19,5 @@ pub mod watch;
 pub use error::RunError;
 pub use failure::Failure;
 pub use outcome::{Outcome, RunSpec, Status};
-pub use run::{resume, run};
+pub use run::{resume, run, run_from};
 pub use snapshot::Snapshot;

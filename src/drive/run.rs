@@ -32,7 +32,22 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let run = Run::start(scene, stepper, spec)?;
+    run_from(scene, stepper, spec, scene.initial_state(), observers, stop)
+}
+
+/// Runs a scene from a state at t = 0 that is not its own.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_from(
+    scene: &dyn Scene,
+    stepper: &mut Stepper<'_>,
+    spec: RunSpec<'_>,
+    state: State,
+    observers: &mut [&mut dyn Observer],
+    stop: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let run = Run::start(scene, stepper, spec, state)?;
     for o in observers.iter_mut() {
         o.started(&run.from, run.row)?;
     }
@@ -128,8 +143,13 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn start(scene: &'a dyn Scene, stepper: &mut Stepper<'_>, spec: RunSpec<'a>) -> Result<Self, RunError> {
-        let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    fn start(
+        scene: &'a dyn Scene,
+        stepper: &mut Stepper<'_>,
+        spec: RunSpec<'a>,
+        state: State,
+    ) -> Result<Self, RunError> {
+        let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
         stepper.start(&from)?;

@@ -33,8 +33,10 @@ fn the_three_files() {
     let csv = results.text("stability.csv");
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 4, "{csv}");
-    assert_eq!(lines[0], "method,predicted,measured");
-    assert_eq!(&lines[2..], ["newmark,,", "hht(alpha=-0.2),,"]);
+    assert_eq!(lines[0], "method,predicted,measured,prediction,measurement");
+    let unlimited = ["newmark", "hht(alpha=-0.2)"].map(|name| format!("{name},,,unlimited,no-limit-found"));
+    assert_eq!(&lines[2..], unlimited);
+    assert!(lines[1].ends_with(",estimate,limit"), "{csv}");
     let cells: Vec<&str> = lines[1].split(',').collect();
     let (predicted, measured): (f64, f64) = (cells[1].parse().expect("seconds"), cells[2].parse().expect("seconds"));
     // w = 5 rad/s and zeta = 0.2, where Verlet's limit lies between 1.84/w (zeta = 0.1) and 1/w (zeta = 1).
@@ -72,6 +74,24 @@ fn studies_repeat_and_replace() {
     assert!(contents(&bench.path("out")) == first, "the bytes differ");
 }
 
+/// The picture says of a method without a region what was measured of it: on a pendulum Newton fails at long steps.
+#[test]
+fn the_legend_is_true() {
+    let bench = bench();
+    let pendulum = r#"{"name": "bob", "system": {"pendulum": {"length": 1.0, "mass": 1.0, "gravity": 9.81, "angle": 0.5}},
+        "time": {"end": 20.0, "method": "rk4", "step": 0.01}, "study": {"methods": ["rk4", "hht", "backward-euler"]}}"#;
+    std::fs::write(bench.path("bob.json"), pendulum).expect("a case");
+    let ended = bench.run(&["stability", "bob.json", "--out", "bob"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let results = Results(bench.path("bob"));
+    let (svg, csv) = (results.text("stability.svg"), results.text("stability.csv"));
+    assert!(csv.contains("\nbackward-euler,,,unlimited,no-limit-found\n"), "{csv}");
+    let hht: Vec<&str> = csv.lines().find(|line| line.starts_with("hht,")).expect("a row").split(',').collect();
+    assert!(hht[1].is_empty() && hht[2].parse::<f64>().is_ok() && hht[3..] == ["unlimited", "limit"], "{csv}");
+    assert!(svg.contains("no limit: backward-euler") && svg.contains("hht: measured "), "a legend that is not true");
+    assert!(!svg.contains("no limit: hht"));
+}
+
 /// A method that does not go with the scene is a row; a case or a flag that is wrong is refused with status 2 before any file is made.
 #[test]
 fn refusals() {
@@ -93,7 +113,10 @@ fn refusals() {
     std::fs::write(bench.path("bob.json"), pendulum).expect("a case");
     let ended = bench.run(&["stability", "bob.json", "--out", "bob"]);
     assert!(ended.code == Some(0) && ended.stdout.contains("refused"), "{}{}", ended.stdout, ended.stderr);
-    assert_eq!(Results(bench.path("bob")).text("stability.csv"), "method,predicted,measured\nkang,nan,nan\n");
+    assert_eq!(
+        Results(bench.path("bob")).text("stability.csv"),
+        "method,predicted,measured,prediction,measurement\nkang,nan,nan,refused,refused\n"
+    );
     assert!(!bench.path("bob/stability.svg").exists(), "no method has a region");
 }
 
@@ -105,5 +128,5 @@ fn a_budget_leaves_rows_out() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(ended.stdout.contains("left out: budget"), "{}", ended.stdout);
     let csv = Results(bench.path("out")).text("stability.csv");
-    assert!(csv.contains("rk4,0.") && csv.ends_with(",nan\n"), "{csv}");
+    assert!(csv.contains("rk4,0.") && csv.ends_with(",nan,estimate,out-of-budget\n"), "{csv}");
 }

@@ -1,10 +1,11 @@
 //! One run of a method at one step: how long it is, what came of it, and where the scene was stiffest on its way.
 //!
-//! An instability of two percent has to grow out of rounding, e^37, within the run; how fast it does is known from one step of the scheme on
-//! the oscillator that sets the limit. A run makes as many steps as that takes, at least as many as the case itself would, and
+//! An instability of two percent has to grow out of the displacement that a run starts with, e^18, within the run; how fast it does is known
+//! from one step of the scheme on the oscillator that sets the limit. A run makes as many steps as that takes, at least as many as the case itself would, and
 //! no more than a number of force passes (or implicit steps) that depends on the size of the scene alone.
 
 use super::row::RunRow;
+use super::start::Start;
 use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
 use crate::analysis::critical::{CriticalStep, Spectrum};
@@ -20,12 +21,12 @@ use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// E-folds from rounding to far more than there can be.
+/// E-folds from what a motion that is hardly in the start's displacement begins with to far more than there can be.
 pub(super) const E_FOLDS: f64 = 45.0;
 /// Share beyond the predicted limit whose growth a run is to show.
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
-const PASSES: [f64; 2] = [8e6, 2e5];
+pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
 /// Degree-of-freedom steps of an implicit run, and most steps of one.
 const SOLVES: [f64; 2] = [6e4, 1e3];
 /// Fewest steps of a run: explicit, implicit.
@@ -60,6 +61,13 @@ pub(super) fn reference(spec: &StabilitySpec<'_>, spectrum: &mut Spectrum<'_>) -
     verlet.filter(usable).or(Some(bound).filter(usable)).unwrap_or(spec.end / 1000.0)
 }
 
+/// A state to start from.
+#[derive(Clone, Copy)]
+pub(super) struct From<'a> {
+    pub start: Start,
+    pub state: &'a State,
+}
+
 /// Runs of one method.
 pub(super) struct Bench<'a> {
     spec: &'a StabilitySpec<'a>,
@@ -68,6 +76,8 @@ pub(super) struct Bench<'a> {
     /// [-] share of the energy supplied that must not stay
     pub stays: f64,
     interrupt: &'a AtomicBool,
+    /// where runs start
+    from: From<'a>,
     /// what was run, in this order
     pub trials: Vec<Trial>,
 }
@@ -85,6 +95,7 @@ impl<'a> Bench<'a> {
         spec: &'a StabilitySpec<'a>,
         method: &'a MethodChoice,
         critical: CriticalStep,
+        from: From<'a>,
         interrupt: &'a AtomicBool,
     ) -> Self {
         let [calm, swings] = STAYS;
@@ -95,7 +106,7 @@ impl<'a> Bench<'a> {
         };
         let swing = step.and_then(|h| swing(method, critical.rates, h));
         let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
-        Bench { spec, method, critical, stays, interrupt, trials: Vec::new() }
+        Bench { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
     }
 
     pub fn scene(&self) -> &'a dyn Scene {
@@ -104,6 +115,10 @@ impl<'a> Bench<'a> {
 
     pub fn end(&self) -> f64 {
         self.spec.end
+    }
+
+    pub fn start(&self) -> Start {
+        self.from.start
     }
 
     pub fn kind(&self) -> Kind {
@@ -140,8 +155,8 @@ impl<'a> Bench<'a> {
     pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
         let steps = self.steps(h);
         before(h, steps)?;
-        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible.
-        let swings = self.kind() != Kind::Unlimited;
+        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is nothing to it.
+        let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
         let (outcome, judge) = self.run(h, steps, swings)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);
@@ -155,8 +170,16 @@ impl<'a> Bench<'a> {
         let lively = judge.lively();
         let verdict =
             if verdict.is_stable() && self.kept_up(lively, h, outcome.t_end) { Verdict::MotionStays } else { verdict };
-        let row =
-            RunRow { step: h, steps, made: outcome.steps, t_end: outcome.t_end, peak: judge.peak, lively, verdict };
+        let row = RunRow {
+            start: self.from.start,
+            step: h,
+            steps,
+            made: outcome.steps,
+            t_end: outcome.t_end,
+            peak: judge.peak,
+            lively,
+            verdict,
+        };
         self.trials.push(Trial { row, extremes: judge.looks.extremes() });
         Ok(verdict.is_stable())
     }
@@ -185,7 +208,9 @@ impl<'a> Bench<'a> {
         };
         let mut judge = Judge::new(self, steps, self.interrupt);
         let stop = Arc::clone(&judge.stop);
-        let outcome = drive::run(scene, &mut stepper, spec, &mut [&mut judge], &stop).map_err(|e| refused(&e))?;
+        let state = self.from.state.clone();
+        let outcome = drive::run_from(scene, &mut stepper, spec, state, &mut [&mut judge], &stop);
+        let outcome = outcome.map_err(|e| refused(&e))?;
         Ok((outcome, judge))
     }
 

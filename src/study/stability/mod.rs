@@ -5,6 +5,8 @@
 //! predicted   Spectrum::critical_step: the scene's outer motions, and one real step of the scheme on an oscillator
 //! measured    [h, H]: runs at h held, runs at H did not; H/h - 1 is half a percent where the prediction is confirmed
 //! ```
+//! Runs begin at the scene's own start, a little displaced so that what is unstable shows in a scene at rest too; a scene whose own motion is
+//! linear is measured from small motion where its own start gives another limit (`start`).
 //! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of a percent needs
 //! hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how long the runs are,
 //! `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the budget, which only leaves
@@ -17,20 +19,24 @@ mod region;
 mod report;
 mod row;
 mod search;
+mod start;
 mod verdict;
 pub mod write;
 
 pub use prediction::{KnownBy, Prediction};
 pub use report::{csv, table};
-pub use row::{Row, RunRow, Stability, Status};
+pub use row::{AsGiven, Row, RunRow, Stability, Status};
+pub use start::Start;
 pub use verdict::Verdict;
 
 use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::state::State;
 use crate::scene::Scene;
-use measure::{Bench, Halt};
-use std::sync::atomic::AtomicBool;
+use measure::{Bench, From, Halt};
+use std::cell::OnceCell;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What to study.
@@ -69,32 +75,97 @@ pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), st
     let mut spectrum = Spectrum::of(spec.scene, state.as_ref());
     let reference = measure::reference(spec, &mut spectrum);
     let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
+    let common = Common {
+        spec,
+        reference,
+        given: start::seeded(spec.scene, state.clone()),
+        at_rest: start::at_rest(spec.scene, &state),
+        small: OnceCell::new(),
+        stop,
+    };
     let mut rows = Vec::with_capacity(spec.methods.len());
     for (index, method) in spec.methods.iter().enumerate() {
         let critical = spectrum.critical_step(method);
-        let prediction = Prediction::of(spec.scene, method, critical);
-        let mut row = Row::new(method, prediction);
-        let mut bench = Bench::new(spec, method, critical, stop);
+        let mut row = Row::new(method, Prediction::of(spec.scene, method, critical));
+        let name = row.method.clone();
         let mut run = 0;
         let mut before = |step: f64, steps: u64| {
             if over() {
                 return Err(Halt::OutOfBudget);
             }
             run += 1;
-            begins(Beginning { index, method: &row.method, run, step, steps });
+            begins(Beginning { index, method: &name, run, step, steps });
             Ok(())
         };
-        let found = search::largest(bench.kind(), reference, spec.end, &mut |h| bench.holds(h, &mut before));
-        match found {
-            Ok(bracket) => {
-                row.measured(&bench, bracket);
-                explain::explain(&mut row, &bench);
-            }
-            Err(halt) => row.halted(&bench, halt),
-        }
+        common.measure(&mut row, (method, critical), &mut before);
         rows.push(row);
     }
     rows
+}
+
+/// What the measurements of all methods share.
+struct Common<'a> {
+    spec: &'a StabilitySpec<'a>,
+    /// [s] where a search begins if nothing is predicted
+    reference: f64,
+    /// the scene's own start, a little displaced
+    given: State,
+    /// whether that is one of small motion already
+    at_rest: bool,
+    /// the start of small motion, if the scene's own motion is linear; sought when it is needed first
+    small: OnceCell<Option<State>>,
+    stop: &'a AtomicBool,
+}
+
+/// Hears of a run's step [s] and number of steps before it begins.
+type Before<'a> = dyn FnMut(f64, u64) -> Result<(), Halt> + 'a;
+
+impl Common<'_> {
+    /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's own motion is
+    /// linear, from small motion.
+    fn measure(&self, row: &mut Row, of: (&MethodChoice, CriticalStep), before: &mut Before<'_>) {
+        row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
+        let given = From { start: row.start, state: &self.given };
+        let found = self.search(row, of, given, before);
+        let Some(bench) = found else { return };
+        if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
+            let small = self.small.get_or_init(|| start::small_motion(self.spec, self.reference, self.stop));
+            if self.stop.load(Ordering::Relaxed) {
+                return row.halted(Halt::Interrupted);
+            }
+            if let Some(state) = small {
+                row.set_aside();
+                let small = From { start: Start::SmallMotion, state };
+                if let Some(bench) = self.search(row, of, small, before) {
+                    explain::explain(row, &bench);
+                }
+                return;
+            }
+        }
+        explain::explain(row, &bench);
+    }
+
+    fn search<'b>(
+        &'b self,
+        row: &mut Row,
+        (method, critical): (&'b MethodChoice, CriticalStep),
+        from: From<'b>,
+        before: &mut Before<'_>,
+    ) -> Option<Bench<'b>> {
+        let mut bench = Bench::new(self.spec, method, critical, from, self.stop);
+        let found = search::largest(bench.kind(), self.reference, self.spec.end, &mut |h| bench.holds(h, &mut *before));
+        row.made(&bench);
+        match found {
+            Ok(bracket) => {
+                row.measured(&bench, bracket);
+                Some(bench)
+            }
+            Err(halt) => {
+                row.halted(halt);
+                None
+            }
+        }
+    }
 }
 
 /// What is searched for.

@@ -3,12 +3,14 @@
 //! The plane of z = h lambda: an oscillation of frequency w and damping ratio zeta has lambda = w (-zeta +- i sqrt(1 - zeta^2)). A
 //! method is stable where the spectral radius of one real step of its code on that oscillator is at most 1; the boundary is sought along
 //! rays of equal zeta from the imaginary axis (undamped) to the real one (zeta = 1). What a scheme that treats x and v differently does to
-//! a motion damped more than critically is no matter of z alone: such motions are left out of its panel.
+//! a motion damped more than critically is no matter of z alone: such motions are left out of its panel. Methods without a region are
+//! named in the legend, with what was measured of them.
 
-use super::{Row, Stability, Status};
+use super::{KnownBy, Row, Stability, Status};
 use crate::analysis::critical::{Spectrum, has_limit, is_split};
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::Rates;
+use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke, svg_grid};
@@ -43,13 +45,28 @@ pub(super) fn regions(shown: &Scenery<'_>) -> Result<Option<String>, PlotError> 
         rows().filter(|(method, _)| has_limit(method)).map(|(method, row)| panel(method, row, &motions)).collect();
     let Some(first) = charts.first_mut() else { return Ok(None) };
     for (_, row) in rows().filter(|(method, _)| !has_limit(method)) {
-        let label = format!("no limit: {}", row.method);
-        first.lines.push(Line { label, stroke: Stroke::None, ..Line::default() });
+        first.lines.push(Line { label: without_region(row), stroke: Stroke::None, ..Line::default() });
     }
     if charts.len() == 1 {
         charts.iter_mut().for_each(|chart| chart.size.width = ALONE);
     }
     svg_grid(&charts, COLUMNS).map(Some)
+}
+
+/// What there is to say of a method that has a limit on no oscillator.
+fn without_region(row: &Row) -> String {
+    let name = &row.method;
+    match (row.status, row.measured, row.tried_up_to) {
+        (Status::Measured, Some(measured), _) if measured > 0.0 => {
+            format!("{name}: measured {} s", figures(measured, 3))
+        }
+        (Status::Measured, Some(_), _) => format!("{name}: no step held"),
+        (Status::Measured, None, Some(_)) if row.prediction.known_by == KnownBy::Unlimited => {
+            format!("no limit: {name}")
+        }
+        (Status::Measured, None, Some(longest)) => format!("{name}: holds up to {} s", figures(longest, 3)),
+        _ => format!("{name}: not measured"),
+    }
 }
 
 /// The boundary in the upper half plane, from the imaginary to the real axis.
@@ -101,7 +118,7 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates]) -> Chart {
         lines: vec![
             region,
             mark("scene, predicted limit", row.prediction.step, Marker::Dot, 1),
-            mark("scene, measured limit", row.measured, Marker::Ring, 6),
+            mark("scene, measured limit", row.measured.filter(|h| *h > 0.0), Marker::Ring, 6),
         ],
         equal_units: true,
         size: PANEL,

@@ -1,27 +1,49 @@
 //! The study as text: a table to read, a csv file to compute with.
 
-use super::{KnownBy, Row, Stability, Status};
+use super::row::AGREES;
+use super::{AsGiven, KnownBy, Row, Stability, Status};
 use crate::figures::figures;
 use crate::output::names::csv_field;
 use std::fmt::Write;
 
-/// `stability.csv`: a row a method, seconds; empty: without limit, `nan`: not known.
+/// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no number. Two words say what
+/// each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or `refused`, `measurement` is `limit`, `none-holds`,
+/// `no-limit-found`, `refused`, `out-of-budget` or `interrupted`.
 pub fn csv(rows: &[Row]) -> String {
-    let mut text = String::from("method,predicted,measured\n");
+    let mut text = String::from("method,predicted,measured,prediction,measurement\n");
     for row in rows {
-        let predicted = match (row.prediction.step, row.prediction.known_by) {
-            (Some(step), _) => figures(step, 6),
-            (None, KnownBy::Unlimited) if row.status != Status::Refused => String::new(),
-            (None, _) => "nan".to_owned(),
+        let (prediction, measurement) = (prediction_word(row), measurement_word(row));
+        let cell = |step: Option<f64>, unlimited: bool| match step {
+            Some(step) => figures(step, 6),
+            None if unlimited => String::new(),
+            None => "nan".to_owned(),
         };
-        let measured = match (row.measured, row.status) {
-            (Some(step), _) => figures(step, 6),
-            (None, Status::Measured) => String::new(),
-            (None, _) => "nan".to_owned(),
-        };
-        let _ = writeln!(text, "{},{predicted},{measured}", csv_field(&row.method));
+        let predicted = cell(row.prediction.step, prediction == "unlimited");
+        let measured = cell(row.measured, measurement == "no-limit-found");
+        let _ = writeln!(text, "{},{predicted},{measured},{prediction},{measurement}", csv_field(&row.method));
     }
     text
+}
+
+fn prediction_word(row: &Row) -> &'static str {
+    match (row.status, row.prediction.known_by) {
+        (Status::Refused, _) => "refused",
+        (_, KnownBy::Certified) => "certified",
+        (_, KnownBy::Estimate) => "estimate",
+        (_, KnownBy::Unlimited) => "unlimited",
+        (_, KnownBy::Unknown) => "unknown",
+    }
+}
+
+fn measurement_word(row: &Row) -> &'static str {
+    match (row.status, row.measured) {
+        (Status::Refused, _) => "refused",
+        (Status::OutOfBudget, _) => "out-of-budget",
+        (Status::Interrupted, _) => "interrupted",
+        (Status::Measured, Some(step)) if step > 0.0 => "limit",
+        (Status::Measured, Some(_)) => "none-holds",
+        (Status::Measured, None) => "no-limit-found",
+    }
 }
 
 /// The table for standard output, and a sentence for every method whose limits differ.
@@ -49,10 +71,34 @@ pub fn table(study: &Stability) -> String {
     for (row, why) in differing {
         let _ = writeln!(text, "{}: {why}", row.method);
     }
+    for (row, given) in study.methods.iter().filter_map(|row| Some((row, row.as_given?))) {
+        let _ = writeln!(text, "{}: {}", row.method, as_given(row, given));
+    }
     for (row, why) in study.methods.iter().filter_map(|row| Some((row, row.why.as_ref()?))) {
         let _ = writeln!(text, "{}: {why}", row.method);
     }
     text
+}
+
+/// Why small motion was measured.
+fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
+    let found = match (measured, unstable) {
+        (Some(held), Some(fails)) if held > 0.0 => {
+            format!("runs hold up to {} s and fail at {} s", figures(held, 4), figures(fails, 4))
+        }
+        (_, Some(fails)) => format!("no run holds, down from {} s", figures(fails, 4)),
+        (_, None) => "no run fails".to_owned(),
+    };
+    let held = row.measured.or(row.tried_up_to).unwrap_or(0.0);
+    let why = match unstable {
+        Some(fails) if fails < (1.0 - AGREES) * held => {
+            ", where steps reach beyond the range in which its forces are linear"
+        }
+        _ => "",
+    };
+    format!(
+        "measured from small motion about the equilibrium, because the scene's own motion is linear; from its own start {found}{why}"
+    )
 }
 
 fn measured(row: &Row) -> String {

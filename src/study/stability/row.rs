@@ -2,14 +2,17 @@
 
 use super::measure::{Bench, Halt};
 use super::search::Bracket;
+use super::start::Start;
 use super::{Kind, Prediction, Verdict};
+use crate::case::schema::Method;
 use crate::drive::Failure;
 use crate::integrate::registry::MethodChoice;
+use crate::study::row::label;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Relative difference that needs no explanation.
-const AGREES: f64 = 0.02;
+pub(super) const AGREES: f64 = 0.02;
 
 /// Whether a method was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +31,8 @@ pub enum Status {
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRow {
+    /// where it began
+    pub start: Start,
     /// [s] its step
     pub step: f64,
     /// steps it was to make
@@ -38,10 +43,19 @@ pub struct RunRow {
     pub t_end: f64,
     /// [-] largest kinetic and elastic energy over all energy supplied so far
     pub peak: f64,
-    /// [-] mean kinetic energy over the last quarter of the run, over all energy supplied
+    /// [-] mean energy of motion over the last quarter of the run, over all energy supplied
     pub lively: f64,
     /// what came of it
     pub verdict: Verdict,
+}
+
+/// What the scene's own start gives, where small motion was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AsGiven {
+    /// [s] largest step that held; 0 if none did
+    pub measured: Option<f64>,
+    /// [s] least step above it that did not hold
+    pub unstable: Option<f64>,
 }
 
 /// A method, its predicted and its measured largest stable step.
@@ -57,15 +71,20 @@ pub struct Row {
     pub why: Option<String>,
     /// what theory says at t = 0
     pub prediction: Prediction,
+    /// where the runs behind the next numbers began
+    pub start: Start,
     /// [s] largest step that held; null if no failing step was found (`tried_up_to`) or none that holds
     pub measured: Option<f64>,
     /// [s] least step above it that did not hold
     pub unstable: Option<f64>,
     /// [s] longest step tried by a method that held at every step
     pub tried_up_to: Option<f64>,
+    /// what runs from the scene's own start gave, where `start` is small motion: the scene's own motion is linear, and steps near the limit
+    /// are not
+    pub as_given: Option<AsGiven>,
     /// [-] measured over predicted
     pub ratio: Option<f64>,
-    /// whether they differ by more than 2 % and the width of the bracket
+    /// whether they differ by more than 2 %
     pub differs: bool,
     /// why they differ
     pub explanation: Option<String>,
@@ -95,17 +114,18 @@ pub struct Stability {
 impl Row {
     pub(super) fn new(method: &MethodChoice, prediction: Prediction) -> Self {
         let other = method.info.parameters.iter().zip(&method.values).filter(|(p, v)| p.default != **v);
-        let other: Vec<String> = other.map(|(p, value)| format!("{}={value}", p.name)).collect();
-        let name = method.info.name.to_owned();
+        let parameters = other.map(|(p, value)| (p.name.to_owned(), *value)).collect();
         Row {
-            method: if other.is_empty() { name } else { format!("{name}({})", other.join(" ")) },
+            method: label(&Method { name: method.info.name.to_owned(), parameters }),
             parameters: method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
             status: Status::Measured,
             why: None,
             prediction,
+            start: Start::AsGiven,
             measured: None,
             unstable: None,
             tried_up_to: None,
+            as_given: None,
             ratio: None,
             differs: false,
             explanation: None,
@@ -114,8 +134,11 @@ impl Row {
         }
     }
 
+    pub(super) fn made(&mut self, bench: &Bench<'_>) {
+        self.runs.extend(bench.trials.iter().map(|trial| trial.row));
+    }
+
     pub(super) fn measured(&mut self, bench: &Bench<'_>, bracket: Bracket) {
-        self.runs = bench.trials.iter().map(|trial| trial.row).collect();
         let Bracket { stable, unstable } = bracket;
         self.unstable = unstable;
         match unstable {
@@ -127,9 +150,8 @@ impl Row {
         self.differs = match (bench.kind(), predicted) {
             (Kind::Near(_), Some(predicted)) => {
                 let most = self.prediction.at_most.unwrap_or(predicted).max(predicted);
-                let within = stable.is_some_and(|stable| stable <= most * (1.0 + AGREES))
-                    && unstable.is_some_and(|unstable| unstable >= predicted * (1.0 - AGREES));
-                !within
+                let near = predicted * (1.0 - AGREES)..=most * (1.0 + AGREES);
+                unstable.is_none() || !stable.is_some_and(|stable| near.contains(&stable))
             }
             // No limit, and none found.
             (Kind::Unlimited | Kind::Somewhere, _) => self.unstable.is_some(),
@@ -138,8 +160,22 @@ impl Row {
         self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| bench.failure(h));
     }
 
-    pub(super) fn halted(&mut self, bench: &Bench<'_>, halt: Halt) {
-        self.runs = bench.trials.iter().map(|trial| trial.row).collect();
+    /// Makes room for a measurement from small motion.
+    pub(super) fn set_aside(&mut self) {
+        let AsGiven { measured, unstable } = self.take();
+        self.as_given = Some(AsGiven { measured, unstable });
+        self.start = Start::SmallMotion;
+    }
+
+    /// The measurement so far, which is then no more.
+    fn take(&mut self) -> AsGiven {
+        (self.tried_up_to, self.ratio, self.differs, self.failure) = (None, None, false, None);
+        AsGiven { measured: self.measured.take(), unstable: self.unstable.take() }
+    }
+
+    /// A measurement that was not finished.
+    pub(super) fn halted(&mut self, halt: Halt) {
+        self.take();
         (self.status, self.why) = match halt {
             Halt::OutOfBudget => (Status::OutOfBudget, None),
             Halt::Interrupted => (Status::Interrupted, None),

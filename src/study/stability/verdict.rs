@@ -5,8 +5,10 @@
 //! share     = (kinetic + elastic) / supplied
 //! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
 //!           share > stays in nine of ten steps of the last quarter of the run,
-//!           mean kinetic energy of the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
-//!           or the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last
+//!           mean energy of motion in the last quarter > 30 times that of the next shorter step that held, and > supplied/1000,
+//!           the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last,
+//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the motion's from eighth to eighth
+//! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable oscillation, as one step
 //! of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to 1/(1 - (h/h_c)^2), 25 times at
@@ -15,6 +17,7 @@
 //! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
 
 use super::measure::{Bench, Looks};
+use super::start::{Start, displacement};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
@@ -29,8 +32,9 @@ const BLOWN: f64 = 1e8;
 pub(super) const STAYS: [f64; 2] = [3.0, 30.0];
 /// [-] part of the last quarter of a run in which a share stays.
 const MOST: f64 = 0.9;
-/// [-] share of the scene's size by which rounding may move all nodes.
-const ROUNDING: f64 = 1e-8;
+
+/// A rise of the energy of small motion from an eighth of the run to the next that is growth: share of the motion's, and of all supplied.
+const RISE: [f64; 2] = [0.02, 1e-3];
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,6 +48,8 @@ pub enum Verdict {
     BlownUp,
     /// energy made by the scheme stayed, or grew without end
     EnergyStays,
+    /// the energy of a small motion rose all the time
+    Grows,
     /// a motion went on and on that dies out in shorter steps
     MotionStays,
     /// the watch of the run found more energy than can be
@@ -72,7 +78,7 @@ pub(super) struct Judge<'a> {
     stays: f64,
     /// whether what the account calls dissipated counts
     dissipates: bool,
-    /// [J] what rounding may leave, and what a scheme of first order makes in the first step of a load
+    /// [J] what a run is displaced by at its start, and what a scheme of first order makes in the first step of a load
     floor: f64,
     /// [J] kinetic, elastic and gravity energy at the start
     base: f64,
@@ -80,10 +86,18 @@ pub(super) struct Judge<'a> {
     /// [-] largest share
     pub peak: f64,
     blown: bool,
+    /// whether the last step's share was one of a stable run
+    calm: bool,
     /// steps of the last quarter, and those of them with a share that is too large
     late: [u64; 2],
-    /// [J] sum of the kinetic energy over the last quarter
-    kinetic: f64,
+    /// [J] sum of the energy of motion over the last quarter
+    motion: f64,
+    /// [m/s] room for (x_{n+1} - x_n)/h
+    secant: Vec<f64>,
+    /// whether the energy of a motion that is stable cannot rise
+    sinks: bool,
+    /// [J] sums over the last four eighths: of all energy but that of loads, of the kinetic energy, and their steps
+    eighths: [(f64, f64, u64); 4],
     /// [J] sums of the made energy over the last two eighths, and their steps
     made: [(f64, u64); 2],
 }
@@ -91,7 +105,7 @@ pub(super) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub fn new(bench: &Bench<'a>, steps: u64, interrupt: &'a AtomicBool) -> Self {
         let (scene, method) = (bench.scene(), bench.method);
-        let moved = ROUNDING * scene.size();
+        let moved = displacement(scene);
         Judge {
             interrupt,
             stop: Arc::new(AtomicBool::new(false)),
@@ -105,21 +119,33 @@ impl<'a> Judge<'a> {
             supplied: 0.0,
             peak: 0.0,
             blown: false,
+            calm: true,
             late: [0; 2],
-            kinetic: 0.0,
+            motion: 0.0,
+            secant: vec![0.0; scene.n_dof()],
+            sinks: bench.start() == Start::SmallMotion && bench.stays == STAYS[0] && scene.corners().is_empty(),
+            eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }
     }
 
-    /// [-] Mean kinetic energy over the last quarter of the run, over all energy supplied.
+    /// [-] Mean energy of motion over the last quarter of the run, over all energy supplied.
     pub fn lively(&self) -> f64 {
         let [all, _] = self.late;
         let supplied = self.supplied + self.floor;
-        if all > 0 && supplied > 0.0 { self.kinetic / all as f64 / supplied } else { 0.0 }
+        if all > 0 && supplied > 0.0 { self.motion / all as f64 / supplied } else { 0.0 }
     }
 
     fn share(&self, there: f64) -> f64 {
         if there > 0.0 { there / (self.supplied + self.floor) } else { 0.0 }
+    }
+
+    /// [J] Kinetic energy of (x_{n+1} - x_n)/h.
+    fn secant(&mut self, step: &StepView<'_>) -> f64 {
+        let (from, to) = (&step.from.state, &step.to.state);
+        let h = to.t - from.t;
+        self.secant.iter_mut().zip(&to.x).zip(&from.x).for_each(|((v, to), from)| *v = (to - from) / h);
+        self.scene.kinetic_energy(&self.secant)
     }
 
     /// [J] 1/2 h^2 sum f^2/m of the loads at time `t` [s] on resting masses.
@@ -140,7 +166,19 @@ impl<'a> Judge<'a> {
         let mean = |(sum, n): (f64, u64)| sum / n.max(1) as f64;
         let [before, last] = self.made.map(mean);
         let grown = last - before > STAYS[1] * (self.supplied + self.floor);
-        if (all > 0.0 && over >= MOST * all) || grown { Verdict::EnergyStays } else { Verdict::Stable }
+        if (all > 0.0 && over >= MOST * all) || grown {
+            return Verdict::EnergyStays;
+        }
+        if self.sinks && self.rises() { Verdict::Grows } else { Verdict::Stable }
+    }
+
+    /// Whether the energy of the motion rose from eighth to eighth.
+    fn rises(&self) -> bool {
+        let means = self.eighths.map(|(energy, kinetic, n)| (energy / n.max(1) as f64, kinetic / n.max(1) as f64));
+        means.windows(2).all(|pair| match pair {
+            [(before, _), (last, kinetic)] => last - before > (2.0 * RISE[0] * kinetic).max(RISE[1] * self.supplied),
+            _ => false,
+        })
     }
 }
 
@@ -157,17 +195,25 @@ impl Observer for Judge<'_> {
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
         let mut share = self.share(there);
-        if share > BLOWN {
-            // Before a load has done any work, what the first step makes of it counts as supplied.
+        if share > BLOWN && self.calm {
+            // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not come as a jump.
             let h = step.to.state.t - step.from.state.t;
             let times = [step.from.state.t, step.to.state.t];
             self.floor = times.into_iter().map(|t| self.push(step.from, t, h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
+        self.calm = share <= self.stays;
         self.peak = self.peak.max(share).min(f64::MAX);
+        let eighth = (8 * step.step).saturating_sub(1) / self.steps.max(1);
+        let late = eighth.checked_sub(4).and_then(|late| self.eighths.get_mut(late as usize));
+        if let Some((energy, motion, n)) = late {
+            *energy -= numerical + dissipated;
+            *motion += kinetic;
+            *n += 1;
+        }
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
-            self.kinetic += kinetic;
+            self.motion += kinetic.max(self.secant(&step));
             self.late[1] += u64::from(share > self.stays);
             let eighth = usize::from(8 * step.step > 7 * self.steps);
             if let Some((sum, n)) = self.made.get_mut(eighth) {
