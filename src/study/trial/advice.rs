@@ -2,12 +2,11 @@
 
 use super::cost::{ForceCost, TangentCost};
 use super::estimate::Estimate;
-use super::search::{CAREFUL, Found, Proof, Search, Units, nice};
+use super::search::{Asked, CAREFUL, Found, Proof, Search, Units, nice};
 use super::trials::Trials;
 use super::yardstick::Yardstick;
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::drive::clock::Step;
-use crate::figures::two_digits;
 use crate::integrate::registry::Family;
 
 /// A method with its steps for an accuracy.
@@ -48,7 +47,8 @@ pub struct Advice {
     pub factor: Option<f64>,
 }
 
-/// [-] Costs within this factor are equal: then the case's own method is taken, else the first of the registry, where simple ones come first.
+/// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else the first of
+/// the registry, where simple ones come first.
 const TIE: f64 = 1.15;
 /// Methods that come far, tried first so that dear ones are known as such at once.
 const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
@@ -125,16 +125,16 @@ impl<'s, 'a> Adviser<'s, 'a> {
             let work = [made.force_evaluations, made.tangent_assemblies, made.factorizations, made.linear_solves];
             let steps = problem.time.end / step;
             let seconds = self.units.cost(steps, work.map(|n| n / made.steps * steps));
-            Some((candidate, Found { step, error: None, proof: Proof::LocalErrors, seconds }))
+            Some((candidate, Found { step, error: None, proof: Proof::LocalErrors, seconds, run: None }))
         };
         tried.filter_map(offer).collect()
     }
 
-    /// The cheapest of all and the cheapest of the other family; `run` predicts a run of a method.
+    /// The cheapest of all and the cheapest of the other family; `complete` predicts a run of a method where it is not known, and adds its output.
     pub fn advise(
         &self,
         offers: &[Offer<'a>],
-        mut run: impl FnMut(&Candidate, Step) -> Option<Estimate>,
+        mut complete: impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
     ) -> Option<Advice> {
         let own = self.spec.problem.method.info.name;
         let of = |implicit: bool| {
@@ -145,7 +145,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let best = prefer(&cheapest, own)?;
         let other = cheapest.iter().find(|(c, _)| c.method.info.name != best.0.method.info.name);
         let factor = other.map(|(_, found)| found.seconds / best.1.seconds);
-        let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut run);
+        let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut complete);
         Some(Advice {
             accuracy: self.spec.accuracy,
             compared: self.search.as_ref().map_or(0.0, |search| search.yardstick.seen()),
@@ -159,22 +159,23 @@ impl<'s, 'a> Adviser<'s, 'a> {
         &self,
         candidate: &Candidate,
         found: Found,
-        run: &mut impl FnMut(&Candidate, Step) -> Option<Estimate>,
+        complete: &mut impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
     ) -> Choice {
-        let untried = (two_digits(self.spec.accuracy / 3.0), None);
-        let (tolerance, tolerance_error) =
-            self.search.as_ref().map_or(untried, |search| search.tolerance(candidate, &found));
-        let adaptive = run(candidate, Step::Adaptive(tolerance_of(tolerance)));
+        let Asked { tolerance, error, run: adaptive } = match &self.search {
+            Some(search) => search.tolerance(candidate, &found),
+            None => Asked::untried(self.spec.accuracy),
+        };
+        let adaptive = complete(candidate, Step::Adaptive(tolerance_of(tolerance)), adaptive);
         Choice {
             method: candidate.method.info.name,
             tolerance,
-            tolerance_error,
+            tolerance_error: error,
             cpu_seconds: adaptive.map(|estimate| estimate.cpu_seconds),
             step: found.step,
             step_error: found.error,
             known_by: found.proof,
             integration_seconds: found.seconds,
-            fixed: run(candidate, Step::Fixed(found.step)),
+            fixed: complete(candidate, Step::Fixed(found.step), found.run),
         }
     }
 }
@@ -183,6 +184,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
 fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let least = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
     let mut equal = offers.iter().filter(|(_, found)| found.seconds <= TIE * least);
-    let first = equal.clone().next()?;
-    Some(*equal.find(|(c, _)| c.method.info.name == own).unwrap_or(first))
+    let error = |(_, found): &&Offer<'c>| found.error.unwrap_or(f64::INFINITY);
+    let exact = equal.clone().min_by(|a, b| error(a).total_cmp(&error(b)))?;
+    Some(*equal.find(|(c, _)| c.method.info.name == own).unwrap_or(exact))
 }

@@ -70,6 +70,25 @@ impl Estimate {
         })
     }
 
+    /// A run to `end` [s] in `steps` steps like those of a sample.
+    pub fn from_one(sample: &Sample, end: f64, steps: f64) -> Estimate {
+        let share = steps / sample.steps;
+        let [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations] =
+            sample.work.map(|n| n * share);
+        Estimate {
+            basis: Basis::Steps,
+            steps,
+            mean_step: end / steps,
+            step_seconds: sample.seconds / sample.steps,
+            cpu_seconds: sample.seconds * share,
+            force_evaluations,
+            tangent_assemblies,
+            factorizations,
+            linear_solves,
+            newton_iterations,
+        }
+    }
+
     /// The same with the processor time [s] of results written.
     #[must_use]
     pub fn with_output(self, seconds: f64) -> Estimate {

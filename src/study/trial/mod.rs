@@ -157,17 +157,17 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let mut methods: Vec<Row> = rows.collect();
     let adviser = Adviser::new(spec, &force, tangent.as_ref());
     let offers = adviser.offers(&mut trials);
-    let mut predict = |candidate: &Candidate, step: Step| {
-        let estimate = trials.predict(candidate, step).ok()?;
+    let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
+        let estimate = known.or_else(|| trials.predict(candidate, step).ok())?;
         Some(estimate.with_output(output.seconds(estimate.steps)))
     };
     for (candidate, found) in &offers {
         if let Some(row) = methods.iter_mut().find(|row| row.method == candidate.method.info.name) {
             row.accuracy_step = Some(found.step);
-            row.at_accuracy = predict(candidate, Step::Fixed(found.step));
+            row.at_accuracy = complete(candidate, Step::Fixed(found.step), found.run);
         }
     }
-    let advice = adviser.advise(&offers, &mut predict);
+    let advice = adviser.advise(&offers, &mut complete);
     let seen = trials.seen();
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }

@@ -1,6 +1,8 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
 use super::cost::{ForceCost, TangentCost};
+use super::estimate::Estimate;
+use super::sample::Sample;
 use super::yardstick::{Delivered, Yardstick};
 use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
@@ -8,10 +10,12 @@ use crate::figures::two_digits;
 use crate::integrate::registry::Family;
 use crate::study::bench::nominal_step;
 
-/// [s] What a run may cost, nominally.
-const RUN: f64 = 0.3;
+/// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
+const RUN: [f64; 2] = [0.3, 0.12];
+/// Steps are not told from steps more than so many times longer.
+const REACH: f64 = 5.0;
 /// Runs for a step, and for a tolerance.
-const RUNS: [usize; 2] = [6, 4];
+const RUNS: [usize; 2] = [6, 3];
 /// [-] of the accuracy: what is aimed at, and what is enough.
 const AIM: f64 = 0.7;
 const ENOUGH: f64 = 0.4;
@@ -55,6 +59,8 @@ pub struct Found {
     pub proof: Proof,
     /// [s] cost of the whole run without output: counted work times what its units cost
     pub seconds: f64,
+    /// the whole run as far as it is known, without output
+    pub run: Option<Estimate>,
 }
 
 /// What the units of work cost here.
@@ -78,6 +84,24 @@ impl Units {
     /// [s] So many steps and their work.
     pub fn cost(&self, steps: f64, work: [f64; 4]) -> f64 {
         self.step * steps + self.work.iter().zip(work).map(|(unit, n)| unit * n).sum::<f64>()
+    }
+}
+
+/// A tolerance of an accuracy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// [-] relative tolerance
+    pub tolerance: f64,
+    /// [-] its error; `None` where it was not tried
+    pub error: Option<f64>,
+    /// the whole run, without output; `None` where it was not tried
+    pub run: Option<Estimate>,
+}
+
+impl Asked {
+    /// What is asked for without a trial: local errors mostly come to the tolerance within a factor of three.
+    pub fn untried(accuracy: f64) -> Asked {
+        Asked { tolerance: two_digits(accuracy / 3.0), error: None, run: None }
     }
 }
 
@@ -112,7 +136,7 @@ impl Search<'_> {
         if self.units.cost(whole / longest, [passes * whole / longest, 0.0, 0.0, 0.0]) > dearest {
             return None;
         }
-        let most = RUN / nominal_step(scene, method);
+        let most = self.most(candidate);
         let shortest = span / most;
         let guess =
             self.yardstick.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
@@ -156,41 +180,56 @@ impl Search<'_> {
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
         if let Some(&(step, made)) = good.max_by(|a, b| a.0.total_cmp(&b.0)) {
             let proof = if self.yardstick.seen() < 1.0 { Proof::Part } else { Proof::Run };
-            return Some(Found { step, error: Some(made.error), proof, seconds: self.cost((step, made), step) });
+            return Some(self.found((step, made), step, made.error, proof));
         }
         let &(h, made) = tries.last()?;
         let p = order(tries, nominal);
         let step = nice(h * (CAREFUL * self.accuracy / made.error).powf(1.0 / p).min(1.0), whole);
-        let error = Some(made.error * (step / h).powf(p));
-        Some(Found { step, error, proof: Proof::LongerSteps, seconds: self.cost((h, made), step) })
+        (h <= REACH * step).then(|| self.found((h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
     }
 
-    /// The tolerance to ask for, and the error it delivered.
-    pub fn tolerance(&self, candidate: &Candidate, found: &Found) -> (f64, Option<f64>) {
-        let Yardstick { scene, span, .. } = self.yardstick;
-        // Local errors come to the accuracy within a factor of three or so.
-        let untried = (two_digits(self.accuracy / 3.0), None);
+    /// A step, from a run with it or with a longer one.
+    fn found(&self, from: Try, step: f64, error: f64, proof: Proof) -> Found {
+        let run = Some(self.run(from.1, (self.yardstick.whole / step).ceil()));
+        Found { step, error: Some(error), proof, seconds: self.cost(from, step), run }
+    }
+
+    /// The whole run in so many steps, from the work and the time of those that were made.
+    fn run(&self, made: Delivered, steps: f64) -> Estimate {
+        let whole = self.yardstick.whole;
+        let [force_evaluations, tangent_assemblies, factorizations, linear_solves] = made.work;
+        let work = [force_evaluations, tangent_assemblies, factorizations, linear_solves, made.newton_iterations];
+        let sample = Sample { steps: made.steps.max(1.0), simulated: self.yardstick.span, seconds: made.seconds, work };
+        Estimate::from_one(&sample, whole, steps)
+    }
+
+    /// Steps that a run may have which is compared.
+    fn most(&self, candidate: &Candidate) -> f64 {
+        let step = nominal_step(self.yardstick.scene, &candidate.method);
+        let dear = candidate.method.info.family == Family::Implicit && step > DEAR;
+        RUN[usize::from(dear)] / step
+    }
+
+    /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
+    pub fn tolerance(&self, candidate: &Candidate, found: &Found) -> Asked {
+        let untried = Asked::untried(self.accuracy);
+        let Yardstick { span, whole, .. } = self.yardstick;
         let steps = span / found.step;
-        let most = RUN / nominal_step(scene, &candidate.method);
-        if steps > 2.0 * most {
+        if steps > 2.0 * self.most(candidate) {
             return untried;
         }
-        let (mut tolerance, mut best) = (self.accuracy, untried);
+        let most = (4.0 * steps) as u64 + 100;
+        let mut tolerance = self.accuracy;
         for _ in 0..RUNS[1] {
             let step = Step::Adaptive(tolerance_of(tolerance));
-            let made = self.yardstick.measure(&candidate.method, step, (4.0 * most) as u64);
-            let Some(Delivered { error, .. }) = made else { break };
-            if error <= self.bound() {
-                let wider = best.1.is_none() || tolerance > best.0;
-                best = if wider { (tolerance, Some(error)) } else { best };
-                if error >= 0.5 * ENOUGH * self.bound() {
-                    break;
-                }
+            let Some(made) = self.yardstick.measure(&candidate.method, step, most) else { break };
+            if made.error <= self.bound() {
+                let run = self.run(made, made.steps * whole / span);
+                return Asked { tolerance, error: Some(made.error), run: Some(run) };
             }
-            let next = tolerance * (self.aim() * self.accuracy / error).clamp(0.05, 20.0);
-            tolerance = two_digits(next.min(0.5));
+            tolerance = two_digits(tolerance * (self.aim() * self.accuracy / made.error).max(0.05));
         }
-        best
+        Asked { tolerance: tolerance.min(untried.tolerance), ..untried }
     }
 
     fn aim(&self) -> f64 {
@@ -243,7 +282,7 @@ mod tests {
 
     #[test]
     fn the_order_is_that_of_the_last_runs_and_no_better_than_the_methods() {
-        let run = |h: f64, error: f64| (h, Delivered { error, steps: 1.0, work: [0.0; 4] });
+        let run = |h: f64, error: f64| (h, Delivered { error, ..Delivered::default() });
         assert_eq!(order(&[run(0.1, 1e-2)], 2), 2.0);
         assert_eq!(order(&[run(0.1, 1.0), run(0.1, 4e-2), run(0.05, 2e-2)], 2), 1.0);
         assert_eq!(order(&[run(0.1, 1.0), run(0.05, 1e-3)], 4), 4.0);

@@ -6,6 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Candidate;
+use super::timing::Clock;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
@@ -49,7 +50,7 @@ pub struct Yardstick<'a> {
 }
 
 /// What a run came to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Delivered {
     /// [-] error at the end of the whole run, relative to the motion
     pub error: f64,
@@ -57,6 +58,10 @@ pub struct Delivered {
     pub steps: f64,
     /// [-] force passes, assemblies, factorisations and solves, of the part that was run
     pub work: [f64; 4],
+    /// Newton iterations
+    pub newton_iterations: f64,
+    /// [s] processor time it took; decides nothing
+    pub seconds: f64,
 }
 
 impl<'a> Yardstick<'a> {
@@ -112,11 +117,16 @@ impl<'a> Yardstick<'a> {
         let stop = AtomicBool::new(false);
         let comparing = Sampler::comparing(self.scene, self.every, &self.reference, (0.0, Distance::default()));
         let mut attendant = Attendant::new(comparing, most, self.reference.motion.frames / 2, &stop);
+        let clock = Clock::default();
+        let before = clock.seconds();
         let Outcome { status, counters: c, steps, .. } = self.drive(method, step, &mut attendant, &stop)?;
+        let seconds = clock.seconds() - before;
         let [error, _] = attendant.sampler.distance().over(self.reference.motion)?;
         let work = [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves].map(|n| n as f64);
         let grown = self.grown(error, attendant.halfway);
-        (status == Status::Completed).then_some(Delivered { error: error * grown, steps: steps as f64, work })
+        let (steps, newton_iterations) = (steps as f64, c.newton_iterations as f64);
+        let made = Delivered { error: error * grown, steps, work, newton_iterations, seconds };
+        (status == Status::Completed).then_some(made)
     }
 
     fn drive(
