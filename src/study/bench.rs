@@ -24,6 +24,8 @@ const MOST_BYTES: f64 = 2.5e8;
 
 /// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
 const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
+/// [s] nominal cost of a pass itself, where that of the step is counted besides
+const SMALL_PASS: f64 = 5e-8;
 /// [s] nominal cost of an implicit step a degree of freedom
 const NOMINAL_IMPLICIT: f64 = 4e-6;
 
@@ -124,6 +126,13 @@ pub fn nominal_step(scene: &dyn Scene, method: &MethodChoice) -> f64 {
     let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())].max(1));
     let solving = if method.info.family == Family::Implicit { NOMINAL_IMPLICIT * scene.n_dof() as f64 } else { 0.0 };
     solving + passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+}
+
+/// [s] What the elements of a force pass cost, with a little for the pass, from counts alone as [`nominal_step`].
+pub fn nominal_pass(scene: &dyn Scene) -> f64 {
+    let [spring, triangle, node, _] = NOMINAL;
+    let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+    SMALL_PASS + spring * sizes[0] + triangle * sizes[1] + node * sizes[2]
 }
 
 impl Pace {

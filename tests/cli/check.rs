@@ -258,29 +258,6 @@ fn what_is_recommended_delivers_the_wanted_accuracy() {
     }
 }
 
-/// Errors that grow all along a run are told from a part of it, with the growth they showed, where the whole is too long: an undamped
-/// oscillator against x = 10 + 2 cos(sqrt(3/2) t).
-#[test]
-fn what_is_recommended_from_a_part_of_a_run_holds_to_its_end() {
-    let bench = Bench::new();
-    let (end, every) = (6e5, 600.0);
-    let [end_text, frames_text] = [end.to_string(), format!("output.frames.every={every}")];
-    let rows = "output.history.every=1000000";
-    let case = [asset(&bench, "oscillator.json"), "--end", &end_text, "--set", &frames_text, "--set", rows];
-    let report = checked(&bench, &[&case[..], &["--accuracy", "1e-2"]].concat());
-    let (best, compared) = (&report["advice"]["best"], number(&report["advice"], "compared"));
-    assert!(best["known_by"] == "part" && (0.03..1.0).contains(&compared), "{best}");
-    let (method, step) = (best["method"].as_str().expect("a method"), number(best, "step").to_string());
-    let made = frames(&bench, &[&case[..], &["--method", method, "--step", &step]].concat());
-    let exact = |k: usize| {
-        let x = 10.0 + 2.0 * (1.5_f64.sqrt() * every * k as f64).cos();
-        vec![0.0, 0.0, 0.0, x, 0.0, 0.0]
-    };
-    let reference: Vec<Vec<f64>> = (0..made.len()).map(exact).collect();
-    let off = error(&reference, &made);
-    assert!(off <= 1e-2, "{method} {step}: {off:e}; {best}");
-}
-
 /// The clock has no part in what is recommended where costs are clearly apart or equal.
 #[test]
 fn the_same_question_has_the_same_answer() {

@@ -1,6 +1,6 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
-use super::cost::{ForceCost, TangentCost};
+use super::cost::TangentCost;
 use super::estimate::Estimate;
 use super::sample::Sample;
 use super::yardstick::{Delivered, Yardstick};
@@ -8,7 +8,8 @@ use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::figures::two_digits;
 use crate::integrate::registry::Family;
-use crate::study::bench::nominal_step;
+use crate::scene::Scene;
+use crate::study::bench::{nominal_pass, nominal_step};
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];
@@ -33,6 +34,8 @@ const FEWEST: f64 = 4.0;
 const DEAR: f64 = 4e-3;
 /// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
 const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
+/// [-] Errors above are bounded by the motion and tell nothing of shorter steps.
+const SATURATED: f64 = 0.3;
 
 /// What an error is known by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -73,12 +76,12 @@ pub struct Units {
 }
 
 impl Units {
-    /// From what was measured.
-    pub fn new(force: &ForceCost, tangent: Option<&TangentCost>, n_dof: usize) -> Units {
+    /// Explicit work costs what is nominal, so that the order of explicit methods is the same in every call; solving what was measured.
+    pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> Units {
         let solving = tangent.map_or([0.0; 3], |t| [t.assembly_seconds, t.factorization_seconds, t.solve_seconds]);
         let [assembly, factorization, solve] = solving;
-        let step = OVERHEAD[0] + OVERHEAD[1] * n_dof as f64;
-        Units { step, work: [force.pass_seconds, assembly, factorization, solve] }
+        let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
+        Units { step, work: [nominal_pass(scene), assembly, factorization, solve] }
     }
 
     /// [s] So many steps and their work.
@@ -182,7 +185,11 @@ impl Search<'_> {
             let proof = if self.yardstick.seen() < 1.0 { Proof::Part } else { Proof::Run };
             return Some(self.found((step, made), step, made.error, proof));
         }
-        let &(h, made) = tries.last()?;
+        let [_, .., (h, made)] = tries else { return None };
+        let (h, made) = (*h, *made);
+        if made.error > SATURATED {
+            return None;
+        }
         let p = order(tries, nominal);
         let step = nice(h * (CAREFUL * self.accuracy / made.error).powf(1.0 / p).min(1.0), whole);
         (h <= REACH * step).then(|| self.found((h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
@@ -218,7 +225,7 @@ impl Search<'_> {
         if steps > 2.0 * self.most(candidate) {
             return untried;
         }
-        let most = (4.0 * steps) as u64 + 100;
+        let most = (4.0 * steps) as u64 + 4 * self.yardstick.frames() + 100;
         let mut tolerance = self.accuracy;
         for _ in 0..RUNS[1] {
             let step = Step::Adaptive(tolerance_of(tolerance));

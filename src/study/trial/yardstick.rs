@@ -107,6 +107,11 @@ impl<'a> Yardstick<'a> {
         (self.span / self.whole).min(1.0)
     }
 
+    /// Frames that are compared.
+    pub fn frames(&self) -> u64 {
+        self.reference.motion.frames
+    }
+
     /// [s] Period of what moves most.
     pub fn period(&self) -> f64 {
         self.reference.motion.period()
