@@ -15,6 +15,7 @@ use super::linearised::Linearised;
 use super::motions::{Motion, Motions};
 use super::rates::Rates;
 use super::step_map::{LinearScene, Search};
+use crate::figures::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
@@ -86,6 +87,16 @@ impl CriticalStep {
             }
             _ => None,
         }
+    }
+
+    /// [s] A step to take below a limit that is above 0, two digits: an estimate may lie a few percent above the true limit, what is
+    /// proved does not.
+    pub fn safe(&self) -> f64 {
+        let share = match self.confidence {
+            Confidence::Certified { .. } => 0.98,
+            Confidence::Estimate | Confidence::NoLimit => 0.9,
+        };
+        if self.step.is_finite() { two_digits(share * self.step) } else { self.step }
     }
 }
 

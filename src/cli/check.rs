@@ -152,6 +152,7 @@ fn describe_limits(
 fn describe_rates(text: &mut String, scene: &dyn Scene, spectrum: &Spectrum<'_>) {
     let rates = spectrum.rates();
     let bound = match spectrum.frequency_bound() {
+        Some(bound) if bound <= rates.frequency * 1.0001 => "rad/s (proved)".to_owned(),
         Some(bound) => format!("to {bound:.4e} rad/s (proved)"),
         None => "rad/s (an estimate)".to_owned(),
     };

@@ -8,6 +8,7 @@ use crate::integrate::registry::Family;
 use crate::study::trial::advice::{Advice, Choice};
 use crate::study::trial::cost::{ForceCost, TangentCost};
 use crate::study::trial::estimate::{Basis, Estimate};
+use crate::study::trial::search::Proof;
 use crate::study::trial::{Forecast, Row};
 
 /// Factors below are within what predictions are worth.
@@ -31,7 +32,7 @@ pub(super) fn describe_forecast(text: &mut String, problem: &Problem, forecast: 
     );
     describe_runs(text, problem, forecast);
     if let Some(advice) = &forecast.advice {
-        describe_advice(text, advice, forecast.seen);
+        describe_advice(text, advice);
     }
     text.push('\n');
 }
@@ -123,33 +124,40 @@ fn run_of(row: &Row) -> String {
     )
 }
 
-fn describe_advice(text: &mut String, advice: &Advice, seen: f64) {
-    let Advice { accuracy, best, runner_up, factor } = advice;
+fn describe_advice(text: &mut String, advice: &Advice) {
+    let Advice { accuracy, compared, best, runner_up, factor } = advice;
     let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
     if let (Some(other), Some(factor)) = (runner_up, factor) {
         let than = if *factor < TIE {
-            "about as cheap as".to_owned()
+            "in integration about as cheap as".to_owned()
         } else {
-            format!("{} times cheaper than", figures(*factor, 2))
+            format!("in integration {} times cheaper than", figures(*factor, 2))
         };
-        let _ = write!(text, ", {than} {}", options(other));
+        let _ = write!(text, ";\n  {than} {}", options(other));
     }
-    let part = if seen >= 0.995 {
-        "along the whole run".to_owned()
-    } else {
-        format!("in the first {:.2} % of the run", 100.0 * seen)
-    };
-    let _ = writeln!(text, "\n  (a prediction from short trials {part}; `canopy-fem tradeoff` measures it)");
+    let _ = writeln!(text, "\n  ({}; `canopy-fem tradeoff` measures all methods)", known_by(best, *compared));
 }
 
-/// `newmark --tolerance 1e-3 (0.3 s) or --step 9e-4 (0.2 s)`
-fn options(choice: &Choice) -> String {
-    let Choice { method, tolerance, cpu_seconds, step, fixed } = choice;
-    let mut text = format!("{method} --tolerance {tolerance:e} (about {})", seconds(*cpu_seconds));
-    if let (Some(step), Some(fixed)) = (step, fixed) {
-        let _ = write!(text, " or --step {} (about {})", figures(*step, 2), seconds(fixed.cpu_seconds));
+/// How the error of what is recommended is known.
+fn known_by(best: &Choice, compared: f64) -> String {
+    let error = best.step_error.map_or_else(String::new, |error| format!("{error:.1e}"));
+    let part = 100.0 * compared;
+    match best.known_by {
+        Proof::Run => format!("the step was run to the end: error {error} against dop853"),
+        Proof::Part => format!("the step was run over the first {part:.1} %: error {error} expected at the end"),
+        Proof::LongerSteps => {
+            format!("longer steps were run over the first {part:.1} %: error {error} expected of this one at the end")
+        }
+        Proof::LocalErrors => "from the errors of single steps; what they add up to is not known".to_owned(),
     }
-    text
+}
+
+/// `newmark --step 9e-4 (0.2 s) or --tolerance 1e-3 (0.3 s)`
+fn options(choice: &Choice) -> String {
+    let Choice { method, tolerance, cpu_seconds, step, fixed, .. } = choice;
+    let about = |spent: Option<f64>| spent.map_or_else(String::new, |spent| format!(" (about {})", seconds(spent)));
+    let fixed = about(fixed.map(|fixed| fixed.cpu_seconds));
+    format!("{method} --step {}{fixed} or --tolerance {tolerance:e}{}", figures(*step, 2), about(*cpu_seconds))
 }
 
 fn count(steps: f64) -> String {

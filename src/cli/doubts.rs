@@ -44,20 +44,12 @@ pub(super) fn place(scene: &dyn Scene, dof: usize) -> String {
     scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
 }
 
-/// What a critical step is worth in a word, and the share of it that is safe: an estimate may lie a few percent above the true
-/// limit, what is proved does not.
-pub(super) fn worth(limit: CriticalStep) -> (&'static str, f64) {
+/// What a critical step is worth in a word.
+pub(super) fn worth(limit: CriticalStep) -> &'static str {
     match limit.confidence {
-        Confidence::Certified { .. } => ("certified", 0.98),
-        Confidence::Estimate | Confidence::NoLimit => ("an estimate", 0.9),
+        Confidence::Certified { .. } => "certified",
+        Confidence::Estimate | Confidence::NoLimit => "an estimate",
     }
-}
-
-/// A step to take, two digits, rounded down.
-pub(super) fn below(limit: CriticalStep) -> String {
-    let step = worth(limit).1 * limit.step;
-    let unit = 10_f64.powf(step.log10().floor() - 1.0);
-    figures((step / unit).floor() * unit, 2)
 }
 
 /// A warning for a step that is too large, with both numbers.
@@ -74,19 +66,24 @@ pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalSt
     (step > limit.step).then(|| {
         let Rates { frequency, damping, .. } = limit.rates;
         format!(
-            "the step of {} s is {} times the critical step of {name} on this scene, about {} s at the start \
+            "the step of {} s is {} the critical step of {name} on this scene, about {} s at the start \
              ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: take --step {} or \
              --method newmark",
             figures(step, 4),
-            figures(step / limit.step, 3),
+            excess(step / limit.step),
             figures(limit.step, 3),
-            worth(limit).0,
+            worth(limit),
             place(scene, limit.dof),
             figures(frequency, 4),
             figures(damping, 4),
-            below(limit)
+            figures(limit.safe(), 2)
         )
     })
+}
+
+/// How far a step is above its limit.
+fn excess(ratio: f64) -> String {
+    if ratio < 1.005 { "just above".to_owned() } else { format!("{} times", figures(ratio, 3)) }
 }
 
 /// A warning for frames that will not fit on the disk of `out`.

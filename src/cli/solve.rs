@@ -211,7 +211,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
         let later = seen
             .least
             .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
-        let (known, used) = (worth(seen.limit).0, step / critical);
+        let (known, used) = (worth(seen.limit), step / critical);
         let _ =
             writeln!(text, "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}");
     }

@@ -3,7 +3,7 @@
 //! the critical step does; only where that comes close to the step is the spectrum itself asked, and only then is anything said.
 
 use super::complain;
-use super::doubts::{below, place, worth};
+use super::doubts::{place, worth};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::figures::figures;
@@ -144,10 +144,10 @@ impl<'a> Stiffening<'a> {
             figures(t, 4),
             method.info.name,
             figures(found.step, 3),
-            worth(found).0,
+            worth(found),
             place(scene, found.dof),
             figures(h, 4),
-            below(found)
+            figures(found.safe(), 2)
         ));
     }
 }

@@ -24,6 +24,8 @@ const MOST_BYTES: f64 = 2.5e8;
 
 /// [s] nominal cost of a spring, a triangle and a node in a force pass, and of a pass
 const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
+/// [s] nominal cost of a pass itself, where that of the step is counted besides
+const SMALL_PASS: f64 = 5e-8;
 /// [s] nominal cost of an implicit step a degree of freedom
 const NOMINAL_IMPLICIT: f64 = 4e-6;
 
@@ -74,21 +76,13 @@ impl Bench {
         fingerprint.note_end(problem.time.end);
         let system: SystemSpec = problem.take_system();
         let scene = build_scene(system, threads)?;
-        let asked = problem.output.frames_every.unwrap_or(problem.time.end / FRAMES).min(problem.time.end);
-        let bytes = 24.0 * scene.reference().len() as f64 * (problem.time.end / asked);
-        let every = asked * (bytes / MOST_BYTES).ceil().max(1.0);
+        let every = interval(&problem, &*scene);
         Ok(Bench { scene, problem, fingerprint, every })
     }
 
-    /// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on every machine.
+    /// [s] What a step of a method costs: [`nominal_step`].
     pub fn nominal_step(&self, method: &MethodChoice) -> f64 {
-        let scene = &*self.scene;
-        let [spring, triangle, node, pass] = NOMINAL;
-        let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
-        let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())].max(1));
-        let solving =
-            if method.info.family == Family::Implicit { NOMINAL_IMPLICIT * scene.n_dof() as f64 } else { 0.0 };
-        solving + passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+        nominal_step(&*self.scene, method)
     }
 
     /// [s] End of the runs.
@@ -122,6 +116,30 @@ impl Bench {
             None => drive::run(scene, &mut stepper, spec, observers, stop)?,
         })
     }
+}
+
+/// [s] Interval of the frames that are compared: the case's, but few enough to be held in memory.
+pub fn interval(problem: &Problem, scene: &dyn Scene) -> f64 {
+    let end = problem.time.end;
+    let asked = problem.output.frames_every.unwrap_or(end / FRAMES).min(end);
+    let bytes = 24.0 * scene.reference().len() as f64 * (end / asked);
+    asked * (bytes / MOST_BYTES).ceil().max(1.0)
+}
+
+/// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on every machine.
+pub fn nominal_step(scene: &dyn Scene, method: &MethodChoice) -> f64 {
+    let [spring, triangle, node, pass] = NOMINAL;
+    let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+    let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())].max(1));
+    let solving = if method.info.family == Family::Implicit { NOMINAL_IMPLICIT * scene.n_dof() as f64 } else { 0.0 };
+    solving + passes * (spring * sizes[0] + triangle * sizes[1] + node * sizes[2] + pass)
+}
+
+/// [s] What the elements of a force pass cost, with a little for the pass, from counts alone as [`nominal_step`].
+pub fn nominal_pass(scene: &dyn Scene) -> f64 {
+    let [spring, triangle, node, _] = NOMINAL;
+    let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
+    SMALL_PASS + spring * sizes[0] + triangle * sizes[1] + node * sizes[2]
 }
 
 impl Pace {

@@ -1,7 +1,12 @@
 //! Which method and which step to take for a wanted accuracy.
 
-use super::estimate::{Estimate, two_digits};
-use super::{Candidate, Row, safe_step};
+use super::cost::TangentCost;
+use super::estimate::Estimate;
+use super::search::{Asked, CAREFUL, Found, Proof, Search, Units, nice};
+use super::trials::Trials;
+use super::yardstick::Yardstick;
+use super::{Candidate, ForecastSpec, tolerance_of};
+use crate::drive::clock::Step;
 use crate::integrate::registry::Family;
 
 /// A method with its steps for an accuracy.
@@ -11,10 +16,18 @@ pub struct Choice {
     pub method: &'static str,
     /// [-] relative tolerance of adaptive steps
     pub tolerance: f64,
+    /// [-] error that this tolerance delivered; null where no run was affordable
+    pub tolerance_error: Option<f64>,
     /// [s] processor time of the run with these
-    pub cpu_seconds: f64,
-    /// [s] fixed step of about the same accuracy, two digits, stable; null for a method without stable step
-    pub step: Option<f64>,
+    pub cpu_seconds: Option<f64>,
+    /// [s] fixed step, two digits, stable
+    pub step: f64,
+    /// [-] its error; null where no run was affordable
+    pub step_error: Option<f64>,
+    /// how it is known
+    pub known_by: Proof,
+    /// [s] the run with that step without output: counted work times what its units cost
+    pub integration_seconds: f64,
     /// the run with that step
     pub fixed: Option<Estimate>,
 }
@@ -24,55 +37,154 @@ pub struct Choice {
 pub struct Advice {
     /// [-] wanted accuracy, relative to the motion
     pub accuracy: f64,
-    /// the cheapest
+    /// [-] part of the run that was compared with a reference; 0 where none was affordable
+    pub compared: f64,
+    /// the cheapest to integrate
     pub best: Choice,
     /// the cheapest of the other family: implicit against explicit
     pub runner_up: Option<Choice>,
-    /// [-] how many times the runner-up costs what the best does
+    /// [-] how many times the runner-up's integration costs what the best's does
     pub factor: Option<f64>,
 }
 
-impl Choice {
-    /// [s] The cheaper of adaptive and fixed steps.
-    pub fn least_seconds(&self) -> f64 {
-        self.fixed.map_or(self.cpu_seconds, |fixed| fixed.cpu_seconds.min(self.cpu_seconds))
+/// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else the first of
+/// the registry, where simple ones come first.
+const TIE: f64 = 1.15;
+/// Methods that come far, tried first so that dear ones are known as such at once.
+const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
+/// Methods tried where no reference is affordable.
+const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
+
+/// A method and its step.
+type Offer<'c> = (&'c Candidate, Found);
+
+/// Looks for the steps of all methods that may be cheap.
+pub struct Adviser<'s, 'a> {
+    spec: &'s ForecastSpec<'a>,
+    units: Units,
+    search: Option<Search<'a>>,
+}
+
+impl<'s, 'a> Adviser<'s, 'a> {
+    /// Makes the reference.
+    pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
+        let ForecastSpec { scene, problem, candidates, accuracy, .. } = *spec;
+        let units = Units::new(scene, tangent);
+        let yardstick = Yardstick::of(scene, problem, candidates, accuracy);
+        let search = yardstick.map(|yardstick| Search { yardstick, units, accuracy });
+        Adviser { spec, units, search }
+    }
+
+    /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their family are left out.
+    pub fn offers(&self, trials: &mut Trials<'_>) -> Vec<Offer<'a>> {
+        let mut offers = Vec::new();
+        for implicit in [false, true] {
+            let found = self.search.as_ref().map_or_else(Vec::new, |search| self.measured(search, implicit));
+            offers.extend(if found.is_empty() { self.unmeasured(trials, implicit) } else { found });
+        }
+        let place = |offer: &Offer<'_>| {
+            self.spec.candidates.iter().position(|c| c.method.info.name == offer.0.method.info.name)
+        };
+        offers.sort_by_key(place);
+        offers
+    }
+
+    /// The candidates of a family: the case's own, those that come far, the others.
+    fn family(&self, implicit: bool) -> impl Iterator<Item = &'a Candidate> {
+        let own = self.spec.problem.method.info.name;
+        let rank = move |c: &&Candidate| match c.method.info.name {
+            name if name == own => 0,
+            name => 1 + FIRST.iter().position(|first| *first == name).unwrap_or(FIRST.len()),
+        };
+        let mut family: Vec<&'a Candidate> =
+            self.spec.candidates.iter().filter(|c| (c.method.info.family == Family::Implicit) == implicit).collect();
+        family.sort_by_key(rank);
+        family.into_iter()
+    }
+
+    fn measured(&self, search: &Search<'a>, implicit: bool) -> Vec<Offer<'a>> {
+        let mut offers: Vec<Offer<'a>> = Vec::new();
+        for candidate in self.family(implicit).filter(|c| search.tries(c, self.spec.problem.method.info.name)) {
+            let cheapest = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
+            offers.extend(search.step(candidate, TIE * cheapest).map(|found| (candidate, found)));
+        }
+        offers
+    }
+
+    /// From what local errors let adaptive steps be.
+    fn unmeasured(&self, trials: &mut Trials<'_>, implicit: bool) -> Vec<Offer<'a>> {
+        let ForecastSpec { problem, accuracy, .. } = *self.spec;
+        let own = problem.method.info.name;
+        let tried =
+            self.family(implicit).filter(|c| own == c.method.info.name || UNMEASURED.contains(&c.method.info.name));
+        let offer = |candidate: &'a Candidate| {
+            let limit = candidate.limit.filter(|limit| limit.step > 0.0)?;
+            let made = trials.predict(candidate, Step::Adaptive(tolerance_of(accuracy))).ok()?;
+            let careful = CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
+            let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
+            let work = [made.force_evaluations, made.tangent_assemblies, made.factorizations, made.linear_solves];
+            let steps = problem.time.end / step;
+            let seconds = self.units.cost(steps, work.map(|n| n / made.steps * steps));
+            Some((candidate, Found { step, error: None, proof: Proof::LocalErrors, seconds, run: None }))
+        };
+        tried.filter_map(offer).collect()
+    }
+
+    /// The cheapest of all and the cheapest of the other family; `complete` predicts a run of a method where it is not known, and adds its output.
+    pub fn advise(
+        &self,
+        offers: &[Offer<'a>],
+        mut complete: impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
+    ) -> Option<Advice> {
+        let own = self.spec.problem.method.info.name;
+        let of = |implicit: bool| {
+            offers.iter().filter(|(c, _)| (c.method.info.family == Family::Implicit) == implicit).copied().collect()
+        };
+        let families: [Vec<Offer<'a>>; 2] = [of(false), of(true)];
+        let cheapest: Vec<Offer<'a>> = families.iter().filter_map(|family| prefer(family, own)).collect();
+        let best = prefer(&cheapest, own)?;
+        let other = cheapest.iter().find(|(c, _)| c.method.info.name != best.0.method.info.name);
+        let factor = other.map(|(_, found)| found.seconds / best.1.seconds);
+        let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut complete);
+        Some(Advice {
+            accuracy: self.spec.accuracy,
+            compared: self.search.as_ref().map_or(0.0, |search| search.yardstick.seen()),
+            best: choose(best),
+            runner_up: other.map(|offer| choose(*offer)),
+            factor,
+        })
+    }
+
+    fn choice(
+        &self,
+        candidate: &Candidate,
+        found: Found,
+        complete: &mut impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
+    ) -> Choice {
+        let Asked { tolerance, error, run: adaptive } = match &self.search {
+            Some(search) => search.tolerance(candidate, &found),
+            None => Asked::untried(self.spec.accuracy),
+        };
+        let adaptive = complete(candidate, Step::Adaptive(tolerance_of(tolerance)), adaptive);
+        Choice {
+            method: candidate.method.info.name,
+            tolerance,
+            tolerance_error: error,
+            cpu_seconds: adaptive.map(|estimate| estimate.cpu_seconds),
+            step: found.step,
+            step_error: found.error,
+            known_by: found.proof,
+            integration_seconds: found.seconds,
+            fixed: complete(candidate, Step::Fixed(found.step), found.run),
+        }
     }
 }
 
-/// [-] What a prediction is uncertain by at least: the case's own method need not be cheaper by that to be taken.
-const NOISE: f64 = 0.1;
-
-/// The cheapest method for an accuracy (or the case's `own`, if it is hardly dearer) and the cheapest of the other family; `fixed` predicts a run of a method with a step [s].
-pub fn advise(
-    accuracy: f64,
-    own: &str,
-    rows: &[Row],
-    candidates: &[Candidate],
-    mut fixed: impl FnMut(&str, f64) -> Option<Estimate>,
-) -> Option<Advice> {
-    let mut cheapest = |implicit: bool| {
-        let family = rows.iter().filter(|row| (row.family == Family::Implicit) == implicit);
-        let priced = family.filter_map(|row| Some((row, row.at_accuracy?)));
-        let cost = |(row, estimate): &(&Row, Estimate)| {
-            estimate.cpu_seconds * if row.method == own { 1.0 - NOISE } else { 1.0 }
-        };
-        let (row, estimate) = priced.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
-        let limit = candidates.iter().find(|c| c.method.info.name == row.method).and_then(|c| c.limit);
-        let step = match limit {
-            Some(limit) if limit.step == 0.0 => None,
-            Some(limit) if limit.step.is_finite() => Some(two_digits(estimate.mean_step).min(safe_step(limit))),
-            _ => Some(two_digits(estimate.mean_step)),
-        };
-        let fixed = step.and_then(|step| fixed(row.method, step));
-        let step = step.filter(|_| fixed.is_some());
-        Some(Choice { method: row.method, tolerance: accuracy, cpu_seconds: estimate.cpu_seconds, step, fixed })
-    };
-    let (explicit, implicit) = (cheapest(false), cheapest(true));
-    let (best, runner_up) = match (explicit, implicit) {
-        (Some(a), Some(b)) if b.least_seconds() < a.least_seconds() => (b, Some(a)),
-        (Some(a), b) => (a, b),
-        (None, b) => (b?, None),
-    };
-    let factor = runner_up.as_ref().map(|other| other.least_seconds() / best.least_seconds());
-    Some(Advice { accuracy, best, runner_up, factor })
+/// Of all that cost about what the cheapest does, the case's own method or else the first.
+fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
+    let least = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
+    let mut equal = offers.iter().filter(|(_, found)| found.seconds <= TIE * least);
+    let error = |(_, found): &&Offer<'c>| found.error.unwrap_or(f64::INFINITY);
+    let exact = equal.clone().min_by(|a, b| error(a).total_cmp(&error(b)))?;
+    Some(*equal.find(|(c, _)| c.method.info.name == own).unwrap_or(exact))
 }

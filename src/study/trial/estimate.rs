@@ -70,6 +70,25 @@ impl Estimate {
         })
     }
 
+    /// A run to `end` [s] in `steps` steps like those of a sample.
+    pub fn from_one(sample: &Sample, end: f64, steps: f64) -> Estimate {
+        let share = steps / sample.steps;
+        let [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations] =
+            sample.work.map(|n| n * share);
+        Estimate {
+            basis: Basis::Steps,
+            steps,
+            mean_step: end / steps,
+            step_seconds: sample.seconds / sample.steps,
+            cpu_seconds: sample.seconds * share,
+            force_evaluations,
+            tangent_assemblies,
+            factorizations,
+            linear_solves,
+            newton_iterations,
+        }
+    }
+
     /// The same with the processor time [s] of results written.
     #[must_use]
     pub fn with_output(self, seconds: f64) -> Estimate {
@@ -77,24 +96,9 @@ impl Estimate {
     }
 }
 
-/// A positive number rounded down to two digits: a step to type.
-pub fn two_digits(step: f64) -> f64 {
-    let unit = 10_f64.powf(step.log10().floor() - 1.0);
-    let rounded = (step / unit * (1.0 + 1e-12)).floor() * unit;
-    // Through text, so that it is the number that is printed.
-    format!("{rounded:.1e}").parse().unwrap_or(step)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn steps_are_rounded_down() {
-        for (step, typed) in [(1.29e-3, 1.2e-3), (9.99e-4, 9.9e-4), (0.05, 0.05), (3.0, 3.0), (1e-12, 1e-12)] {
-            assert_eq!(two_digits(step), typed, "{step}");
-        }
-    }
 
     /// A run that is dear in one half and cheap in the other costs the mean of fixed steps, but of adaptive ones the mean a second simulated.
     #[test]

@@ -1,8 +1,11 @@
-//! What runs of a scene would cost, predicted from short trials: nothing is solved to its end and nothing is written.
+//! What runs of a scene would cost, predicted from short trials, and the steps of an accuracy; nothing is written.
 //!
 //! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from states
 //! along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of refused steps is not known
 //! otherwise. What these steps cost stands for the parts of the run around them ([`estimate`]); the memory is counted ([`memory`]).
+//!
+//! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a reference
+//! ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked ([`advice`]).
 
 pub mod advice;
 pub mod cost;
@@ -11,17 +14,19 @@ pub mod estimate;
 pub mod memory;
 pub mod output;
 pub mod sample;
+pub mod search;
 pub mod timing;
 mod trials;
+pub mod yardstick;
 
-use advice::Advice;
+use advice::{Advice, Adviser};
 use cost::{ForceCost, TangentCost, force_cost, tangent_cost};
-use estimate::{Estimate, two_digits};
+use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
 use output::OutputCost;
 use trials::Trials;
 
-use crate::analysis::critical::{Confidence, CriticalStep};
+use crate::analysis::critical::CriticalStep;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::registry::{Family, MethodChoice};
@@ -78,10 +83,11 @@ pub struct Row {
     pub run: Option<Estimate>,
     /// why there is no such run
     pub refused: Option<String>,
-    /// an adaptive run of the wanted accuracy
+    /// [s] fixed step for the wanted accuracy; null where it was not looked for to its end, because another method of the family is clearly
+    /// cheaper
+    pub accuracy_step: Option<f64>,
+    /// the run with that step
     pub at_accuracy: Option<Estimate>,
-    /// why there is none
-    pub accuracy_refused: Option<String>,
 }
 
 /// What runs of a scene would cost.
@@ -110,7 +116,7 @@ pub fn tolerance_of(accuracy: f64) -> Tolerance {
 
 /// Predicts runs of all candidates.
 pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
-    let ForecastSpec { scene, problem, fields, candidates, accuracy, baseline } = *spec;
+    let ForecastSpec { scene, problem, fields, candidates, baseline, .. } = *spec;
     let end = problem.time.end;
     let force = force_cost(scene);
     let h = problem.time.step.fixed().unwrap_or(1e-3 * end).min(end);
@@ -124,14 +130,10 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let memory = MemorySpec { scene, baseline, output: &output, tangent: tangent.as_ref() };
     let rows = candidates.iter().map(|candidate| {
         let step = planned(candidate, problem.time.step, end);
-        let asked = trials.predict(candidate, step);
-        let wanted = Step::Adaptive(tolerance_of(accuracy));
-        let at_accuracy = if step == wanted { asked.clone() } else { trials.predict(candidate, wanted) };
-        let complete = |estimate: Result<Estimate, String>| match estimate {
+        let (run, refused) = match trials.predict(candidate, step) {
             Ok(estimate) => (Some(estimate.with_output(output.seconds(estimate.steps))), None),
             Err(why) => (None, Some(why)),
         };
-        let ((run, refused), (at_accuracy, accuracy_refused)) = (complete(asked), complete(at_accuracy));
         let needs = Needs {
             family: candidate.method.info.family,
             adaptive: step.fixed().is_none(),
@@ -148,17 +150,24 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
             memory_bytes: memory.predict(needs),
             run,
             refused,
-            at_accuracy,
-            accuracy_refused,
+            accuracy_step: None,
+            at_accuracy: None,
         }
     });
-    let methods: Vec<Row> = rows.collect();
-    let steps = |method: &str, step: f64| {
-        let candidate = candidates.iter().find(|c| c.method.info.name == method)?;
-        let estimate = trials.predict(candidate, Step::Fixed(step)).ok()?;
+    let mut methods: Vec<Row> = rows.collect();
+    let adviser = Adviser::new(spec, tangent.as_ref());
+    let offers = adviser.offers(&mut trials);
+    let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
+        let estimate = known.or_else(|| trials.predict(candidate, step).ok())?;
         Some(estimate.with_output(output.seconds(estimate.steps)))
     };
-    let advice = advice::advise(accuracy, problem.method.info.name, &methods, candidates, steps);
+    for (candidate, found) in &offers {
+        if let Some(row) = methods.iter_mut().find(|row| row.method == candidate.method.info.name) {
+            row.accuracy_step = Some(found.step);
+            row.at_accuracy = complete(candidate, Step::Fixed(found.step), found.run);
+        }
+    }
+    let advice = adviser.advise(&offers, &mut complete);
     let seen = trials.seen();
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }
@@ -168,16 +177,7 @@ fn planned(candidate: &Candidate, step: Step, end: f64) -> Step {
     let Step::Fixed(asked) = step else { return step };
     let asked = asked.min(end);
     match candidate.limit {
-        Some(limit) if limit.step > 0.0 && asked > limit.step => Step::Fixed(safe_step(limit)),
+        Some(limit) if limit.step > 0.0 && asked > limit.step => Step::Fixed(limit.safe()),
         _ => Step::Fixed(asked),
     }
-}
-
-/// [s] A step to type below a limit that is above 0: an estimate may lie a few percent above the true limit, what is proved does not.
-pub fn safe_step(limit: CriticalStep) -> f64 {
-    let share = match limit.confidence {
-        Confidence::Certified { .. } => 0.98,
-        Confidence::Estimate | Confidence::NoLimit => 0.9,
-    };
-    two_digits(share * limit.step)
 }

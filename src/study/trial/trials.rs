@@ -21,7 +21,7 @@ const FAR: f64 = 0.5;
 const WINDOWS: usize = 3;
 /// [s] What a method may take from one state, with fixed steps and with adaptive ones.
 const ALLOWANCE: [f64; 2] = [0.015, 0.03];
-/// [s] A single Newton iteration, or a hundred force passes, that takes longer is tried from one state only.
+/// [s] What makes a pilot dear: a single Newton iteration, or ten force passes; a method is tried from fewer states long before that.
 const COSTLY: f64 = 0.03;
 /// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
 const DEAR: f64 = 0.15;
@@ -100,8 +100,8 @@ impl<'a> Trials<'a> {
             return self.by_counts(iteration, self.learnt[slot], steps);
         }
         let count = match iteration.max(tangent.analysis_seconds) {
-            spent if spent > COSTLY => 1,
-            spent if spent > 0.2 * COSTLY => 2,
+            spent if spent > 0.4 * COSTLY => 1,
+            spent if spent > 0.05 * COSTLY => 2,
             _ => self.windows.len(),
         };
         let estimate = self.by_steps(&candidate.method, step, count, steps)?;

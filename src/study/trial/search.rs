@@ -1,0 +1,297 @@
+//! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
+
+use super::cost::TangentCost;
+use super::estimate::Estimate;
+use super::sample::Sample;
+use super::yardstick::{Delivered, Yardstick};
+use super::{Candidate, tolerance_of};
+use crate::drive::clock::Step;
+use crate::figures::two_digits;
+use crate::integrate::registry::Family;
+use crate::scene::Scene;
+use crate::study::bench::{nominal_pass, nominal_step};
+
+/// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
+const RUN: [f64; 2] = [0.3, 0.12];
+/// Steps are not told from steps more than so many times longer.
+const REACH: f64 = 5.0;
+/// Runs for a step, and for a tolerance.
+const RUNS: [usize; 2] = [6, 3];
+/// [-] of the accuracy: what is aimed at, and what is enough.
+const AIM: f64 = 0.7;
+const ENOUGH: f64 = 0.4;
+/// [-] of the accuracy that is aimed at where the last run could not be afforded, and where none could.
+pub(super) const CAREFUL: f64 = 0.4;
+/// [-] What is told from a part of a run must not come closer to the accuracy than this.
+const FROM_PART: f64 = 0.6;
+/// [-] Most change of a step from run to run.
+const CHANGE: f64 = 20.0;
+/// [-] Longest step, as a share of the run.
+const LONGEST: f64 = 0.1;
+/// Fewest steps of a run that is compared.
+const FEWEST: f64 = 4.0;
+/// [s] A step with a nominal cost above this is tried with the case's method and Newmark's only.
+const DEAR: f64 = 4e-3;
+/// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
+const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
+/// [-] Errors above are bounded by the motion and tell nothing of shorter steps.
+const SATURATED: f64 = 0.3;
+
+/// What an error is known by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Proof {
+    /// a run with that step to the end
+    Run,
+    /// a run with that step over a part of the time, and its error's growth there
+    Part,
+    /// runs with longer steps, and the order that they showed
+    LongerSteps,
+    /// local errors only
+    LocalErrors,
+}
+
+/// A step of an accuracy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// [s] the step
+    pub step: f64,
+    /// [-] its error; `None` where that is not known
+    pub error: Option<f64>,
+    /// how it is known
+    pub proof: Proof,
+    /// [s] cost of the whole run without output: counted work times what its units cost
+    pub seconds: f64,
+    /// the whole run as far as it is known, without output
+    pub run: Option<Estimate>,
+}
+
+/// What the units of work cost here.
+#[derive(Clone, Copy, Debug)]
+pub struct Units {
+    /// [s] a step without its work
+    step: f64,
+    /// [s] force pass, assembly, factorisation, solve
+    work: [f64; 4],
+}
+
+impl Units {
+    /// Explicit work costs what is nominal, so that the order of explicit methods is the same in every call; solving what was measured.
+    pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> Units {
+        let solving = tangent.map_or([0.0; 3], |t| [t.assembly_seconds, t.factorization_seconds, t.solve_seconds]);
+        let [assembly, factorization, solve] = solving;
+        let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
+        Units { step, work: [nominal_pass(scene), assembly, factorization, solve] }
+    }
+
+    /// [s] So many steps and their work.
+    pub fn cost(&self, steps: f64, work: [f64; 4]) -> f64 {
+        self.step * steps + self.work.iter().zip(work).map(|(unit, n)| unit * n).sum::<f64>()
+    }
+}
+
+/// A tolerance of an accuracy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// [-] relative tolerance
+    pub tolerance: f64,
+    /// [-] its error; `None` where it was not tried
+    pub error: Option<f64>,
+    /// the whole run, without output; `None` where it was not tried
+    pub run: Option<Estimate>,
+}
+
+impl Asked {
+    /// What is asked for without a trial: local errors mostly come to the tolerance within a factor of three.
+    pub fn untried(accuracy: f64) -> Asked {
+        Asked { tolerance: two_digits(accuracy / 3.0), error: None, run: None }
+    }
+}
+
+/// A search on one scene.
+pub struct Search<'a> {
+    /// what errors are measured with
+    pub yardstick: Yardstick<'a>,
+    /// what work costs
+    pub units: Units,
+    /// [-] what is wanted
+    pub accuracy: f64,
+}
+
+/// A step and what it delivered.
+type Try = (f64, Delivered);
+
+impl Search<'_> {
+    /// Whether trying a method is worth its cost.
+    pub fn tries(&self, candidate: &Candidate, own: &str) -> bool {
+        let info = candidate.method.info;
+        let stable = candidate.limit.is_some_and(|limit| limit.step > 0.0);
+        let dear = info.family == Family::Implicit && nominal_step(self.yardstick.scene, &candidate.method) > DEAR;
+        stable && (!dear || [own, "newmark"].contains(&info.name))
+    }
+
+    /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be told.
+    pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<Found> {
+        let Yardstick { scene, span, whole, .. } = self.yardstick;
+        let method = &candidate.method;
+        let mut longest = candidate.limit?.safe().min(LONGEST * whole).min(span / FEWEST);
+        let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())]);
+        if self.units.cost(whole / longest, [passes * whole / longest, 0.0, 0.0, 0.0]) > dearest {
+            return None;
+        }
+        let most = self.most(candidate);
+        let shortest = span / most;
+        let guess =
+            self.yardstick.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
+        // Two longer steps tell the order where the one that is sought is too dear.
+        let from = if guess < shortest { 2.0 * shortest } else { guess };
+        let mut h = nice(if from.is_finite() { from.min(longest) } else { longest }, whole);
+        let mut tries: Vec<Try> = Vec::new();
+        for _ in 0..RUNS[0] {
+            let Some(made) = self.yardstick.measure(method, Step::Fixed(h), (2.0 * most) as u64) else {
+                longest = h / 2.0;
+                h = nice(h / 3.0, whole);
+                if h < shortest { break } else { continue }
+            };
+            tries.push((h, made));
+            let aim = self.aim();
+            let next = (h * (aim * self.accuracy / made.error).powf(1.0 / order(&tries, method.order())))
+                .clamp(h / CHANGE, h * CHANGE)
+                .min(longest);
+            let good = made.error <= self.bound();
+            if good && (made.error >= ENOUGH * self.bound() || next < 1.1 * h) {
+                break;
+            }
+            if !good && self.cost((h, made), next) > dearest {
+                return None;
+            }
+            if next < shortest && h <= 1.01 * shortest {
+                break;
+            }
+            let new = nice(next.max(shortest), whole);
+            if tries.iter().any(|(step, _)| *step == new) {
+                break;
+            }
+            h = new;
+        }
+        self.judge(&tries, method.order()).filter(|found| found.seconds <= dearest)
+    }
+
+    /// The longest step that was good, or what they tell of shorter ones.
+    fn judge(&self, tries: &[Try], nominal: u32) -> Option<Found> {
+        let whole = self.yardstick.whole;
+        let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
+        if let Some(&(step, made)) = good.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            let proof = if self.yardstick.seen() < 1.0 { Proof::Part } else { Proof::Run };
+            return Some(self.found((step, made), step, made.error, proof));
+        }
+        let [_, .., (h, made)] = tries else { return None };
+        let (h, made) = (*h, *made);
+        if made.error > SATURATED {
+            return None;
+        }
+        let p = order(tries, nominal);
+        let step = nice(h * (CAREFUL * self.accuracy / made.error).powf(1.0 / p).min(1.0), whole);
+        (h <= REACH * step).then(|| self.found((h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
+    }
+
+    /// A step, from a run with it or with a longer one.
+    fn found(&self, from: Try, step: f64, error: f64, proof: Proof) -> Found {
+        let run = Some(self.run(from.1, (self.yardstick.whole / step).ceil()));
+        Found { step, error: Some(error), proof, seconds: self.cost(from, step), run }
+    }
+
+    /// The whole run in so many steps, from the work and the time of those that were made.
+    fn run(&self, made: Delivered, steps: f64) -> Estimate {
+        let whole = self.yardstick.whole;
+        let [force_evaluations, tangent_assemblies, factorizations, linear_solves] = made.work;
+        let work = [force_evaluations, tangent_assemblies, factorizations, linear_solves, made.newton_iterations];
+        let sample = Sample { steps: made.steps.max(1.0), simulated: self.yardstick.span, seconds: made.seconds, work };
+        Estimate::from_one(&sample, whole, steps)
+    }
+
+    /// Steps that a run may have which is compared.
+    fn most(&self, candidate: &Candidate) -> f64 {
+        let step = nominal_step(self.yardstick.scene, &candidate.method);
+        let dear = candidate.method.info.family == Family::Implicit && step > DEAR;
+        RUN[usize::from(dear)] / step
+    }
+
+    /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
+    pub fn tolerance(&self, candidate: &Candidate, found: &Found) -> Asked {
+        let untried = Asked::untried(self.accuracy);
+        let Yardstick { span, whole, .. } = self.yardstick;
+        let steps = span / found.step;
+        if steps > 2.0 * self.most(candidate) {
+            return untried;
+        }
+        let most = (4.0 * steps) as u64 + 4 * self.yardstick.frames() + 100;
+        let mut tolerance = self.accuracy;
+        for _ in 0..RUNS[1] {
+            let step = Step::Adaptive(tolerance_of(tolerance));
+            let Some(made) = self.yardstick.measure(&candidate.method, step, most) else { break };
+            if made.error <= self.bound() {
+                let run = self.run(made, made.steps * whole / span);
+                return Asked { tolerance, error: Some(made.error), run: Some(run) };
+            }
+            tolerance = two_digits(tolerance * (self.aim() * self.accuracy / made.error).max(0.05));
+        }
+        Asked { tolerance: tolerance.min(untried.tolerance), ..untried }
+    }
+
+    fn aim(&self) -> f64 {
+        AIM * self.bound() / self.accuracy
+    }
+
+    /// [-] The largest error that will do.
+    fn bound(&self) -> f64 {
+        if self.yardstick.seen() < 1.0 { FROM_PART * self.accuracy } else { self.accuracy }
+    }
+
+    /// [s] The whole run with steps of `step` [s], from the work of another.
+    fn cost(&self, (_, made): Try, step: f64) -> f64 {
+        let steps = self.yardstick.whole / step;
+        self.units.cost(steps, made.work.map(|n| n / made.steps.max(1.0) * steps))
+    }
+}
+
+/// The order that the last two runs showed, at most that of the method.
+fn order(tries: &[Try], nominal: u32) -> f64 {
+    let nominal = f64::from(nominal);
+    let [.., (h0, before), (h1, after)] = tries else { return nominal };
+    let seen = (before.error / after.error).ln() / (h0 / h1).ln();
+    if seen.is_finite() { seen.clamp((0.5 * nominal).min(1.0), nominal) } else { nominal }
+}
+
+/// [s] A step of two digits, not above `h` and hardly below; if there is one, one that divides the run.
+pub(super) fn nice(h: f64, whole: f64) -> f64 {
+    let most = two_digits(h);
+    let unit = 10_f64.powf(most.log10().floor() - 1.0);
+    let even = |step: &f64| {
+        let steps = whole / step;
+        (steps - steps.round()).abs() < 1e-9 * steps
+    };
+    let below = (0..10).map(|i| two_digits(most - f64::from(i) * unit)).take_while(|step| *step >= 0.9 * most);
+    below.into_iter().find(even).unwrap_or(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps to type are never above what was found, hardly below, and divide the run where they can.
+    #[test]
+    fn a_step_to_type_divides_the_run_where_it_can() {
+        for (h, whole, typed) in [(0.0526, 20.0, 0.05), (3.7e-5, 0.1, 3.7e-5), (0.0021, 10.0, 0.002), (0.3, 1.0, 0.3)] {
+            assert_eq!(nice(h, whole), typed, "{h} of {whole}");
+        }
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_last_runs_and_no_better_than_the_methods() {
+        let run = |h: f64, error: f64| (h, Delivered { error, ..Delivered::default() });
+        assert_eq!(order(&[run(0.1, 1e-2)], 2), 2.0);
+        assert_eq!(order(&[run(0.1, 1.0), run(0.1, 4e-2), run(0.05, 2e-2)], 2), 1.0);
+        assert_eq!(order(&[run(0.1, 1.0), run(0.05, 1e-3)], 4), 4.0);
+    }
+}
