@@ -127,7 +127,14 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
     let passes = (PASSES[0] / spec.scene.n_dof().max(1) as f64).min(PASSES[1]);
     let steps = (spec.end / h).min(passes / f64::from(method.info.evaluations[1].max(1))).ceil().max(1.0);
     let mut stepper = Stepper::bind(method.scheme(spec.solver), spec.scene.abilities()).ok()?;
-    let run = RunSpec { end: steps * h, step: Step::Fixed(h), frames_every: None, keep_going: false, method: &method };
+    let run = RunSpec {
+        end: steps * h,
+        step: Step::Fixed(h),
+        frames_every: None,
+        keep_going: false,
+        explain_doubts: false,
+        method: &method,
+    };
     let left = AtomicBool::new(false);
     let every = (steps as u64).div_ceil(LOOKS) | 1;
     let mut follower = Follower { scene: spec.scene, tangent, every, left: &left, stop };

@@ -142,7 +142,14 @@ impl<'a> Yardstick<'a> {
         stop: &AtomicBool,
     ) -> Option<Outcome> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
-        let spec = RunSpec { end: self.span, step, frames_every: Some(self.every), keep_going: false, method };
+        let spec = RunSpec {
+            end: self.span,
+            step,
+            frames_every: Some(self.every),
+            keep_going: false,
+            explain_doubts: false,
+            method,
+        };
         drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()
     }
 
