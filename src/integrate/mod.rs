@@ -18,6 +18,7 @@ mod counters;
 pub mod dop853;
 pub mod dormand_prince;
 mod embedded;
+mod equations;
 pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;

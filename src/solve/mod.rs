@@ -1,10 +1,12 @@
 //! Linear solvers behind one small trait, and Newton's iteration on top of them.
 
 mod cholesky;
+mod failure;
 mod linear;
 mod lu;
 pub mod newton;
 mod ordering;
+mod problem;
 pub mod quasi;
 mod search;
 

@@ -5,6 +5,8 @@
 //! Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both only crawl, the convex
 //! direction and its slope take over until full steps are possible again.
 
+pub use super::failure::NewtonFailure;
+pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
 use super::{Inertia, LinearError, search};
 
@@ -40,74 +42,6 @@ impl Default for NewtonSpec {
     }
 }
 
-/// Sizes that residuals and increments are compared with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scales {
-    /// [N] size of the forces that the residual balances
-    pub residual: f64,
-    /// [m] size of the unknown
-    pub increment: f64,
-    /// [m] what rounding alone leaves of an increment
-    pub increment_floor: f64,
-}
-
-/// Which tangent a direction is taken from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curvature {
-    /// dF/dz
-    Exact,
-    /// dF/dz without what makes it indefinite
-    Convex,
-}
-
-/// F(z) = 0, its tangent and a solver for it.
-pub trait NonlinearProblem {
-    /// Writes the residual r = F(z) and, one by one, what rounding alone can leave of it.
-    fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]);
-
-    /// Called after the residual at a first guess `z`: replaces a guess that went too far by a more cautious one and says
-    /// so; `false` keeps it.
-    fn retreat(&mut self, z: &mut [f64]) -> bool {
-        let _ = z;
-        false
-    }
-
-    /// Whether F is the gradient of a potential.
-    fn conservative(&self) -> bool {
-        false
-    }
-
-    /// Factorises the tangent dF/dz where the residual was last evaluated. An exact tangent of a conservative problem that is
-    /// indefinite need not be factorised: no direction is taken from it.
-    ///
-    /// # Errors
-    /// A tangent that is not finite or singular.
-    fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
-
-    /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to be used for many
-    /// solves; `false` if there is none to be had.
-    ///
-    /// # Errors
-    /// A tangent that is not finite.
-    fn freeze(&mut self) -> Result<bool, LinearError> {
-        Ok(false)
-    }
-
-    /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.
-    fn take_frozen(&mut self) {}
-
-    /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.
-    fn factor_cost(&self) -> f64 {
-        0.0
-    }
-
-    /// Replaces b by (dF/dz)^-1 b.
-    ///
-    /// # Errors
-    /// A solution that is not finite.
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
-}
-
 /// A converged iteration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NewtonReport {
@@ -115,77 +49,6 @@ pub struct NewtonReport {
     pub iterations: u32,
     /// [-] final residual over its scale
     pub residual: f64,
-}
-
-/// Why an iteration was given up.
-#[derive(Clone, Debug, thiserror::Error, PartialEq)]
-pub enum NewtonFailure {
-    /// The tolerance was not reached in the allowed iterations.
-    #[error(
-        "Newton's iteration did not converge in {iterations} iterations: residual {residual:.3e} N against a tolerance of {tolerance:.3e} N"
-    )]
-    MaxIterations {
-        /// iterations made
-        iterations: u32,
-        /// [N] last residual
-        residual: f64,
-        /// [N] what it had to reach
-        tolerance: f64,
-        /// unknown with the largest residual
-        worst: usize,
-    },
-    /// The line search found no smaller residual along Newton's direction.
-    #[error(
-        "Newton's iteration {iterations} is stuck: no step along its direction lowers the residual {residual:.3e} N (tolerance {tolerance:.3e} N)"
-    )]
-    Stuck {
-        /// iterations made
-        iterations: u32,
-        /// [N] last residual
-        residual: f64,
-        /// [N] what it had to reach
-        tolerance: f64,
-        /// unknown with the largest residual
-        worst: usize,
-    },
-    /// The residual at the start is not a number.
-    #[error("the residual is not finite at the start of the step")]
-    NotFinite {
-        /// an unknown whose residual is not finite
-        worst: usize,
-    },
-    /// The tangent could not be factorised.
-    #[error("iteration {iterations}: {error}")]
-    Linear {
-        /// iterations made
-        iterations: u32,
-        /// what was wrong
-        error: LinearError,
-        /// unknown with the largest residual
-        worst: usize,
-    },
-}
-
-impl NewtonFailure {
-    /// Iterations made.
-    pub fn iterations(&self) -> u32 {
-        match self {
-            NewtonFailure::MaxIterations { iterations, .. }
-            | NewtonFailure::Stuck { iterations, .. }
-            | NewtonFailure::Linear { iterations, .. } => *iterations,
-            NewtonFailure::NotFinite { .. } => 0,
-        }
-    }
-
-    /// The unknown to look at.
-    pub fn worst(&self) -> usize {
-        match self {
-            NewtonFailure::MaxIterations { worst, .. }
-            | NewtonFailure::Stuck { worst, .. }
-            | NewtonFailure::NotFinite { worst }
-            | NewtonFailure::Linear { worst, .. } => *worst,
-        }
-    }
 }
 
 /// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
@@ -224,6 +87,8 @@ pub struct Newton {
     pub(super) pairs: Pairs,
     /// the first guess, to which an iteration that led nowhere returns
     guess: Vec<f64>,
+    /// iterations on a kept factor
+    pub(super) spent: u32,
 }
 
 pub(crate) fn norm(v: &[f64]) -> f64 {
@@ -278,7 +143,7 @@ impl Newton {
         };
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
-        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, guess }
+        Newton { spec, r, r_trial, floor, dz, trial, correction, pairs, guess, spent: 0 }
     }
 
     pub(super) fn most_iterations(&self) -> u32 {
@@ -322,6 +187,7 @@ impl Newton {
         if self.excess() == 0.0 {
             return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
         }
+        self.spent = 0;
         if self.spec.strategy != Strategy::Full && self.pays(problem) {
             self.guess.copy_from_slice(z);
             let found = quasi::solve(self, problem, z, goal, frozen);
@@ -347,6 +213,7 @@ impl Newton {
             };
             residual = norm(&self.r);
             if self.has_arrived(z, goal, lambda * (residual / before)) {
+                let iterations = self.spent + iterations;
                 return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
             }
         }

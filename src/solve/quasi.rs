@@ -191,6 +191,7 @@ impl Iteration<'_> {
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
         let mut leg = Leg::new(residual);
         for iterations in 1..=self.newton.most_iterations() {
+            self.newton.spent = iterations;
             let Some(lambda) = self.step(z)? else {
                 // No way down: a factor of another place may be to blame.
                 factors += 1;

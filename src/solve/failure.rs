@@ -1,0 +1,74 @@
+//! Why an iteration was given up, with its numbers.
+
+use super::LinearError;
+
+/// Why an iteration was given up.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum NewtonFailure {
+    /// The tolerance was not reached in the allowed iterations.
+    #[error(
+        "Newton's iteration did not converge in {iterations} iterations: residual {residual:.3e} N against a tolerance of {tolerance:.3e} N"
+    )]
+    MaxIterations {
+        /// iterations made
+        iterations: u32,
+        /// [N] last residual
+        residual: f64,
+        /// [N] what it had to reach
+        tolerance: f64,
+        /// unknown with the largest residual
+        worst: usize,
+    },
+    /// The line search found no smaller residual along Newton's direction.
+    #[error(
+        "Newton's iteration {iterations} is stuck: no step along its direction lowers the residual {residual:.3e} N (tolerance {tolerance:.3e} N)"
+    )]
+    Stuck {
+        /// iterations made
+        iterations: u32,
+        /// [N] last residual
+        residual: f64,
+        /// [N] what it had to reach
+        tolerance: f64,
+        /// unknown with the largest residual
+        worst: usize,
+    },
+    /// The residual at the start is not a number.
+    #[error("the residual is not finite at the start of the step")]
+    NotFinite {
+        /// an unknown whose residual is not finite
+        worst: usize,
+    },
+    /// The tangent could not be factorised.
+    #[error("iteration {iterations}: {error}")]
+    Linear {
+        /// iterations made
+        iterations: u32,
+        /// what was wrong
+        error: LinearError,
+        /// unknown with the largest residual
+        worst: usize,
+    },
+}
+
+impl NewtonFailure {
+    /// Iterations made.
+    pub fn iterations(&self) -> u32 {
+        match self {
+            NewtonFailure::MaxIterations { iterations, .. }
+            | NewtonFailure::Stuck { iterations, .. }
+            | NewtonFailure::Linear { iterations, .. } => *iterations,
+            NewtonFailure::NotFinite { .. } => 0,
+        }
+    }
+
+    /// The unknown to look at.
+    pub fn worst(&self) -> usize {
+        match self {
+            NewtonFailure::MaxIterations { worst, .. }
+            | NewtonFailure::Stuck { worst, .. }
+            | NewtonFailure::NotFinite { worst }
+            | NewtonFailure::Linear { worst, .. } => *worst,
+        }
+    }
+}
