@@ -135,7 +135,7 @@ fn all_spellings_agree() {
     let raw = read_as(VtuFormat::default());
     for encoding in [Encoding::Raw, Encoding::Base64] {
         for compression in [Compression::None, Compression::Zlib] {
-            let other = read_as(VtuFormat { encoding, compression });
+            let other = read_as(VtuFormat { encoding, compression, ..VtuFormat::default() });
             assert_eq!(other.names(), raw.names());
             for name in raw.names().iter().filter(|name| *name != "TimeValue") {
                 assert_eq!(other.bytes(name), raw.bytes(name), "{name} as {encoding:?} {compression:?}");
@@ -152,7 +152,7 @@ fn large_arrays_take_several_blocks() {
     let cells = Cells { points: points.len(), triangles: &[], edges: &[] };
     let picture = Snapshot { time: None, points: &points, point_data: &[], cell_data: &[] };
     for encoding in [Encoding::Raw, Encoding::Base64] {
-        let format = VtuFormat { encoding, compression: Compression::Zlib };
+        let format = VtuFormat { encoding, compression: Compression::Zlib, ..VtuFormat::default() };
         let mut out = Vec::new();
         let mut writer = VtuWriter::new(&cells, format).expect("points exist");
         writer.write(&picture, &mut out).expect("memory takes everything");

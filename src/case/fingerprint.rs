@@ -69,9 +69,11 @@ impl Fingerprint {
             }
         }
         made.parts.push(Part { key: "solver".to_owned(), value: Value::Text(format!("{:?}", problem.solver)) });
-        let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _ } = &problem.output;
+        let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _, format } = &problem.output;
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
+        made.text("output.compression", &format.compression)?;
+        made.text("output.precision", &format.precision)?;
         match history_every {
             RowEvery::Steps(steps) => made.text("output.history.every", steps)?,
             RowEvery::Time(every) => made.text("output.history.every", &format!("{every:e} s"))?,

@@ -5,6 +5,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
+use crate::output::encode::VtuFormat;
 
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +89,8 @@ pub struct OutputSpec {
     pub history_every: RowEvery,
     /// [s] a checkpoint at every multiple of this; `None`: only when interrupted
     pub checkpoint_every: Option<f64>,
+    /// how frames are written
+    pub format: VtuFormat,
 }
 
 /// How often `history.csv` has a row, beside the first and the last state.

@@ -90,7 +90,7 @@ fn excess(ratio: f64) -> String {
 pub(super) fn disk_doubt(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<String> {
     let every = problem.output.frames_every;
     let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());
-    let bytes = frame_bytes(scene, fields(&problem.output.fields)) as f64;
+    let bytes = frame_bytes(scene, fields(&problem.output.fields), problem.output.format.precision) as f64;
     let free = free_bytes(out)? as f64;
     (frames * bytes > free).then(|| {
         format!(

@@ -18,7 +18,6 @@ use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::encode::VtuFormat;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::names::file_stem;
 use crate::output::probes::Probe;
@@ -164,7 +163,7 @@ fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
         fields: fields(&output.fields),
         probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
         history_every: output.history_every,
-        format: VtuFormat::default(),
+        format: output.format,
     }
 }
 

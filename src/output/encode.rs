@@ -20,13 +20,25 @@ pub enum Encoding {
 }
 
 /// Whether appended bytes are compressed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Compression {
     /// As they are.
     #[default]
     None,
     /// zlib level 1 in blocks of 1 MiB.
     Zlib,
+}
+
+/// How many digits numbers keep.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// All sixteen.
+    #[default]
+    F64,
+    /// Seven, in half the room: enough for pictures.
+    F32,
 }
 
 /// The spelling of a .vtu file's arrays.
@@ -36,6 +48,8 @@ pub struct VtuFormat {
     pub encoding: Encoding,
     /// none or zlib
     pub compression: Compression,
+    /// of positions and fields; times and ledgers keep all digits
+    pub precision: Precision,
 }
 
 /// [byte] uncompressed size of a zlib block
@@ -120,4 +134,10 @@ pub fn little_endian(values: &[f64]) -> Cow<'_, [u8]> {
     } else {
         Cow::Owned(values.iter().flat_map(|v| v.to_le_bytes()).collect())
     }
+}
+
+/// Writes numbers as those of seven digits, little end first, into `out`; what is too large for them becomes infinite.
+pub fn little_endian_f32(values: &[f64], out: &mut Vec<u8>) {
+    out.clear();
+    out.extend(values.iter().flat_map(|v| (*v as f32).to_le_bytes()));
 }

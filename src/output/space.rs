@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use super::encode::Precision;
 use super::frame::Fields;
 use crate::model::picture::Picture;
 
 /// [byte] The XML around the arrays of a frame, about.
 const HEAD: u64 = 2000;
 
-/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML.
-pub fn frame_bytes(picture: &dyn Picture, fields: Fields) -> u64 {
+/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is at most that.
+pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) -> u64 {
     let count = |n: usize| n as u64;
     let (points, triangles, edges) =
         (count(picture.reference().len()), count(picture.triangles().len()), count(picture.edges().len()));
@@ -21,7 +22,11 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields) -> u64 {
     let vectors = 3 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain);
     // Int64 corners and offsets, UInt8 types.
-    HEAD + 24 * vectors * points + (8 * scalars + 8 + 1) * cells + 8 * corners
+    let number = match precision {
+        Precision::F64 => 8,
+        Precision::F32 => 4,
+    };
+    HEAD + 3 * number * vectors * points + (number * scalars + 8 + 1) * cells + 8 * corners
 }
 
 /// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not tell.

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::encode::{Appender, Compression, Encoding, VtuFormat, little_endian};
+use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
 use super::names::xml_attribute;
 
 /// VTK's cell types (vtkCellType.h).
@@ -93,6 +93,8 @@ pub struct VtuWriter {
     appender: Appender,
     head: String,
     body: Vec<u8>,
+    /// numbers of seven digits on their way
+    short: Vec<u8>,
     fixed_len: usize,
     fixed_offsets: [usize; 3],
 }
@@ -119,6 +121,7 @@ impl VtuWriter {
             appender,
             head: String::new(),
             body,
+            short: Vec::new(),
             fixed_len,
             fixed_offsets,
         })
@@ -182,11 +185,17 @@ impl VtuWriter {
         if found != expected {
             return Err(VtuError::WrongLength { name: array.name.to_owned(), found, expected });
         }
-        let offset = self.appender.append(&little_endian(values), &mut self.body)?;
+        let (kind, offset) = match self.appender.format().precision {
+            Precision::F64 => ("Float64", self.appender.append(&little_endian(values), &mut self.body)?),
+            Precision::F32 => {
+                little_endian_f32(values, &mut self.short);
+                ("Float32", self.appender.append(&self.short, &mut self.body)?)
+            }
+        };
         let name = xml_attribute(array.name);
         let _ = writeln!(
             self.head,
-            "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
              offset=\"{offset}\"/>"
         );
         Ok(())

@@ -207,6 +207,7 @@ impl<'a> View<'a> {
             (0, _) => None,
             (_, 0) => Some(format!("no {kind} run was as accurate")),
             (_, open) if open == all => Some(format!("no {kind} run was made yet")),
+            (_, 1) => Some(format!("no {kind} run was as accurate so far, one is still to be made")),
             (_, open) => Some(format!("no {kind} run was as accurate so far, {open} are still to be made")),
         }
     }

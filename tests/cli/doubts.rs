@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use canopy_fem::case::Case;
+use canopy_fem::output::encode::Precision;
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::space::frame_bytes;
 use canopy_fem::simulation::build_scene;
@@ -109,7 +110,7 @@ fn frames_have_the_size_that_was_foretold() {
         let has = |field| fields.contains(field);
         let fields =
             Fields { force: has("force"), reaction: has("reaction"), tension: has("tension"), strain: has("strain") };
-        let foretold = frame_bytes(&*scene, fields) as f64;
+        let foretold = frame_bytes(&*scene, fields, Precision::F64) as f64;
         let size = std::fs::metadata(bench.path("out/frames/sail_000000.vtu")).expect("a frame").len() as f64;
         assert!((foretold / size - 1.0).abs() < 0.02, "{foretold} bytes foretold, {size} written");
     }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::bench::{Bench, contents};
+use crate::bench::{Bench, Results, contents};
 
 /// The files of the contract, and status 0.
 #[test]
@@ -62,6 +62,37 @@ fn frames_are_at_multiples_of_the_interval() {
     let twice: Vec<f64> = times.iter().flat_map(|t| [*t, *t]).collect();
     assert_eq!(probes.column("t"), twice);
     assert_eq!(probes.column("node"), [2.0, 5.0].repeat(5));
+}
+
+/// Compressed frames of seven digits hold the same picture in less than half the room; what must be exact is not touched, and `plot` reads them.
+#[test]
+fn frames_may_be_small() {
+    let bench = Bench::new();
+    let solve = |out: &str, more: &[&str]| {
+        let ended = bench.solve(&[&["--end", "0.3", "--out", out, "--set", "output.frames.every=0.1"], more].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let folder = bench.path(out);
+        let size = |entry: std::io::Result<std::fs::DirEntry>| entry.and_then(|e| e.metadata()).expect("there").len();
+        let room: u64 = std::fs::read_dir(folder.join("frames")).expect("frames").map(size).sum();
+        (Results(folder), room)
+    };
+    let (whole, room) = solve("whole", &[]);
+    let packed = ["--set", "output.compression=zlib", "--set", "output.precision=f32"];
+    let (small, less) = solve("small", &packed);
+    assert!(2 * less < room, "{less} of {room} bytes");
+    for ((t, a), (s, b)) in whole.frames().iter().zip(&small.frames()) {
+        assert_eq!((t, a.names()), (s, b.names()));
+        for name in ["Points", "displacement", "velocity"] {
+            let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 6e-8 * a.abs();
+            assert!(a.floats(name).iter().zip(&b.floats(name)).all(close), "{name} at {t}");
+        }
+        assert_eq!(a.bytes("connectivity"), b.bytes("connectivity"));
+    }
+    assert_eq!(whole.text("history.csv"), small.text("history.csv"));
+    let plotted = bench.run(&["plot", "small", "--out", "plots"]);
+    assert_eq!(plotted.code, Some(0), "{}", plotted.stderr);
+    let refused = bench.solve(&["--set", "output.precision=f16"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("f32"), "{}", refused.stderr);
 }
 
 /// The account closes in every row for every method: its sum keeps its value at t = 0 to the rounding of its parts. And what it

@@ -13,6 +13,8 @@ pub struct Vtu {
     pub time: f64,
     order: Vec<String>,
     arrays: HashMap<String, Vec<u8>>,
+    /// arrays of seven digits
+    short: Vec<String>,
 }
 
 /// Value of an attribute in a tag.
@@ -29,6 +31,9 @@ impl Vtu {
         &self.arrays[name]
     }
     pub fn floats(&self, name: &str) -> Vec<f64> {
+        if self.short.iter().any(|short| short == name) {
+            return self.bytes(name).as_chunks().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
+        }
         self.bytes(name).as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
     }
     pub fn integers(&self, name: &str) -> Vec<i64> {
@@ -59,6 +64,7 @@ pub fn parse(file: &[u8]) -> Vtu {
         time: f64::NAN,
         order: vec![],
         arrays: HashMap::new(),
+        short: vec![],
     };
     for line in head.lines().filter(|line| line.starts_with("<DataArray")) {
         let name = attribute(line, "Name").expect("a name");
@@ -67,6 +73,9 @@ pub fn parse(file: &[u8]) -> Vtu {
             vtu.time = text.parse().expect("a time");
         } else {
             let offset: usize = attribute(line, "offset").expect("an offset").parse().expect("a number");
+            if line.contains("type=\"Float32\"") {
+                vtu.short.push(name.clone());
+            }
             vtu.arrays.insert(name.clone(), decode(&body[offset..], base64, zlib));
         }
         vtu.order.push(name);

@@ -8,6 +8,7 @@ use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Output, Probe};
 use crate::case::spec::{OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::output::encode::VtuFormat;
 
 /// [-] Rows of `history.csv` that the default interval keeps within, with the first and the last state.
 const HISTORY_ROWS: u64 = 10_000;
@@ -39,6 +40,7 @@ pub(super) fn output(
         fields: unique(&section.fields),
         probes,
         checkpoint_every: section.checkpoint.map(|c| c.every),
+        format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_every: match (history, time?.steps()) {
             (Some(every), _) => RowEvery::Steps(every.max(1)),
             (None, Some(steps)) => RowEvery::Steps(steps.div_ceil(rows).max(1)),

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::select::NodeSelection;
+use crate::output::encode::{Compression, Precision};
 
 /// What is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +25,16 @@ pub struct Output {
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checkpoint: Option<EveryCheckpoint>,
+    /// Whether the arrays of frames are compressed; `none` if not given.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub compression: Compression,
+    /// Digits of the numbers in frames; `f64` if not given.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub precision: Precision,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// An interval of simulated time.

@@ -4,7 +4,6 @@ use std::hint::black_box;
 
 use super::timing::median_seconds;
 use crate::case::spec::{OutputSpec, RowEvery};
-use crate::output::encode::VtuFormat;
 use crate::output::frame::{Fields, Frame, FrameSize};
 use crate::output::history::HistoryRow;
 use crate::output::space::frame_bytes;
@@ -43,7 +42,7 @@ impl OutputCost {
         let (nodes, edges) = (scene.reference().len(), scene.edges().len());
         let mut frame = Frame::new(FrameSize { nodes, edges, fields });
         let cells = Cells { points: nodes, triangles: scene.triangles(), edges: scene.edges() };
-        let encode = VtuWriter::new(&cells, VtuFormat::default()).map_or(0.0, |mut vtu| {
+        let encode = VtuWriter::new(&cells, output.format).map_or(0.0, |mut vtu| {
             let mut file: Vec<u8> = Vec::new();
             let zeros = vec![0.0; vtu.cells()];
             let scalars = |name| Array { name, values: Values::Scalars(&zeros) };
@@ -73,7 +72,7 @@ impl OutputCost {
             frames: 1.0 + output.frames_every.map_or(1.0, |every| (end / every).ceil()),
             frame_seconds: encode + FILE,
             row_seconds: row + ROW,
-            frame_bytes: frame_bytes(scene, fields),
+            frame_bytes: frame_bytes(scene, fields, output.format.precision),
             rows: output.history_every,
             end,
         }
