@@ -9,7 +9,8 @@
 //! g are all other forces, outside the filter (gravity, air, loads, other dashpots). A relative dashpot with c = k h *is* the
 //! viscous part of F and is not added a second time. A fixed node counts in its neighbours' D and contributes nothing to
 //! their sums. With kappa = h^2 k/m the filter's artefacts: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
-//! step, and momentum drifts where nodes have unequal numbers of springs.
+//! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered springs only: a weight on one
+//! spring comes to rest 1 + kappa times as far down as it should.
 
 use super::updates::add_scaled;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};

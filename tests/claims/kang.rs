@@ -1,7 +1,8 @@
-//! Kang's scheme (thesis Eq. 55): one step against the equation written out, and its three artefacts against closed forms, with
+//! Kang's scheme (thesis Eq. 55): one step against the equation written out, and its four artefacts against closed forms, with
 //! kappa = h^2 k/m:
 //! * gravity inside the filter falls with (1 + 2 n kappa)/(1 + n kappa)^2 of g where every node has n springs; the program keeps
 //!   gravity outside and falls with g;
+//! * that has its price at rest: k e/(1 + kappa) = m g, so a weight on one spring comes to rest 1 + kappa times as far down as it should;
 //! * a spinning dumbbell at rest length has F = -+2 h k v, and a step leaves v + h F m/(m + h^2 k)^2 = v (1 + kappa^2)/(1 + kappa)^2;
 //! * the two sweeps give a force on node i the weight w_i = [1 + kappa sum_j 1/(1 + n_j kappa)]/(1 + n_i kappa) in the total momentum.
 //!   A spring between nodes of unequal weight moves the whole net by h k e (w_0 - w_1). In a chain of four stretched at
@@ -187,6 +188,31 @@ fn gravity(claims: &mut Vec<Claim>) {
     }
 }
 
+/// A damped weight on one spring, long after it has come to rest.
+fn weight(claims: &mut Vec<Claim>) {
+    for kappa in KAPPAS {
+        let h = step_of(kappa);
+        let case = json!({
+            "name": "weight",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [0, 0, -1]], "springs": [[0, 1]], "triangles": []}},
+                "mass": {"nodal": MASS},
+                "springs": [{"on": "all", "stiffness": STIFFNESS}],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+                "gravity": [0, 0, -G]
+            }},
+            "time": {"end": 4000.0 * h, "method": "kang", "step": h}
+        });
+        let sunk = -1.0 - run(&case_of(&case, &[])).positions[1][2];
+        claims.push(Claim::relative(
+            format!("weight at rest on a spring, kappa {kappa}: deflection over m g/k"),
+            sunk * STIFFNESS / (MASS * G),
+            1.0 + kappa,
+            1e-9,
+        ));
+    }
+}
+
 fn dumbbell(claims: &mut Vec<Claim>) {
     let mut net = Net::chain(2);
     let speed = 3.0;
@@ -237,6 +263,7 @@ pub fn claims() -> Vec<Claim> {
     let mut claims = Vec::new();
     the_step(&mut claims);
     gravity(&mut claims);
+    weight(&mut claims);
     dumbbell(&mut claims);
     momentum(&mut claims);
     claims
