@@ -201,7 +201,7 @@ fn weight(claims: &mut Vec<Claim>) {
                 "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
                 "gravity": [0, 0, -G]
             }},
-            "time": {"end": 4000.0 * h, "method": "kang", "step": h}
+            "time": {"end": 8000.0 * h, "method": "kang", "step": h}
         });
         let sunk = -1.0 - run(&case_of(&case, &[])).positions[1][2];
         claims.push(Claim::relative(
