@@ -44,8 +44,19 @@ impl Krylov {
         Some(Krylov { basis, vectors, values })
     }
 
+    /// The real part of an eigenvector.
+    pub fn real_part(&self, of: RitzValue) -> Vec<f64> {
+        let [re, _] = self.vector(of);
+        re
+    }
+
     /// Squared sizes of the parts of an eigenvector.
     pub fn parts(&self, of: RitzValue) -> Vec<f64> {
+        let [re, im] = self.vector(of);
+        re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
+    }
+
+    fn vector(&self, of: RitzValue) -> [Vec<f64>; 2] {
         let n = self.basis.first().map_or(0, Vec::len);
         let mut parts = [vec![0.0; n], vec![0.0; n]];
         for (v, u) in self.basis.iter().zip(&self.vectors[of.column]) {
@@ -53,8 +64,7 @@ impl Krylov {
                 add(part, *factor, v);
             }
         }
-        let [re, im] = parts;
-        re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
+        parts
     }
 }
 

@@ -26,6 +26,8 @@ const CONVERGED: f64 = 0.005;
 const PRODUCTS: [usize; 3] = [40, 70, 120];
 /// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
 const GROWTH: f64 = 1e-3;
+/// Steps that are made to see whether a motion grows, which the last of their quarters tells from the second.
+const STEPPED: usize = 200;
 /// Relative width at which the search for a step that does not grow ends.
 const WIDTH: f64 = 0.01;
 /// Steps of the search outwards from a guess, ever longer ones from this share on.
@@ -118,7 +120,9 @@ impl LinearScene {
             let krylov = self.krylov(method, h, unit, products)?;
             let beyond = krylov.values.iter().filter(|&z| size(z) > most);
             let Some(largest) = beyond.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Some(None) };
-            if largest.residual <= CONVERGED * size(largest) {
+            if largest.residual <= CONVERGED * size(largest)
+                && self.grows_when_stepped(method, h, unit, &krylov, *largest)?
+            {
                 let (n, parts) = (self.root.len(), krylov.parts(*largest));
                 let moves = |i: usize| (parts[i] + parts[n + i]) * self.root[i].powi(2);
                 return Some((0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))));
@@ -127,8 +131,49 @@ impl LinearScene {
         Some(None)
     }
 
+    /// Whether repeated steps grow from a Ritz vector: where eigenvectors are nearly parallel a small residual proves nothing. Second differences from step
+    /// to step leave out what drifts, as a net without stiffness across itself does.
+    fn grows_when_stepped(
+        &self,
+        method: &MethodChoice,
+        h: f64,
+        unit: f64,
+        krylov: &Krylov,
+        ritz: RitzValue,
+    ) -> Option<bool> {
+        let mut step = self.step_map(method, h, unit)?;
+        let mut q = [krylov.real_part(ritz), vec![], vec![]];
+        let n = q[0].len();
+        (q[1], q[2]) = (vec![0.0; n], vec![0.0; n]);
+        let [before, now, after] = &mut q;
+        step(before, now);
+        let mut largest = [0.0_f64; 4];
+        for k in 0..STEPPED {
+            step(now, after);
+            let squares = before.iter().zip(&*now).zip(&*after).map(|((a, b), c)| (a - 2.0 * b + c).powi(2));
+            let size = squares.sum::<f64>().sqrt();
+            if !size.is_finite() {
+                return Some(true);
+            }
+            let quarter = &mut largest[4 * k / STEPPED];
+            *quarter = quarter.max(size);
+            std::mem::swap(before, now);
+            std::mem::swap(now, after);
+        }
+        let steps = 0.5 * STEPPED as f64;
+        Some(largest[3] > largest[1] * (1.0 + 0.5 * GROWTH).powf(steps))
+    }
+
     /// The step map on a Krylov space; `unit` [1/s] makes positions and velocities comparable.
     fn krylov(&self, method: &MethodChoice, h: f64, unit: f64, products: usize) -> Option<Krylov> {
+        let (root, n) = (&self.root, self.root.len());
+        let mut step = self.step_map(method, h, unit)?;
+        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
+        Krylov::of(start, products, |q, y| step(q, y))
+    }
+
+    /// One step of the method as a linear map; what cannot be stepped is no number.
+    fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<impl FnMut(&[f64], &mut [f64]) + 's> {
         let root = &self.root;
         let n = root.len();
         let abilities = Abilities { system: self, tangent: self, graph: None };
@@ -136,22 +181,21 @@ impl LinearScene {
         let mut from = Point { state: self.initial_state(), forces: self.new_forces() };
         let mut to = from.clone();
         stepper.start(&from).ok()?;
-        let mut failed = false;
         let inverse: Vec<f64> = root.iter().map(|&r| if r > 0.0 { 1.0 / r } else { 0.0 }).collect();
-        let times = |q: &[f64], y: &mut [f64]| {
+        Some(move |q: &[f64], y: &mut [f64]| {
             for (i, root) in root.iter().enumerate() {
                 (from.state.x[i], from.state.v[i]) = (q[i] * root / unit, q[n + i] * root);
             }
             self.evaluate(from.state.as_ref(), &mut from.forces);
             let stepped = stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default());
-            failed |= stepped.is_err();
+            if stepped.is_err() {
+                y.fill(f64::NAN);
+                return;
+            }
             for (i, inverse) in inverse.iter().enumerate() {
                 (y[i], y[n + i]) = (to.state.x[i] * inverse * unit, to.state.v[i] * inverse);
             }
-        };
-        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
-        let krylov = Krylov::of(start, products, times)?;
-        (!failed).then_some(krylov)
+        })
     }
 }
 

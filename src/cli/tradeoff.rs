@@ -133,6 +133,7 @@ impl Command<'_> {
         let store = Store::in_folder(&self.out);
         if self.args.force {
             store.clear()?;
+            report::clear(&self.out)?;
         }
         let line = Line::new(self.args.quiet);
         let known = store.plan()?;
@@ -294,7 +295,7 @@ impl Line {
 }
 
 fn planned(plan: &Plan, store: &Store) -> String {
-    let mut text = format!("{}: {} runs planned\n", plan.name, plan.jobs.len());
+    let mut text = format!("{}: {} planned\n", plan.name, counted(plan.jobs.len(), "run"));
     references(&mut text, plan);
     let _ = writeln!(text, "  plan            {}", store.plan_path().display());
     let out = store.plan_path().parent().and_then(Path::parent).unwrap_or(Path::new("")).display().to_string();
@@ -315,6 +316,11 @@ fn shard_done(shard: Shard, rows: &[Row], out: &Path) -> String {
         rows.len(),
         out.display()
     )
+}
+
+/// `1 run`, `2 runs`
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn references(text: &mut String, plan: &Plan) {
@@ -347,14 +353,18 @@ fn written(files: &[PathBuf]) -> String {
 /// What a person reads.
 fn summary(study: &Study, answers: &Answers) -> String {
     let Study { plan, rows } = study;
-    let mut text =
-        format!("{}: {} runs to t = {} s", plan.name, rows.len(), plan.variants.first().map_or(0.0, |v| v.end));
+    let mut text = format!(
+        "{}: {} to t = {} s",
+        plan.name,
+        counted(rows.len(), "run"),
+        plan.variants.first().map_or(0.0, |v| v.end)
+    );
     let ended = unfinished(rows);
     let _ = writeln!(text, "{}", if ended.is_empty() { String::new() } else { format!("; {ended}") });
     if rows.iter().any(|row| row.measured.status == RowStatus::NotRun) {
         let _ = writeln!(
             text,
-            "  not-run         the budget was spent before them, or their shard is not joined; the same command again goes on with them"
+            "  not-run         the budget was spent before them (the same command again goes on with them), or their shards have not made them yet"
         );
     }
     references(&mut text, plan);

@@ -27,7 +27,7 @@ const NOMINAL: [f64; 4] = [8e-9, 15e-9, 8e-9, 3e-7];
 /// [s] nominal cost of a pass itself, where that of the step is counted besides
 const SMALL_PASS: f64 = 5e-8;
 /// [s] nominal cost of an implicit step a degree of freedom
-const NOMINAL_IMPLICIT: f64 = 4e-6;
+const NOMINAL_IMPLICIT: f64 = 1e-6;
 
 /// A variant of the case on the bench.
 pub struct Bench {

@@ -19,6 +19,7 @@ use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Spectrum;
 use crate::drive::clock::{Step, Tolerance};
 use crate::drive::{Outcome, Status};
+use crate::figures::figures;
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -72,9 +73,7 @@ pub struct Account {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoWay {
     /// It would take too long.
-    #[error(
-        "it would take about {seconds:.0} s, {allowance:.0} s are allowed; raise --budget, or shorten the run with --end"
-    )]
+    #[error("it would take about {} s, {} s are allowed; raise --budget, or shorten the run with --end", figures(*seconds, 2), figures(*allowance, 2))]
     TooLong {
         /// [s] nominal cost
         seconds: f64,

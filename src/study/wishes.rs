@@ -127,7 +127,13 @@ fn methods(text: &str) -> Result<Vec<Method>, StudyError> {
         }
     }
     found.push(parse(inner.get(from..).unwrap_or_default())?);
-    Ok(found)
+    let mut once: Vec<Method> = Vec::with_capacity(found.len());
+    for method in found {
+        if !once.contains(&method) {
+            once.push(method);
+        }
+    }
+    Ok(once)
 }
 
 #[cfg(test)]

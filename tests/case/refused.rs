@@ -87,7 +87,6 @@ fn time_and_solver() {
         ("time.method={\"htt\":{}}", "/time/method/htt", "did you mean \"hht\""),
         ("time.method={\"hht\":{\"alpha\":0.1}}", "/time/method/hht/alpha", "-0.333"),
         ("time.method={\"rk4\":{\"alpha\":0.1}}", "/time/method/rk4/alpha", "none"),
-        ("solver.newton.strategy=modified", "/solver/newton/strategy", "not available in this version"),
         ("solver.linear=cg", "/solver/linear", "not available in this version"),
         ("solver.newton.relative=0", "/solver/newton/relative", "above 0 and below 1"),
         ("solver.newton.max_iterations=0", "/solver/newton/max_iterations", "1 to 1000"),

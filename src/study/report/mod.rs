@@ -68,6 +68,14 @@ pub fn write(out: &Path, study: &Study, answers: &Answers, how: &Rerun) -> Resul
     Ok(written)
 }
 
+/// Removes the report of an earlier study.
+///
+/// # Errors
+/// The system's answer.
+pub fn clear(out: &Path) -> Result<(), StudyError> {
+    FILES.iter().try_for_each(|file| remove(&out.join(file)))
+}
+
 fn remove(path: &Path) -> Result<(), StudyError> {
     match fs::remove_file(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(path, e)),

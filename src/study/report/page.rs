@@ -123,14 +123,14 @@ fn section(study: &Study, answers: &Answers, number: usize, variant: &Variant) -
         heading,
         sentences,
         crossover: crossover.map(|c| sentence(&c.sentence)).unwrap_or_default(),
-        answers: own.into_iter().map(answer).collect(),
+        answers: own.into_iter().map(|a| answer(a, account.error)).collect(),
         reference,
         limits: limits.collect(),
     }
 }
 
-/// Wanted accuracy; method, pace, error and cost of the best; the next one and its factor; the best of each family.
-fn answer(answer: &Answer) -> [String; 9] {
+/// Wanted accuracy; method, pace, error (not told below `floor`) and cost of the best; the next one and its factor; the best of each family.
+fn answer(answer: &Answer, floor: f64) -> [String; 9] {
     let Answer { wanted, best, next, explicit, implicit, .. } = answer;
     let factor = |pick: &Pick| format!("{} ×", figures(pick.cpu_seconds / best.cpu_seconds, 2));
     let told = |pick: &Option<Pick>| pick.as_ref().map(csv::used).unwrap_or_else(|| "–".to_owned());
@@ -146,7 +146,7 @@ fn answer(answer: &Answer) -> [String; 9] {
         format!("{wanted:e}"),
         best.method.clone(),
         format!("{kind} {value}"),
-        short(best.error, 2),
+        if best.error < floor { format!("<{}", short(floor, 2)) } else { short(best.error, 2) },
         short(best.cpu_seconds, 2),
         told(next),
         next.as_ref().map(factor).unwrap_or_default(),

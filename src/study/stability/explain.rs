@@ -83,6 +83,12 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
 fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     let (steps, middle) = (bench.steps(held), (held * row.prediction.step.unwrap_or(held)).sqrt());
     let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
+    if folds(middle) <= 0.0 {
+        return format!(
+            "the prediction is an estimate, and too small: a step of {} s does not grow where forces are linear either",
+            figures(middle, 4)
+        );
+    }
     if folds(middle) < E_FOLDS {
         return format!(
             "beyond the predicted limit the method grows too slowly to be seen: {}; {}",

@@ -1,6 +1,6 @@
 //! Which method and which step to take for a wanted accuracy.
 
-use super::cost::TangentCost;
+use super::cost::{ForceCost, TangentCost};
 use super::estimate::Estimate;
 use super::search::{Asked, CAREFUL, Found, Proof, Search, Units, nice};
 use super::trials::Trials;
@@ -43,7 +43,7 @@ pub struct Advice {
     pub best: Choice,
     /// the cheapest of the other family: implicit against explicit
     pub runner_up: Option<Choice>,
-    /// [-] how many times the runner-up's integration costs what the best's does
+    /// [-] how many times the runner-up's integration costs what the best's does; null where the error of only one of them was measured
     pub factor: Option<f64>,
 }
 
@@ -54,6 +54,9 @@ const TIE: f64 = 1.15;
 const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
+
+/// Share of the mean step that local errors allow which is told where nothing was measured.
+const UNKNOWN: f64 = 0.2;
 
 /// A method and its step.
 type Offer<'c> = (&'c Candidate, Found);
@@ -67,9 +70,9 @@ pub struct Adviser<'s, 'a> {
 
 impl<'s, 'a> Adviser<'s, 'a> {
     /// Makes the reference.
-    pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
+    pub fn new(spec: &'s ForecastSpec<'a>, force: &ForceCost, tangent: Option<&TangentCost>) -> Self {
         let ForecastSpec { scene, problem, candidates, accuracy, .. } = *spec;
-        let units = Units::new(scene, tangent);
+        let units = Units::new(scene, force, tangent);
         let yardstick = Yardstick::of(scene, problem, candidates, accuracy);
         let search = yardstick.map(|yardstick| Search { yardstick, units, accuracy });
         Adviser { spec, units, search }
@@ -120,7 +123,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let offer = |candidate: &'a Candidate| {
             let limit = candidate.limit.filter(|limit| limit.step > 0.0)?;
             let made = trials.predict(candidate, Step::Adaptive(tolerance_of(accuracy))).ok()?;
-            let careful = CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
+            // What the errors of single steps come to is not known: with the mean of the steps that they allow it may be hundreds of times more.
+            let careful = UNKNOWN * CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
             let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
             let work = [made.force_evaluations, made.tangent_assemblies, made.factorizations, made.linear_solves];
             let steps = problem.time.end / step;
@@ -142,9 +146,13 @@ impl<'s, 'a> Adviser<'s, 'a> {
         };
         let families: [Vec<Offer<'a>>; 2] = [of(false), of(true)];
         let cheapest: Vec<Offer<'a>> = families.iter().filter_map(|family| prefer(family, own)).collect();
-        let best = prefer(&cheapest, own)?;
+        // What was measured goes before what is concluded from single steps.
+        let measured: Vec<Offer<'a>> =
+            cheapest.iter().filter(|(_, found)| found.proof != Proof::LocalErrors).copied().collect();
+        let best = prefer(&measured, own).or_else(|| prefer(&cheapest, own))?;
         let other = cheapest.iter().find(|(c, _)| c.method.info.name != best.0.method.info.name);
-        let factor = other.map(|(_, found)| found.seconds / best.1.seconds);
+        let alike = |found: &Found| (found.proof == Proof::LocalErrors) == (best.1.proof == Proof::LocalErrors);
+        let factor = other.filter(|(_, found)| alike(found)).map(|(_, found)| found.seconds / best.1.seconds);
         let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut complete);
         Some(Advice {
             accuracy: self.spec.accuracy,

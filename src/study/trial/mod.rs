@@ -155,7 +155,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         }
     });
     let mut methods: Vec<Row> = rows.collect();
-    let adviser = Adviser::new(spec, tangent.as_ref());
+    let adviser = Adviser::new(spec, &force, tangent.as_ref());
     let offers = adviser.offers(&mut trials);
     let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
         let estimate = known.or_else(|| trials.predict(candidate, step).ok())?;

@@ -102,6 +102,61 @@ pub fn sample(
     }
 }
 
+/// A run from its start until its allowance is spent, without leaving anything; `None` where it fails before.
+pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Option<Sample> {
+    let spec = RunSpec {
+        end: tried.end,
+        step: tried.step,
+        frames_every: tried.frames_every,
+        keep_going: false,
+        explain_doubts: false,
+        method: tried.method,
+    };
+    let stop = AtomicBool::new(false);
+    let clock = Clock::default();
+    let start = clock.seconds();
+    let mut watch = Until { clock, deadline: start + tried.allowance, stop: &stop, made: 0 };
+    let outcome = drive::run(scene, stepper, spec, &mut [&mut watch], &stop).ok()?;
+    if outcome.failure.is_some() || outcome.steps == 0 {
+        return None;
+    }
+    let c = outcome.counters;
+    let work = [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations];
+    Some(Sample {
+        steps: outcome.steps as f64,
+        simulated: outcome.t_end,
+        seconds: clock.seconds() - start,
+        work: work.map(|n| n as f64),
+    })
+}
+
+/// Ends a run at a time of the clock.
+struct Until<'a> {
+    clock: Clock,
+    /// [s]
+    deadline: f64,
+    stop: &'a AtomicBool,
+    made: u64,
+}
+
+impl Observer for Until<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+        self.made += 1;
+        if self.made.is_multiple_of(16) || self.made < 16 {
+            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
 /// The state as a run of this method would have come to it, its account opened anew; for fixed steps at the nearest of their times.
 fn begin(
     scene: &dyn Scene,

@@ -3,7 +3,7 @@
 use super::cost::{ForceCost, TangentCost};
 use super::course::{Course, Pilot, Window};
 use super::estimate::{Basis, Estimate};
-use super::sample::{Attempted, Sample, sample};
+use super::sample::{Attempted, Sample, beginning, sample};
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::clock::{FixedSteps, Step};
@@ -27,6 +27,9 @@ const COSTLY: f64 = 0.03;
 const DEAR: f64 = 0.15;
 /// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
 const UNTRIED: [f64; 2] = [2.0, 3.0];
+/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on the rest.
+const BEGINNING: f64 = 0.15;
+const PART: f64 = 0.1;
 /// Steps that adaptive steps take at least: none is longer than a tenth of the run.
 const FEWEST: f64 = 10.0;
 
@@ -91,6 +94,13 @@ impl<'a> Trials<'a> {
     /// Why there is none, in words.
     pub fn predict(&mut self, candidate: &Candidate, step: Step) -> Result<Estimate, String> {
         let steps = step.fixed().map(|h| FixedSteps::new(h, self.end).count());
+        let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
+        let affordable = candidate.method.info.family != Family::Implicit || !dear;
+        if let Some(estimate) =
+            (steps.is_none() && affordable).then(|| self.from_start(&candidate.method, step)).flatten()
+        {
+            return Ok(estimate);
+        }
         let Some(tangent) = self.tangent.filter(|_| candidate.method.info.family == Family::Implicit) else {
             return self.by_steps(&candidate.method, step, self.windows.len(), steps);
         };
@@ -120,6 +130,15 @@ impl<'a> Trials<'a> {
             });
         }
         Ok(estimate)
+    }
+
+    /// Adaptive steps from the start, as far as they come: their size is found on the way and differs from one part of the run to the next.
+    fn from_start(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
+        let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
+        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
+        let sample = beginning(self.scene, &mut stepper, tried)?;
+        let steps = sample.steps * self.end / sample.simulated;
+        (sample.simulated >= PART * self.end).then(|| Estimate::from_one(&sample, self.end, steps))
     }
 
     fn by_steps(
