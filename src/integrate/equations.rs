@@ -93,7 +93,7 @@ impl Equations<'_> {
 
     /// Makes the kept factor again where another has taken its place since the last accepted step.
     pub fn recall(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, convex)) = self.kept.to_be_made() else { return Ok(()) };
+        let Some((at, w, convex)) = self.kept.missing() else { return Ok(()) };
         self.tangents.freeze(self.system, at, w, convex)?;
         if self.kept.recalled() {
             self.counters.tangent_assemblies += 1;

@@ -50,7 +50,7 @@ impl Kept {
     }
 
     /// The factor that has to be made before an attempt, if any.
-    pub fn to_be_made(&mut self) -> Option<(StateRef<'_>, Weights, bool)> {
+    pub fn missing(&mut self) -> Option<(StateRef<'_>, Weights, bool)> {
         self.tried = self.held;
         if self.place == Place::Held {
             return None;

@@ -181,10 +181,9 @@ impl Leg {
 impl Iteration<'_> {
     fn run(&mut self, z: &mut [f64]) -> Result<Option<NewtonReport>, LinearError> {
         let cost = self.problem.factor_cost();
-        if !self.frozen.made || f64::from(self.frozen.excess) >= cost {
-            if !self.freeze()? {
-                return Ok(None);
-            }
+        let serves = self.frozen.made && f64::from(self.frozen.excess) < cost;
+        if !serves && !self.freeze()? {
+            return Ok(None);
         }
         self.problem.take_frozen();
         let mut fresh = self.frozen.fresh == 0;

@@ -190,7 +190,8 @@ fn gravity(claims: &mut Vec<Claim>) {
 
 /// A damped weight on one spring, long after it has come to rest.
 fn weight(claims: &mut Vec<Claim>) {
-    for kappa in KAPPAS {
+    // Beyond 1 the weight sinks so far that the first law stops the run.
+    for kappa in KAPPAS.into_iter().filter(|kappa| *kappa <= 1.0) {
         let h = step_of(kappa);
         let case = json!({
             "name": "weight",

@@ -97,7 +97,7 @@ impl<'a> Trials<'a> {
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
         let affordable = candidate.method.info.family != Family::Implicit || !dear;
         if let Some(estimate) =
-            (steps.is_none() && affordable).then(|| self.from_start(&candidate.method, step)).flatten()
+            (steps.is_none() && affordable).then(|| self.as_it_begins(&candidate.method, step)).flatten()
         {
             return Ok(estimate);
         }
@@ -133,7 +133,7 @@ impl<'a> Trials<'a> {
     }
 
     /// Adaptive steps from the start, as far as they come: their size is found on the way and differs from one part of the run to the next.
-    fn from_start(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
+    fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
         let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
         let sample = beginning(self.scene, &mut stepper, tried)?;
