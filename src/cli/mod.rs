@@ -19,6 +19,7 @@ mod solve;
 pub mod stability;
 mod stiffening;
 pub mod tradeoff;
+mod tradeoff_text;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
