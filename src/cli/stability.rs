@@ -88,7 +88,13 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
 /// The flags of a study as values of the case's study section, so that they are checked as those are.
 fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
     let mut all = args.case.overrides();
-    all.extend(args.methods.iter().map(|list| ("study.methods".to_owned(), list.0.clone())));
+    // Whoever names a method wants that one.
+    let named = args.case.method.as_ref().map(|method| match method.trim_start().starts_with(['{', '"']) {
+        true => format!("[{method}]"),
+        false => format!("[\"{method}\"]"),
+    });
+    let methods = args.methods.as_ref().map(|list| list.0.clone()).or(named);
+    all.extend(methods.map(|list| ("study.methods".to_owned(), list)));
     all.extend(args.budget.iter().map(|seconds| ("study.budget_seconds".to_owned(), format!("{seconds:e}"))));
     all
 }

@@ -321,8 +321,19 @@ fn stiffness_crossover(wanted: f64, points: &[StiffnessPoint]) -> StiffnessCross
             }
         }
         (None, Some(_), Some(_)) => format!("for {wanted:e} implicit methods win on the softer springs only"),
-        _ => format!("for {wanted:e} no stiffness was reached by both families"),
+        _ => format!("for {wanted:e} there is no stiffness at which both families got there"),
     };
+    let alone = |has: &dyn Fn(&StiffnessPoint) -> bool| {
+        let factors: Vec<String> = points.iter().filter(|p| has(p)).map(|p| figures(p.stiffness_factor, 3)).collect();
+        factors.join(", ")
+    };
+    let explicit = alone(&|p| p.explicit.is_some() && p.implicit.is_none());
+    let implicit = alone(&|p| p.explicit.is_none() && p.implicit.is_some());
+    let left = [("explicit", explicit), ("implicit", implicit)]
+        .into_iter()
+        .filter(|(_, at)| !at.is_empty())
+        .map(|(kind, at)| format!("; at {at} times only {kind} ones got there"));
+    let sentence = sentence + &left.collect::<String>();
     StiffnessCrossover { wanted, stiffness_factor: crossing, sentence }
 }
 

@@ -22,6 +22,18 @@ fn bench() -> Bench {
     bench
 }
 
+/// Whoever names a method, by name or with parameters, gets that one.
+#[test]
+fn a_named_method_is_studied_alone() {
+    let bench = bench();
+    for (method, row) in [("rk4", "rk4,"), (r#"{"hht": {"alpha": -0.1}}"#, "hht(alpha=-0.1),")] {
+        let ended = bench.run(&["stability", "mass.json", "--method", method, "--force"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let csv = Results(bench.path("out/mass")).text("stability.csv");
+        assert!(csv.lines().count() == 2 && csv.lines().nth(1).is_some_and(|line| line.starts_with(row)), "{csv}");
+    }
+}
+
 /// Three files of one study that agree with each other: a row a method, seconds, empty for a method without limit.
 #[test]
 fn the_three_files() {

@@ -197,7 +197,8 @@ fn caption(file: &str) -> &'static str {
         "convergence.svg" => {
             "Error against step, for fixed steps. Grey lines have slopes 1, 2 and 4, the orders of methods. Ticks on the lower edge \
              are the stability limits at the start of the run, in the colour of their methods. Runs without a result stand in the \
-             strip above, at their step."
+             strip above, at their step. Between the ends of a step frames are cubic in time, so that methods of order 5 and above \
+             show their order only in steps that meet the frames."
         }
         "stiffness.svg" => {
             "Cheapest explicit and cheapest implicit run for an accuracy against the factor on the stiffness. Stars mark where both \
