@@ -47,15 +47,21 @@ fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
         let _ = writeln!(text, "  tangent         {needed}{why}");
         return;
     };
-    let TangentCost { unknowns, matrix_nonzeros, linear_solver, .. } = tangent;
+    let &TangentCost { unknowns, matrix_nonzeros, linear_solver, .. } = tangent;
     let kind = if tangent.symmetric { "symmetric" } else { "not symmetric" };
     let factor = match tangent.factor_nonzeros {
         Some(entries) => format!("{entries} in its factor"),
         None => "factor known after the first factorisation".to_owned(),
     };
+    let part = if linear_solver == "cholesky" && !tangent.symmetric {
+        " of its symmetric part, kept over many steps"
+    } else {
+        ""
+    };
+    let unknowns = if unknowns == 1 { "1 unknown".to_owned() } else { format!("{unknowns} unknowns") };
     let _ = writeln!(
         text,
-        "  tangent         {needed}{kind}, {unknowns} unknowns, {matrix_nonzeros} entries, {factor}; solver {linear_solver}"
+        "  tangent         {needed}{kind}, {unknowns}, {matrix_nonzeros} entries, {factor}; solver {linear_solver}{part}"
     );
     let _ = writeln!(
         text,

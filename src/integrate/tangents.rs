@@ -10,15 +10,6 @@ use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
 
-/// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
-const SOLVE_FLOPS: f64 = 4.0;
-const ITERATION_FLOPS: f64 = 100.0;
-/// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
-/// works on dense blocks.
-const SOLVE_SLOWNESS: f64 = 4.0;
-/// [flop] an entry of W in an assembly
-const ASSEMBLY_FLOPS: f64 = 50.0;
-
 /// A matrix with its solver.
 struct Factor {
     assembler: Assembler,
@@ -65,7 +56,7 @@ impl Tangents {
             Some(assembler) => Some(Factor::new(assembler, LinearChoice::Auto)?),
             None => None,
         };
-        let factor_cost = frozen.as_ref().map_or(0.0, factor_cost);
+        let factor_cost = frozen.as_ref().map_or(0.0, |f| f.linear.stats().factor_cost(f.assembler.pattern.n()));
         let exact = match &frozen {
             Some(_) => None,
             None => Some(Factor::new(system.assembler()?, choice)?),
@@ -154,12 +145,4 @@ impl Tangents {
     pub fn stats(&self) -> Option<LinearStats> {
         self.frozen.as_ref().or(self.exact.as_ref()).map(|f| f.linear.stats())
     }
-}
-
-fn factor_cost(factor: &Factor) -> f64 {
-    let LinearStats { matrix_nonzeros, factor_nonzeros, factor_operations, .. } = factor.linear.stats();
-    let entries = factor_nonzeros.unwrap_or(matrix_nonzeros) as f64;
-    let making = 2.0 * factor_operations.unwrap_or(0.0) + ASSEMBLY_FLOPS * matrix_nonzeros as f64;
-    let unknowns = factor.assembler.pattern.n() as f64;
-    making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns)
 }

@@ -31,6 +31,24 @@ pub struct LinearStats {
     pub indefinite: u64,
 }
 
+/// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
+const SOLVE_FLOPS: f64 = 4.0;
+const ITERATION_FLOPS: f64 = 100.0;
+/// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
+/// works on dense blocks.
+const SOLVE_SLOWNESS: f64 = 4.0;
+/// [flop] an entry of W in an assembly
+const ASSEMBLY_FLOPS: f64 = 50.0;
+
+impl LinearStats {
+    /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
+    pub fn factor_cost(&self, unknowns: usize) -> f64 {
+        let entries = self.factor_nonzeros.unwrap_or(self.matrix_nonzeros) as f64;
+        let making = 2.0 * self.factor_operations.unwrap_or(0.0) + ASSEMBLY_FLOPS * self.matrix_nonzeros as f64;
+        making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
+    }
+}
+
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum LinearError {

@@ -25,6 +25,17 @@ pub enum Strategy {
     Quasi,
 }
 
+impl Strategy {
+    /// Whether a factor is kept that costs so many iterations on one that is there; 0: there is none to keep.
+    pub fn keeps(self, factor_cost: f64) -> bool {
+        match self {
+            Strategy::Full => false,
+            Strategy::Auto => factor_cost >= WORTH_KEEPING,
+            Strategy::Modified | Strategy::Quasi => factor_cost > 0.0,
+        }
+    }
+}
+
 /// Settings of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSpec {
@@ -188,7 +199,7 @@ impl Newton {
             return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
         }
         self.spent = 0;
-        if self.spec.strategy != Strategy::Full && self.pays(problem) {
+        if self.spec.strategy.keeps(problem.factor_cost()) {
             self.guess.copy_from_slice(z);
             let found = quasi::solve(self, problem, z, goal, frozen);
             if let Some(report) =
@@ -219,12 +230,6 @@ impl Newton {
         }
         let worst = self.worst();
         Err(NewtonFailure::MaxIterations { iterations: self.spec.max_iterations, residual, tolerance, worst })
-    }
-
-    /// Whether a factor is worth keeping.
-    fn pays(&self, problem: &dyn NonlinearProblem) -> bool {
-        let cost = problem.factor_cost();
-        if self.spec.strategy == Strategy::Auto { cost >= WORTH_KEEPING } else { cost > 0.0 }
     }
 
     /// One direction and the search along it; moves `z` and `self.r`. Returns the accepted share of the direction, nothing when

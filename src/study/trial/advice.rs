@@ -1,6 +1,6 @@
 //! Which method and which step to take for a wanted accuracy.
 
-use super::cost::{ForceCost, TangentCost};
+use super::cost::TangentCost;
 use super::estimate::Estimate;
 use super::search::{Asked, CAREFUL, Found, Proof, Search, Units, nice};
 use super::trials::Trials;
@@ -70,9 +70,9 @@ pub struct Adviser<'s, 'a> {
 
 impl<'s, 'a> Adviser<'s, 'a> {
     /// Makes the reference.
-    pub fn new(spec: &'s ForecastSpec<'a>, force: &ForceCost, tangent: Option<&TangentCost>) -> Self {
+    pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
         let ForecastSpec { scene, problem, candidates, accuracy, .. } = *spec;
-        let units = Units::new(scene, force, tangent);
+        let units = Units::new(scene, tangent);
         let yardstick = Yardstick::of(scene, problem, candidates, accuracy);
         let search = yardstick.map(|yardstick| Search { yardstick, units, accuracy });
         Adviser { spec, units, search }

@@ -4,14 +4,20 @@ use std::hint::black_box;
 
 use super::timing::{Clock, median_seconds};
 use crate::assembly::Assembler;
+use crate::integrate::implicit::SolverSpec;
 use crate::model::system::Weights;
 use crate::scene::Scene;
+use crate::solve::newton::Strategy;
 use crate::solve::{LinearChoice, LinearSolver, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
 /// [1/s] Operations of a Cholesky factorisation (8e9 on one core of the machine this was written on, 15.7 million entries).
 const OPERATIONS: f64 = 6e9;
+/// [s] Nominal costs: an entry of W in an assembly, an entry of the factor in its making and in a solve (703 nodes, quiet: 0.22, 0.8 and 0.1 ms).
+const ASSEMBLY: f64 = 12e-9;
+const FACTOR: f64 = 2e-9;
+const SOLVE: f64 = 1.05e-9;
 /// [s] A factorisation expected to take longer is not tried.
 const DEAR: f64 = 1.0;
 /// [s] An LU factorisation of a net with n unknowns over n^1.5 (annuli of 2,500 to 40,000 nodes: 55 to 105 ns).
@@ -62,9 +68,21 @@ pub struct TangentCost {
     pub measured: bool,
     /// element blocks that an assembly adds up
     pub blocks: usize,
+    /// [flop] of a factorisation; null where the library does not tell
+    pub factor_operations: Option<f64>,
 }
 
 impl TangentCost {
+    /// [s] What an assembly, a factorisation and a solve cost nominally, by counts alone.
+    pub fn nominal(&self) -> [f64; 3] {
+        let (n, entries) = (self.unknowns as f64, self.factor_nonzeros.unwrap_or(0) as f64);
+        let assembly = ASSEMBLY * self.matrix_nonzeros as f64;
+        match self.factor_operations {
+            Some(operations) => [assembly, operations / OPERATIONS + FACTOR * entries, SOLVE * entries],
+            None => [assembly, LU * n.powf(1.5), LU * n],
+        }
+    }
+
     /// [s] One Newton iteration without its force pass.
     pub fn iteration_seconds(&self) -> f64 {
         self.assembly_seconds + self.factorization_seconds + self.solve_seconds
@@ -99,16 +117,24 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
 ///
 /// # Errors
 /// What an implicit method would be refused with.
-pub fn tangent_cost(scene: &dyn Scene, choice: LinearChoice, weight: f64) -> Result<TangentCost, String> {
+pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<TangentCost, String> {
     let clock = Clock::default();
     let before = clock.seconds();
-    let mut assembler = scene.assembler().map_err(|e| e.to_string())?;
-    let mut solver = solver_for(assembler.pattern.clone(), choice).map_err(|e| e.to_string())?;
+    let (mut assembler, mut solver, kept) = match kept(scene, spec)? {
+        Some((assembler, solver)) => (assembler, solver, true),
+        None => {
+            let assembler = scene.assembler().map_err(|e| e.to_string())?;
+            let solver = solver_for(assembler.pattern.clone(), spec.linear).map_err(|e| e.to_string())?;
+            (assembler, solver, false)
+        }
+    };
     let analysis_seconds = clock.seconds() - before;
     let state = scene.initial_state();
     let weights = Weights { m: weight, c: 2.0 * weight.sqrt(), k: 1.0 };
-    let assembly_seconds =
-        median_seconds(BUDGET, || scene.assemble(state.as_ref(), weights, black_box(&mut assembler)));
+    let assembly_seconds = median_seconds(BUDGET, || match kept {
+        true => scene.assemble_symmetric(state.as_ref(), weights, false, black_box(&mut assembler)),
+        false => scene.assemble(state.as_ref(), weights, black_box(&mut assembler)),
+    });
     let stats = solver.stats();
     let unknowns = assembler.pattern.n();
     let expected = stats.factor_operations.map_or(LU * (unknowns as f64).powf(1.5), |work| work / OPERATIONS);
@@ -129,7 +155,19 @@ pub fn tangent_cost(scene: &dyn Scene, choice: LinearChoice, weight: f64) -> Res
         solve_seconds,
         measured,
         blocks: assembler.blocks(),
+        factor_operations: stats.factor_operations,
     })
+}
+
+/// The symmetric tangent and its solver, where steps keep its factor.
+fn kept(scene: &dyn Scene, spec: SolverSpec) -> Result<Option<(Assembler, Box<dyn LinearSolver>)>, String> {
+    if spec.newton.strategy == Strategy::Full || spec.linear == LinearChoice::Lu {
+        return Ok(None);
+    }
+    let Some(assembler) = scene.symmetric_assembler().map_err(|e| e.to_string())? else { return Ok(None) };
+    let solver = solver_for(assembler.pattern.clone(), LinearChoice::Auto).map_err(|e| e.to_string())?;
+    let cost = solver.stats().factor_cost(assembler.pattern.n());
+    Ok(spec.newton.strategy.keeps(cost).then_some((assembler, solver)))
 }
 
 /// [s] of a factorisation and of a solve. A W that is singular at the start says nothing of a run; what was spent is what it costs.

@@ -11,6 +11,8 @@ use crate::scene::Scene;
 const PROGRAM: u64 = 7 << 20;
 /// [byte] a node with its springs and triangles, in the scene and in its picture.
 const NODE: u64 = 700;
+/// Vectors of unknowns that corrections of a kept factor take.
+const KEPT: u64 = 24;
 /// Vectors over all degrees of freedom that the search for a critical step keeps (Arnoldi, Lanczos and their steps).
 const SEARCH: u64 = 250;
 /// [byte] of an LU an entry of W, for every doubling of the unknowns beyond 2^8; columns are ordered for the worst pivots. Measured on
@@ -86,8 +88,10 @@ impl MemorySpec<'_> {
         let Some(tangent) = self.tangent.filter(|_| needs.family == Family::Implicit) else { return 0 };
         let (entries, blocks) = (tangent.matrix_nonzeros as u64, tangent.blocks as u64);
         match tangent.factor_nonzeros {
-            // Values and rows of W, slots of the blocks, the factor and a front of it.
-            Some(factor) => 16 * entries + 4 * entries + 24 * blocks + 9 * factor as u64,
+            // Values and rows of W, slots of the blocks, the factor and a front of it, and what the last steps of an iteration take.
+            Some(factor) => {
+                16 * entries + 4 * entries + 24 * blocks + 9 * factor as u64 + 8 * KEPT * tangent.unknowns as u64
+            }
             None => {
                 let doublings = ((tangent.unknowns.max(1) as f64).log2() - 8.0).max(1.0);
                 (LU_ENTRY * doublings * entries as f64) as u64

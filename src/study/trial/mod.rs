@@ -120,7 +120,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let end = problem.time.end;
     let force = force_cost(scene);
     let h = problem.time.step.fixed().unwrap_or(1e-3 * end).min(end);
-    let made = tangent_cost(scene, problem.solver.linear, 4.0 / (h * h));
+    let made = tangent_cost(scene, problem.solver, 4.0 / (h * h));
     let (tangent, tangent_refused) = match made {
         Ok(tangent) => (Some(tangent), None),
         Err(why) => (None, Some(why)),
@@ -155,7 +155,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         }
     });
     let mut methods: Vec<Row> = rows.collect();
-    let adviser = Adviser::new(spec, &force, tangent.as_ref());
+    let adviser = Adviser::new(spec, tangent.as_ref());
     let offers = adviser.offers(&mut trials);
     let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
         let estimate = known.or_else(|| trials.predict(candidate, step).ok())?;

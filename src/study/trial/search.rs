@@ -1,6 +1,6 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
-use super::cost::{ForceCost, TangentCost};
+use super::cost::TangentCost;
 use super::estimate::Estimate;
 use super::sample::Sample;
 use super::yardstick::{Delivered, Yardstick};
@@ -76,14 +76,12 @@ pub struct Units {
 }
 
 impl Units {
-    /// All units are those of the machine here and now. Explicit steps keep the nominal proportion to a force pass, so that the order of explicit
-    /// methods is the same in every call.
-    pub fn new(scene: &dyn Scene, force: &ForceCost, tangent: Option<&TangentCost>) -> Units {
-        let solving = tangent.map_or([0.0; 3], |t| [t.assembly_seconds, t.factorization_seconds, t.solve_seconds]);
-        let [assembly, factorization, solve] = solving;
-        let speed = force.pass_seconds / nominal_pass(scene);
-        let step = speed * (OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64);
-        Units { step, work: [force.pass_seconds, assembly, factorization, solve] }
+    /// All units are nominal, in proportions that hold on one core of an ordinary machine: what is recommended is the same in every call, whatever else
+    /// the machine does.
+    pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> Units {
+        let [assembly, factorization, solve] = tangent.map_or([0.0; 3], TangentCost::nominal);
+        let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
+        Units { step, work: [nominal_pass(scene), assembly, factorization, solve] }
     }
 
     /// [s] So many steps and their work.
