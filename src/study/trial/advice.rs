@@ -78,6 +78,11 @@ impl<'s, 'a> Adviser<'s, 'a> {
         Adviser { spec, units, search }
     }
 
+    /// Whether runs were compared to their end.
+    pub fn sees_all(&self) -> bool {
+        self.search.as_ref().is_some_and(|search| search.yardstick.seen() >= 1.0)
+    }
+
     /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their family are left out.
     pub fn offers(&self, trials: &mut Trials<'_>) -> Vec<Offer<'a>> {
         let mut offers = Vec::new();

@@ -159,8 +159,11 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
     })
 }
 
+/// A tangent and its solver.
+type Matrix = (Assembler, Box<dyn LinearSolver>);
+
 /// The symmetric tangent and its solver, where steps keep its factor.
-fn kept(scene: &dyn Scene, spec: SolverSpec) -> Result<Option<(Assembler, Box<dyn LinearSolver>)>, String> {
+fn kept(scene: &dyn Scene, spec: SolverSpec) -> Result<Option<Matrix>, String> {
     if spec.newton.strategy == Strategy::Full || spec.linear == LinearChoice::Lu {
         return Ok(None);
     }

@@ -157,8 +157,11 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let mut methods: Vec<Row> = rows.collect();
     let adviser = Adviser::new(spec, tangent.as_ref());
     let offers = adviser.offers(&mut trials);
+    let whole = adviser.sees_all();
     let mut complete = |candidate: &Candidate, step: Step, known: Option<Estimate>| {
-        let estimate = known.or_else(|| trials.predict(candidate, step).ok())?;
+        // A part of the run, its beginning above all, may cost more a step than the rest.
+        let predicted = known.filter(|_| whole).or_else(|| trials.predict(candidate, step).ok());
+        let estimate = predicted.or(known)?;
         Some(estimate.with_output(output.seconds(estimate.steps)))
     };
     for (candidate, found) in &offers {

@@ -28,7 +28,7 @@ const DEAR: f64 = 0.15;
 /// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
 const UNTRIED: [f64; 2] = [2.0, 3.0];
 /// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on the rest.
-const BEGINNING: f64 = 0.15;
+const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
 /// Steps that adaptive steps take at least: none is longer than a tenth of the run.
 const FEWEST: f64 = 10.0;
