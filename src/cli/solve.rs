@@ -13,7 +13,6 @@ use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::observer::Observer;
-use crate::drive::watch::DOUBTFUL;
 use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
@@ -142,15 +141,12 @@ impl<'a> Job<'a> {
     }
 }
 
-/// A word on a run that reached its end on energy its scheme made itself (Kuhl & Crisfield 1999 show it for Newmark).
+/// A word on a run that reached its end on energy its scheme made itself.
 fn energy_doubt(outcome: &Outcome) -> Option<String> {
-    (outcome.status == Status::Completed && outcome.energy_made > DOUBTFUL).then(|| {
-        format!(
-            "warning: the scheme itself has made energy, at worst {} % of all that was there or was put in; do not trust \
-             this run: use a smaller step, some damping, or a method that damps, such as backward-euler",
-            figures(100.0 * outcome.energy_made, 2)
-        )
-    })
+    let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
+    Some(format!(
+        "warning: {made}; do not trust this run: use a smaller step, some damping, or a method that damps, such as backward-euler"
+    ))
 }
 
 fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {

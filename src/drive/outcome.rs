@@ -3,6 +3,8 @@
 use super::clock::Step;
 use super::failure::Failure;
 use super::observer::LedgerRow;
+use super::watch::DOUBTFUL;
+use crate::figures::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::solve::LinearStats;
@@ -66,4 +68,14 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// the linear solver's account, for implicit methods
     pub linear: Option<LinearStats>,
+}
+
+impl Outcome {
+    /// A word on a run whose scheme has made energy itself (Kuhl & Crisfield 1999 show it for Newmark).
+    pub fn energy_doubt(&self) -> Option<String> {
+        (self.energy_made > DOUBTFUL).then(|| {
+            let share = figures(100.0 * self.energy_made, 2);
+            format!("the scheme itself has made energy, at worst {share} % of all that was there or was put in")
+        })
+    }
 }

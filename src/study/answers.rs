@@ -237,10 +237,7 @@ impl<'a> View<'a> {
 
 /// A method and its steps as one would type them.
 pub fn used(row: &Row) -> String {
-    match row.job.pace {
-        Pace::Step(h) => format!("{} at step {}", row.label(), figures(h, 4)),
-        Pace::Tolerance(t) => format!("{} with tolerance {t:e}", row.label()),
-    }
+    row.job.pace.of(&row.label())
 }
 
 fn compare(factor: f64, row: &Row) -> String {

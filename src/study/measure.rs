@@ -9,7 +9,6 @@ use super::frames::{Frames, Motion, Sampler};
 use super::row::{Job, Measured, Pace, RowStatus};
 use super::store::{Store, Unfinished};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, StepView};
-use crate::drive::watch::DOUBTFUL;
 use crate::drive::{Outcome, RunError, Status};
 use crate::figures::figures;
 use crate::output::process::{Cost, Stopwatch};
@@ -106,14 +105,6 @@ impl Meter<'_> {
     }
 }
 
-/// A word on a run that reached its end on energy its scheme made itself.
-fn doubtful(outcome: &Outcome) -> Option<String> {
-    (outcome.energy_made > DOUBTFUL).then(|| {
-        let share = figures(100.0 * outcome.energy_made, 2);
-        format!("the scheme itself has made energy, at worst {share} % of all that was there or was put in")
-    })
-}
-
 fn refused(note: String) -> Ended {
     Ended::Done(Measured { status: RowStatus::Refused, note, ..Measured::default() })
 }
@@ -128,7 +119,7 @@ fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> Measur
     let errors = errors.filter(|_| status == RowStatus::Completed);
     let note = match &outcome.failure {
         Some(failure) => format!("at t = {:.4e} s: {}; {}", failure.time, failure.cause, failure.advice),
-        None => outcome.doubt.clone().or_else(|| doubtful(outcome)).unwrap_or_default(),
+        None => outcome.doubt.clone().or_else(|| outcome.energy_doubt()).unwrap_or_default(),
     };
     Measured {
         status,

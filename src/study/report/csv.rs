@@ -87,8 +87,5 @@ pub(super) fn stiffness(answers: &Answers) -> String {
 
 /// A run in a word: its method and its steps.
 pub(super) fn used(pick: &Pick) -> String {
-    match pick.pace {
-        Pace::Step(h) => format!("{} at step {}", pick.method, crate::figures::figures(h, 4)),
-        Pace::Tolerance(t) => format!("{} with tolerance {t:e}", pick.method),
-    }
+    pick.pace.of(&pick.method)
 }

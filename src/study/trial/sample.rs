@@ -38,6 +38,18 @@ pub struct Attempted<'a> {
     pub allowance: f64,
 }
 
+impl<'a> Attempted<'a> {
+    fn spec(self) -> RunSpec<'a> {
+        let Attempted { method, step, end, frames_every, .. } = self;
+        RunSpec { end, step, frames_every, keep_going: false, explain_doubts: false, method }
+    }
+}
+
+/// Counted work in the order of [`Sample::work`].
+fn work(c: Counters) -> [u64; 5] {
+    [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
+}
+
 /// What some steps cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -81,17 +93,9 @@ pub fn sample(
     window: &Window,
 ) -> Result<Sample, SampleError> {
     let snapshot = begin(scene, stepper, tried, &window.state)?;
-    let spec = RunSpec {
-        end: tried.end,
-        step: tried.step,
-        frames_every: tried.frames_every,
-        keep_going: false,
-        explain_doubts: false,
-        method: tried.method,
-    };
     let stop = AtomicBool::new(false);
     let mut meter = Meter::new(tried, &stop);
-    let outcome = drive::resume(scene, stepper, spec, snapshot, &mut [&mut meter], &stop)?;
+    let outcome = drive::resume(scene, stepper, tried.spec(), snapshot, &mut [&mut meter], &stop)?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
     let sample = meter.sample();
     match (outcome.failure, outcome.status) {
@@ -104,29 +108,19 @@ pub fn sample(
 
 /// A run from its start until its allowance is spent, without leaving anything; `None` where it fails before.
 pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Option<Sample> {
-    let spec = RunSpec {
-        end: tried.end,
-        step: tried.step,
-        frames_every: tried.frames_every,
-        keep_going: false,
-        explain_doubts: false,
-        method: tried.method,
-    };
     let stop = AtomicBool::new(false);
     let clock = Clock::default();
     let start = clock.seconds();
     let mut watch = Until { clock, deadline: start + tried.allowance, stop: &stop, made: 0 };
-    let outcome = drive::run(scene, stepper, spec, &mut [&mut watch], &stop).ok()?;
+    let outcome = drive::run(scene, stepper, tried.spec(), &mut [&mut watch], &stop).ok()?;
     if outcome.failure.is_some() || outcome.steps == 0 {
         return None;
     }
-    let c = outcome.counters;
-    let work = [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations];
     Some(Sample {
         steps: outcome.steps as f64,
         simulated: outcome.t_end,
         seconds: clock.seconds() - start,
-        work: work.map(|n| n as f64),
+        work: work(outcome.counters).map(|n| n as f64),
     })
 }
 
@@ -226,9 +220,6 @@ impl<'a> Meter<'a> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
         let settled = (first.step + last.step) / 2;
         let from = self.marks.iter().rev().find(|mark| mark.step <= settled && mark.step < last.step)?;
-        let work = |c: Counters| {
-            [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
-        };
         let (before, after) = (work(from.counters), work(last.counters));
         Some(Sample {
             steps: (last.step - from.step) as f64,
