@@ -74,6 +74,7 @@ fn small_scenes_keep_no_factor() {
         let [auto, full] = ["auto", "full"].map(|strategy| with(&case, "newmark", "1e-2", strategy));
         assert_eq!(auto.outcome.counters, full.outcome.counters, "{stem}");
         assert!(auto.state == full.state, "{stem}");
+        assert_eq!(auto.outcome.linear, full.outcome.linear, "{stem}: the solver that is told");
     }
 }
 

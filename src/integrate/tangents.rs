@@ -23,6 +23,25 @@ impl Factor {
     }
 }
 
+/// The symmetric tangent and its solver, where steps solved so keep its factor.
+///
+/// # Errors
+/// When the pattern cannot be found or analysed.
+pub fn kept_factor(
+    system: &dyn TangentSystem,
+    strategy: Strategy,
+    choice: LinearChoice,
+) -> Result<Option<(Assembler, Box<dyn LinearSolver>)>, StepError> {
+    // Whoever asks for LU wants it in every iteration.
+    if strategy == Strategy::Full || choice == LinearChoice::Lu {
+        return Ok(None);
+    }
+    let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
+    let Factor { assembler, linear } = Factor::new(assembler, LinearChoice::Auto)?;
+    let cost = linear.stats().factor_cost(assembler.pattern.n());
+    Ok(strategy.keeps(cost).then_some((assembler, linear)))
+}
+
 /// Which of the two is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Which {
@@ -50,12 +69,7 @@ impl Tangents {
         if choice == LinearChoice::Cholesky && !system.symmetric() {
             return Err(LinearError::NotSymmetric.into());
         }
-        // Whoever asks for LU wants it in every iteration.
-        let keeps = strategy != Strategy::Full && choice != LinearChoice::Lu;
-        let frozen = match keeps.then(|| system.symmetric_assembler()).transpose()?.flatten() {
-            Some(assembler) => Some(Factor::new(assembler, LinearChoice::Auto)?),
-            None => None,
-        };
+        let frozen = kept_factor(system, strategy, choice)?.map(|(assembler, linear)| Factor { assembler, linear });
         let factor_cost = frozen.as_ref().map_or(0.0, |f| f.linear.stats().factor_cost(f.assembler.pattern.n()));
         let exact = match &frozen {
             Some(_) => None,

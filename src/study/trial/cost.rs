@@ -4,11 +4,10 @@ use std::hint::black_box;
 
 use super::timing::{Clock, median_seconds};
 use crate::assembly::Assembler;
-use crate::integrate::implicit::SolverSpec;
+use crate::integrate::implicit::{SolverSpec, kept_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::solve::newton::Strategy;
-use crate::solve::{LinearChoice, LinearSolver, solver_for};
+use crate::solve::{LinearSolver, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
@@ -120,14 +119,15 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
 pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<TangentCost, String> {
     let clock = Clock::default();
     let before = clock.seconds();
-    let (mut assembler, mut solver, kept) = match kept(scene, spec)? {
-        Some((assembler, solver)) => (assembler, solver, true),
-        None => {
-            let assembler = scene.assembler().map_err(|e| e.to_string())?;
-            let solver = solver_for(assembler.pattern.clone(), spec.linear).map_err(|e| e.to_string())?;
-            (assembler, solver, false)
-        }
-    };
+    let (mut assembler, mut solver, kept) =
+        match kept_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
+            Some((assembler, solver)) => (assembler, solver, true),
+            None => {
+                let assembler = scene.assembler().map_err(|e| e.to_string())?;
+                let solver = solver_for(assembler.pattern.clone(), spec.linear).map_err(|e| e.to_string())?;
+                (assembler, solver, false)
+            }
+        };
     let analysis_seconds = clock.seconds() - before;
     let state = scene.initial_state();
     let weights = Weights { m: weight, c: 2.0 * weight.sqrt(), k: 1.0 };
@@ -157,20 +157,6 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         blocks: assembler.blocks(),
         factor_operations: stats.factor_operations,
     })
-}
-
-/// A tangent and its solver.
-type Matrix = (Assembler, Box<dyn LinearSolver>);
-
-/// The symmetric tangent and its solver, where steps keep its factor.
-fn kept(scene: &dyn Scene, spec: SolverSpec) -> Result<Option<Matrix>, String> {
-    if spec.newton.strategy == Strategy::Full || spec.linear == LinearChoice::Lu {
-        return Ok(None);
-    }
-    let Some(assembler) = scene.symmetric_assembler().map_err(|e| e.to_string())? else { return Ok(None) };
-    let solver = solver_for(assembler.pattern.clone(), LinearChoice::Auto).map_err(|e| e.to_string())?;
-    let cost = solver.stats().factor_cost(assembler.pattern.n());
-    Ok(spec.newton.strategy.keeps(cost).then_some((assembler, solver)))
 }
 
 /// [s] of a factorisation and of a solve. A W that is singular at the start says nothing of a run; what was spent is what it costs.
