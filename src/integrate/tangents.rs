@@ -11,15 +11,22 @@ use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
 
 /// A matrix with its solver.
-struct Factor {
-    assembler: Assembler,
-    linear: Box<dyn LinearSolver>,
+pub struct Factor {
+    /// W
+    pub assembler: Assembler,
+    /// what factorises it
+    pub linear: Box<dyn LinearSolver>,
 }
 
 impl Factor {
     fn new(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
         let linear = solver_for(assembler.pattern.clone(), choice)?;
         Ok(Factor { assembler, linear })
+    }
+
+    /// [-] cost of making it in iterations without.
+    fn cost(&self) -> f64 {
+        self.linear.stats().factor_cost(self.assembler.pattern.n())
     }
 }
 
@@ -31,15 +38,14 @@ pub fn kept_factor(
     system: &dyn TangentSystem,
     strategy: Strategy,
     choice: LinearChoice,
-) -> Result<Option<(Assembler, Box<dyn LinearSolver>)>, StepError> {
+) -> Result<Option<Factor>, StepError> {
     // Whoever asks for LU wants it in every iteration.
     if strategy == Strategy::Full || choice == LinearChoice::Lu {
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let Factor { assembler, linear } = Factor::new(assembler, LinearChoice::Auto)?;
-    let cost = linear.stats().factor_cost(assembler.pattern.n());
-    Ok(strategy.keeps(cost).then_some((assembler, linear)))
+    let factor = Factor::new(assembler, LinearChoice::Auto)?;
+    Ok(strategy.keeps(factor.cost()).then_some(factor))
 }
 
 /// Which of the two is meant.
@@ -69,8 +75,8 @@ impl Tangents {
         if choice == LinearChoice::Cholesky && !system.symmetric() {
             return Err(LinearError::NotSymmetric.into());
         }
-        let frozen = kept_factor(system, strategy, choice)?.map(|(assembler, linear)| Factor { assembler, linear });
-        let factor_cost = frozen.as_ref().map_or(0.0, |f| f.linear.stats().factor_cost(f.assembler.pattern.n()));
+        let frozen = kept_factor(system, strategy, choice)?;
+        let factor_cost = frozen.as_ref().map_or(0.0, Factor::cost);
         let exact = match &frozen {
             Some(_) => None,
             None => Some(Factor::new(system.assembler()?, choice)?),

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use super::timing::{Clock, median_seconds};
 use crate::assembly::Assembler;
-use crate::integrate::implicit::{SolverSpec, kept_factor};
+use crate::integrate::implicit::{Factor, SolverSpec, kept_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
 use crate::solve::{LinearSolver, solver_for};
@@ -121,7 +121,7 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
     let before = clock.seconds();
     let (mut assembler, mut solver, kept) =
         match kept_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
-            Some((assembler, solver)) => (assembler, solver, true),
+            Some(Factor { assembler, linear }) => (assembler, linear, true),
             None => {
                 let assembler = scene.assembler().map_err(|e| e.to_string())?;
                 let solver = solver_for(assembler.pattern.clone(), spec.linear).map_err(|e| e.to_string())?;
