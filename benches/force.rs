@@ -60,6 +60,28 @@ fn spring_pass(c: &mut Criterion) {
     group.finish();
 }
 
+/// Nanoseconds an element of every kind of force, taken in turn.
+fn passes(_: &mut Criterion) {
+    let scene = build_network(cloth(703, 126, Contents::Everything), Threads::one()).expect("the fixture is sound");
+    let mut state = scene.initial_state();
+    for (i, (x, v)) in state.x.iter_mut().zip(&mut state.v).enumerate() {
+        (*x, *v) = (*x + 0.01 * (i as f64).sin(), (i as f64).cos());
+    }
+    let at = NodeState { t: 0.0, x: bytemuck::cast_slice(&state.x), v: bytemuck::cast_slice(&state.v) };
+    let (mut f, threads) = (vec![DVec3::ZERO; 703], Threads::one());
+    for term in scene.force_terms() {
+        let mut ns: Vec<f64> = (0..200)
+            .map(|_| {
+                let start = Instant::now();
+                (0..20).for_each(|_| _ = black_box(term.add(black_box(at), &threads, &mut f)));
+                start.elapsed().as_secs_f64() * 1e9 / (20 * term.elements()) as f64
+            })
+            .collect();
+        ns.sort_unstable_by(f64::total_cmp);
+        println!("{:20} {:6.2} ns an element, least {:6.2}", term.info().name, ns[100], ns[0]);
+    }
+}
+
 /// Median over 400 rounds of the time of `a` over that of `b`, 20 calls each a round.
 fn median_ratio(a: &mut dyn FnMut(), b: &mut dyn FnMut()) -> f64 {
     let time = |f: &mut dyn FnMut()| {
@@ -111,5 +133,5 @@ fn steps(b: &mut criterion::Bencher<'_>, scene: &Network, method: &str) {
     );
 }
 
-criterion_group!(benches, spring_pass, explicit_steps);
+criterion_group!(benches, spring_pass, passes, explicit_steps);
 criterion_main!(benches);

@@ -24,6 +24,7 @@ pub mod relative_dashpot;
 pub mod series;
 pub mod slack;
 pub mod spring;
+pub mod tile;
 pub mod triangle;
 
 use crate::model::forces::Tally;

@@ -98,6 +98,11 @@ impl Network {
         self.mesh = Mesh::default();
     }
 
+    /// The terms, for benchmarks and tests of one force at a time.
+    pub fn force_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
+        self.terms.iter().map(|t| &**t)
+    }
+
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
