@@ -18,6 +18,7 @@ pub mod axial_dashpot;
 pub mod batch;
 pub mod follower_pressure;
 pub mod gravity;
+pub mod neighbours;
 pub mod nodal;
 pub mod rayleigh;
 pub mod relative_dashpot;

@@ -15,14 +15,17 @@
 use super::updates::add_scaled;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::system::{GraphEdge, SpringGraph};
+use crate::model::system::{SpringGraph, Viscosity};
 
 /// Kang's scheme; carries nothing.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Kang {
-    edges: Vec<GraphEdge>,
     /// [N/m] sum of the stiffnesses at every node
     stiffness_sum: Vec<f64>,
+    /// [N] gravity
+    weight: Vec<f64>,
+    /// which dashpots are part of F already
+    viscosity: Viscosity,
     /// F, the filtered forces
     filtered: Vec<f64>,
     /// h F_j / D_j
@@ -31,21 +34,36 @@ pub struct Kang {
     neighbours: Vec<f64>,
     /// g, what acts outside the filter
     outside: Vec<f64>,
+    /// dashpots of the scene that are part of F already, where they are not all of its dashpots
+    inside: Vec<f64>,
+}
+
+impl Default for Kang {
+    fn default() -> Self {
+        let empty = Vec::new;
+        Kang {
+            stiffness_sum: empty(),
+            weight: empty(),
+            viscosity: Viscosity::None,
+            filtered: empty(),
+            sweep: empty(),
+            neighbours: empty(),
+            outside: empty(),
+            inside: empty(),
+        }
+    }
 }
 
 impl Integrator<dyn SpringGraph> for Kang {
     fn start(&mut self, system: &dyn SpringGraph, at: &Point) -> Result<(), StepError> {
         let n = at.state.x.len();
-        self.edges = system.edges();
-        self.stiffness_sum = vec![0.0; n / 3];
-        for e in &self.edges {
-            for i in e.nodes {
-                self.stiffness_sum[i as usize] += e.stiffness;
-            }
-        }
+        self.stiffness_sum = system.stiffness_sums();
+        self.weight = system.weight();
+        self.viscosity = system.viscosity();
         for buffer in [&mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside] {
             *buffer = vec![0.0; n];
         }
+        self.inside = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
         Ok(())
     }
 
@@ -57,27 +75,22 @@ impl Integrator<dyn SpringGraph> for Kang {
     ) -> Result<StepReport, StepError> {
         let n = &from.state;
         self.split_forces(system, from, h);
-        let inverse_mass = system.inverse_mass();
         // D is m + h^2 K; with q = h^2 K / m its inverse is M^-1 / (1 + q), which is 0 at fixed degrees of freedom.
-        let inverse_d = |dof: usize| {
-            let m = inverse_mass[dof];
-            m / (1.0 + h * h * self.stiffness_sum[dof / 3] * m)
-        };
-        for (dof, (s, f)) in self.sweep.iter_mut().zip(&self.filtered).enumerate() {
-            *s = h * f * inverse_d(dof);
-        }
-        self.neighbours.fill(0.0);
-        for e in &self.edges {
-            let [a, b] = e.nodes.map(|i| 3 * i as usize);
-            for c in 0..3 {
-                self.neighbours[a + c] += e.stiffness * self.sweep[b + c];
-                self.neighbours[b + c] += e.stiffness * self.sweep[a + c];
+        let inverse_d = |m: f64, k: f64| m / (1.0 + h * h * k * m);
+        let inverse_mass = system.inverse_mass();
+        let nodes = inverse_mass.chunks_exact(3).zip(&self.stiffness_sum);
+        for ((s, f), (m, k)) in self.sweep.chunks_exact_mut(3).zip(self.filtered.chunks_exact(3)).zip(nodes.clone()) {
+            for ((s, f), m) in s.iter_mut().zip(f).zip(m) {
+                *s = h * f * inverse_d(*m, *k);
             }
         }
+        system.neighbour_sums(&self.sweep, &mut self.neighbours);
         to.state.t = t_next;
-        for (dof, v) in to.state.v.iter_mut().enumerate() {
-            let dv = (self.filtered[dof] * h + h * h * self.neighbours[dof]) * inverse_d(dof);
-            *v = n.v[dof] + dv + h * inverse_mass[dof] * self.outside[dof];
+        for (i, (m, k)) in nodes.enumerate() {
+            for (dof, m) in (3 * i..).zip(m) {
+                let dv = (self.filtered[dof] * h + h * h * self.neighbours[dof]) * inverse_d(*m, *k);
+                to.state.v[dof] = n.v[dof] + dv + h * m * self.outside[dof];
+            }
         }
         add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
@@ -86,21 +99,32 @@ impl Integrator<dyn SpringGraph> for Kang {
 }
 
 impl Kang {
-    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else).
+    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already.
     fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
-        system.spring_forces(&from.state.x, &mut self.filtered);
-        for ((g, total), spring) in self.outside.iter_mut().zip(&from.forces.total).zip(&self.filtered) {
-            *g = total - spring;
+        let Kang { filtered: f, outside: g, weight, inside, neighbours, .. } = self;
+        let forces = &from.forces;
+        g.copy_from_slice(weight);
+        for (g, external) in g.iter_mut().zip(&forces.external) {
+            *g += external;
         }
-        let v = &from.state.v;
-        for e in &self.edges {
-            let [a, b] = e.nodes.map(|i| 3 * i as usize);
-            for c in 0..3 {
-                let dv = v[b + c] - v[a + c];
-                self.filtered[a + c] += h * e.stiffness * dv;
-                self.filtered[b + c] -= h * e.stiffness * dv;
-                self.outside[a + c] -= e.step_dashpot * dv;
-                self.outside[b + c] += e.step_dashpot * dv;
+        if let Viscosity::All { seconds } = self.viscosity {
+            // The scene's dashpots are F's, made for a step of so many seconds.
+            for (i, f) in f.iter_mut().enumerate() {
+                *f = forces.total[i] - g[i] + (h / seconds - 1.0) * forces.dissipative[i];
+            }
+            return;
+        }
+        for (g, dissipative) in g.iter_mut().zip(&forces.dissipative) {
+            *g += dissipative;
+        }
+        system.neighbour_differences(&from.state.v, neighbours);
+        for (i, f) in f.iter_mut().enumerate() {
+            *f = forces.total[i] - g[i] + h * neighbours[i];
+        }
+        if self.viscosity == Viscosity::Some {
+            system.step_dashpots(&from.state.v, inside);
+            for (g, inside) in g.iter_mut().zip(inside) {
+                *g -= *inside;
             }
         }
     }

@@ -2,9 +2,13 @@
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};
+use crate::model::point::Point;
+use crate::model::state::State;
 use crate::model::system::System;
+use multiversion::multiversion;
 
 /// out = a + h b
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn add_scaled(out: &mut [f64], a: &[f64], h: f64, b: &[f64]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         *out = a + h * b;
@@ -12,6 +16,7 @@ pub(super) fn add_scaled(out: &mut [f64], a: &[f64], h: f64, b: &[f64]) {
 }
 
 /// out += h b
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
     for (out, b) in out.iter_mut().zip(b) {
         *out += h * b;
@@ -20,8 +25,44 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
 
 /// out = v + h M^-1 f
 pub(super) fn kick<S: System + ?Sized>(system: &S, out: &mut [f64], v: &[f64], h: f64, f: &[f64]) {
-    for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(f).zip(system.inverse_mass()) {
+    add_product(out, v, h, Product { inverse_mass: system.inverse_mass(), f });
+}
+
+/// M^-1 f, before it is multiplied.
+#[derive(Clone, Copy)]
+struct Product<'a> {
+    inverse_mass: &'a [f64],
+    f: &'a [f64],
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
+    for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(p.f).zip(p.inverse_mass) {
         *out = v + h * (inverse_mass * f);
+    }
+}
+
+/// v = v_n + k M^-1 f, then x = x_n + h v, in one pass over the nodes.
+pub(super) fn kick_and_drift<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, Sizes { kick, drift }: Sizes) {
+    let f = Product { inverse_mass: system.inverse_mass(), f: &from.forces.total };
+    kick_then_drift(&mut to.x, &mut to.v, &from.state, f, Sizes { kick, drift });
+}
+
+/// How far a kick and a drift go.
+#[derive(Clone, Copy)]
+pub(super) struct Sizes {
+    /// [s] of the forces
+    pub kick: f64,
+    /// [s] of the new velocities
+    pub drift: f64,
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick_then_drift(x: &mut [f64], v: &mut [f64], n: &State, p: Product<'_>, h: Sizes) {
+    let from = n.x.iter().zip(&n.v).zip(p.f.iter().zip(p.inverse_mass));
+    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
+        *v = v_n + h.kick * (inverse_mass * f);
+        *x = x_n + h.drift * *v;
     }
 }
 
@@ -34,7 +75,12 @@ pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &
 
 /// out += h M^-1 f
 pub(super) fn accumulate_kick<S: System + ?Sized>(system: &S, out: &mut [f64], h: f64, f: &[f64]) {
-    for ((out, f), inverse_mass) in out.iter_mut().zip(f).zip(system.inverse_mass()) {
+    accumulate_product(out, h, Product { inverse_mass: system.inverse_mass(), f });
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn accumulate_product(out: &mut [f64], h: f64, p: Product<'_>) {
+    for ((out, f), inverse_mass) in out.iter_mut().zip(p.f).zip(p.inverse_mass) {
         *out += h * (inverse_mass * f);
     }
 }

@@ -162,8 +162,8 @@ impl Builder<'_> {
 
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
         let Some(g) = self.spec.gravity else { return };
-        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m }).collect();
-        self.terms.push(Box::new(Gravity { g: DVec3::from_array(g), mass, origin: start.clone() }));
+        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
+        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start.clone())));
     }
 
     fn air(&mut self) {

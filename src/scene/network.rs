@@ -1,5 +1,6 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::batch::{Threads, lane_sum};
@@ -8,9 +9,9 @@ use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{GraphEdge, SpringGraph, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TangentSystem, TermInfo, Weights};
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them.
 pub struct Network {
@@ -18,18 +19,20 @@ pub struct Network {
     /// which of x, y, z is fixed, by internal node
     pub(super) fixed: Vec<[bool; 3]>,
     fixed_dofs: Vec<u32>,
-    mass: Arc<[f64]>,
+    pub(super) mass: Arc<[f64]>,
     pub(super) inverse_mass: Vec<f64>,
     pub(super) start: Arc<[DVec3]>,
     velocity: Vec<[f64; 3]>,
-    gravity: Option<DVec3>,
+    pub(super) gravity: Option<DVec3>,
     corners: Vec<f64>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    infos: Vec<TermInfo>,
+    pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
+    /// made when a scheme first asks for it
+    pub(super) graph: OnceLock<Graph>,
 }
 
 /// Springs of one rule, as the terms hold them, with their way back to the user's edges.
@@ -90,6 +93,7 @@ impl Network {
             springs: p.springs,
             threads: p.threads,
             mesh: p.mesh,
+            graph: OnceLock::new(),
         }
     }
 
@@ -259,30 +263,5 @@ impl TangentSystem for Network {
             internal += (*total - load).length_squared();
         }
         f64::max(internal, external).sqrt()
-    }
-}
-
-impl SpringGraph for Network {
-    fn edges(&self) -> Vec<GraphEdge> {
-        let batch = |b: &SpringBatch| {
-            let edge = |i: usize| GraphEdge {
-                nodes: b.data.nodes[i],
-                stiffness: b.data.stiffness.at(i),
-                step_dashpot: if b.in_filter { b.dashpot.at(i) } else { 0.0 },
-            };
-            (0..b.edges.len()).map(edge).collect::<Vec<_>>()
-        };
-        self.springs.iter().flat_map(batch).collect()
-    }
-
-    fn spring_forces(&self, x: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        let at = NodeState { t: 0.0, x: by_node(x), v: &[] };
-        for term in self.terms.iter().filter(|t| t.info().role == Role::Elastic) {
-            term.add(at, &self.threads, bytemuck::cast_slice_mut(out));
-        }
-        for &dof in &self.fixed_dofs {
-            out[dof as usize] = 0.0;
-        }
     }
 }
