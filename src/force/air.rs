@@ -120,7 +120,8 @@ fn add_block<const B: usize>(
     }
     for t in 0..B {
         let (a, b, v) = (a[t], b[t], sum[t]);
-        let s = [0.5 * (a[1] * b[2] - a[2] * b[1]), 0.5 * (a[2] * b[0] - a[0] * b[2]), 0.5 * (a[0] * b[1] - a[1] * b[0])];
+        let s =
+            [0.5 * (a[1] * b[2] - a[2] * b[1]), 0.5 * (a[2] * b[0] - a[0] * b[2]), 0.5 * (a[0] * b[1] - a[1] * b[0])];
         let flow = THIRD * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
         let flux = s[0] * wind.x + s[1] * wind.y + s[2] * wind.z - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();

@@ -8,6 +8,7 @@ use super::NodeState;
 pub use super::tile::{LANES, Lanes, Padded, Tile};
 use super::tile::{Plan, Tiles, WINDOW, Windows};
 use crate::model::forces::Tally;
+use crate::model::workers::Workers;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -17,7 +18,7 @@ const NODES_PER_TASK: usize = 4096;
 /// How many threads a force pass may use, and their windows.
 #[derive(Debug)]
 pub struct Threads {
-    pool: Option<rayon::ThreadPool>,
+    workers: Workers,
     /// one a thread
     windows: Vec<Mutex<Windows>>,
 }
@@ -31,7 +32,7 @@ impl Default for Threads {
 impl Threads {
     /// One thread: no pool is made.
     pub fn one() -> Self {
-        Threads { pool: None, windows: vec![Mutex::default()] }
+        Threads { workers: Workers::default(), windows: vec![Mutex::default()] }
     }
 
     /// `n` threads (0 and 1 mean one).
@@ -39,11 +40,12 @@ impl Threads {
     /// # Errors
     /// When the operating system gives no threads.
     pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        if n <= 1 {
-            return Ok(Threads::one());
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build()?;
-        Ok(Threads { pool: Some(pool), windows: (0..n).map(|_| Mutex::default()).collect() })
+        Ok(Threads { workers: Workers::new(n)?, windows: (0..n.max(1)).map(|_| Mutex::default()).collect() })
+    }
+
+    /// The threads, for loops over nodes.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
     }
 
     /// The windows of a thread of the pool.
@@ -111,7 +113,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
 
     /// f += element forces; returns the sum of energies or powers.
     pub fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        match &threads.pool {
+        match threads.workers.pool() {
             None => self.one_thread(at, &mut threads.windows(0), f),
             Some(pool) => {
                 let parallel = self.parallel.get_or_init(|| Mutex::new(self.prepare(f.len())));
@@ -179,7 +181,8 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     }
 
     fn prepare(&self, n_nodes: usize) -> Parallel {
-        let places = || self.tiles.plan().iter().enumerate().flat_map(|(t, plan)| self.tiles.nodes(plan).zip(t * WINDOW..));
+        let places =
+            || self.tiles.plan().iter().enumerate().flat_map(|(t, plan)| self.tiles.nodes(plan).zip(t * WINDOW..));
         let mut start = vec![0u32; n_nodes + 1];
         for (node, _) in places() {
             start[node as usize + 1] += 1;

@@ -78,9 +78,11 @@ impl ForceTerm for Gravity {
         true
     }
 
-    fn add(&self, at: NodeState<'_>, _threads: &Threads, f: &mut [DVec3]) -> Tally {
+    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
         let flat = bytemuck::cast_slice::<DVec3, f64>;
-        let energy = add_weight(flat(&self.weight), flat(at.x), flat(&self.origin), bytemuck::cast_slice_mut(f));
+        let (w, x, origin) = (flat(&self.weight), flat(at.x), flat(&self.origin));
+        let f = bytemuck::cast_slice_mut(f);
+        let energy = threads.workers().each(f, |r, f| add_weight(&w[r.clone()], &x[r.clone()], &origin[r], f));
         Tally { energy, power: 0.0 }
     }
 

@@ -77,13 +77,7 @@ fn add_blocks<'a>(
 }
 
 #[inline(always)]
-fn add_block<const B: usize>(
-    nodes: &[[u16; 2]; B],
-    c: &[f64; B],
-    v: &[Padded],
-    f: &mut [Padded],
-    power: &mut Lanes,
-) {
+fn add_block<const B: usize>(nodes: &[[u16; 2]; B], c: &[f64; B], v: &[Padded], f: &mut [Padded], power: &mut Lanes) {
     let mut dv = [[0.0; 4]; B];
     let mut given = [0.0; B];
     for j in 0..B {

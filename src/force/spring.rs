@@ -90,6 +90,11 @@ impl SpringData {
         tension(self.slack, self.stiffness.at(i), self.stretch(x, i).elongation).force
     }
 
+    /// [-] largest strain of all springs, -inf without any.
+    pub fn max_strain(&self, x: &[DVec3]) -> f64 {
+        largest_strain(self, x)
+    }
+
     /// [-] strain (l - l0)/l0 of spring `i`.
     pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
         self.stretch(x, i).elongation / self.rest_length[i]
@@ -173,6 +178,26 @@ fn add_block<const B: usize, L: TensionLaw>(
         f[a as usize] = plus(f[a as usize], force);
         f[b as usize] = minus(f[b as usize], force);
     }
+}
+
+/// Without directions, which cost a division each.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
+    let mut largest = [f64::NEG_INFINITY; LANES];
+    let (nodes, rest) = data.nodes.as_chunks::<LANES>();
+    let (l0, _) = data.rest_length.as_chunks::<LANES>();
+    for (nodes, l0) in nodes.iter().zip(l0) {
+        let mut square = [0.0; LANES];
+        for j in 0..LANES {
+            let [a, b] = nodes[j];
+            square[j] = (x[b as usize] - x[a as usize]).length_squared();
+        }
+        for j in 0..LANES {
+            largest[j] = f64::max(largest[j], (square[j].sqrt() - l0[j]) / l0[j]);
+        }
+    }
+    let last = data.nodes.len() - rest.len()..data.nodes.len();
+    last.map(|i| data.strain(x, i)).chain(largest).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Direction, length and elongation of a spring.

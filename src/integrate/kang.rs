@@ -22,6 +22,10 @@ use crate::model::system::{SpringGraph, Viscosity};
 pub struct Kang {
     /// [N/m] sum of the stiffnesses at every node
     stiffness_sum: Vec<f64>,
+    /// [s] the step that `inverse_d` is for
+    h: f64,
+    /// [1/kg] D^-1
+    inverse_d: Vec<f64>,
     /// [N] gravity
     weight: Vec<f64>,
     /// which dashpots are part of F already
@@ -43,6 +47,8 @@ impl Default for Kang {
         let empty = Vec::new;
         Kang {
             stiffness_sum: empty(),
+            h: 0.0,
+            inverse_d: empty(),
             weight: empty(),
             viscosity: Viscosity::None,
             filtered: empty(),
@@ -60,7 +66,10 @@ impl Integrator<dyn SpringGraph> for Kang {
         self.stiffness_sum = system.stiffness_sums();
         self.weight = system.weight();
         self.viscosity = system.viscosity();
-        for buffer in [&mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside] {
+        self.h = 0.0;
+        for buffer in
+            [&mut self.inverse_d, &mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside]
+        {
             *buffer = vec![0.0; n];
         }
         self.inside = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
@@ -75,22 +84,16 @@ impl Integrator<dyn SpringGraph> for Kang {
     ) -> Result<StepReport, StepError> {
         let n = &from.state;
         self.split_forces(system, from, h);
-        // D is m + h^2 K; with q = h^2 K / m its inverse is M^-1 / (1 + q), which is 0 at fixed degrees of freedom.
-        let inverse_d = |m: f64, k: f64| m / (1.0 + h * h * k * m);
-        let inverse_mass = system.inverse_mass();
-        let nodes = inverse_mass.chunks_exact(3).zip(&self.stiffness_sum);
-        for ((s, f), (m, k)) in self.sweep.chunks_exact_mut(3).zip(self.filtered.chunks_exact(3)).zip(nodes.clone()) {
-            for ((s, f), m) in s.iter_mut().zip(f).zip(m) {
-                *s = h * f * inverse_d(*m, *k);
-            }
+        self.invert(system, h);
+        for ((s, f), inverse) in self.sweep.iter_mut().zip(&self.filtered).zip(&self.inverse_d) {
+            *s = h * f * inverse;
         }
         system.neighbour_sums(&self.sweep, &mut self.neighbours);
         to.state.t = t_next;
-        for (i, (m, k)) in nodes.enumerate() {
-            for (dof, m) in (3 * i..).zip(m) {
-                let dv = (self.filtered[dof] * h + h * h * self.neighbours[dof]) * inverse_d(*m, *k);
-                to.state.v[dof] = n.v[dof] + dv + h * m * self.outside[dof];
-            }
+        let filter = self.filtered.iter().zip(&self.neighbours).zip(&self.inverse_d);
+        let outside = self.outside.iter().zip(system.inverse_mass());
+        for (((v, v_n), ((f, sum), inverse)), (g, m)) in to.state.v.iter_mut().zip(&n.v).zip(filter).zip(outside) {
+            *v = v_n + (f * h + h * h * sum) * inverse + h * m * g;
         }
         add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
@@ -99,6 +102,17 @@ impl Integrator<dyn SpringGraph> for Kang {
 }
 
 impl Kang {
+    /// D is m + h^2 K; with q = h^2 K / m its inverse is M^-1 / (1 + q), which is 0 at fixed degrees of freedom.
+    fn invert(&mut self, system: &dyn SpringGraph, h: f64) {
+        if self.h == h {
+            return;
+        }
+        self.h = h;
+        for (dof, (inverse, m)) in self.inverse_d.iter_mut().zip(system.inverse_mass()).enumerate() {
+            *inverse = m / (1.0 + h * h * self.stiffness_sum[dof / 3] * m);
+        }
+    }
+
     /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already.
     fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
         let Kang { filtered: f, outside: g, weight, inside, neighbours, .. } = self;

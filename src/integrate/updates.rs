@@ -25,7 +25,11 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
 
 /// out = v + h M^-1 f
 pub(super) fn kick<S: System + ?Sized>(system: &S, out: &mut [f64], v: &[f64], h: f64, f: &[f64]) {
-    add_product(out, v, h, Product { inverse_mass: system.inverse_mass(), f });
+    let inverse_mass = system.inverse_mass();
+    system.workers().each(out, |r, out| {
+        add_product(out, &v[r.clone()], h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        0.0
+    });
 }
 
 /// M^-1 f, before it is multiplied.
@@ -43,9 +47,22 @@ fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
 }
 
 /// v = v_n + k M^-1 f, then x = x_n + h v, in one pass over the nodes.
-pub(super) fn kick_and_drift<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, Sizes { kick, drift }: Sizes) {
-    let f = Product { inverse_mass: system.inverse_mass(), f: &from.forces.total };
-    kick_then_drift(&mut to.x, &mut to.v, &from.state, f, Sizes { kick, drift });
+pub(super) fn kick_and_drift<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
+    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
+    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
+        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
+        kick_then_drift((x, v), (&n.x[r.clone()], &n.v[r]), f, h);
+    });
+}
+
+/// x = x_n + h v_n and v = v_n + k M^-1 f, in one pass over the nodes.
+pub(super) fn drift_and_kick<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
+    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
+    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
+        add_scaled(x, &n.x[r.clone()], h.drift, &n.v[r.clone()]);
+        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
+        add_product(v, &n.v[r], h.kick, f);
+    });
 }
 
 /// How far a kick and a drift go.
@@ -58,8 +75,8 @@ pub(super) struct Sizes {
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn kick_then_drift(x: &mut [f64], v: &mut [f64], n: &State, p: Product<'_>, h: Sizes) {
-    let from = n.x.iter().zip(&n.v).zip(p.f.iter().zip(p.inverse_mass));
+fn kick_then_drift((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), p: Product<'_>, h: Sizes) {
+    let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
     for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
         *v = v_n + h.kick * (inverse_mass * f);
         *x = x_n + h.drift * *v;
@@ -75,7 +92,11 @@ pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &
 
 /// out += h M^-1 f
 pub(super) fn accumulate_kick<S: System + ?Sized>(system: &S, out: &mut [f64], h: f64, f: &[f64]) {
-    accumulate_product(out, h, Product { inverse_mass: system.inverse_mass(), f });
+    let inverse_mass = system.inverse_mass();
+    system.workers().each(out, |r, out| {
+        accumulate_product(out, h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        0.0
+    });
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]

@@ -6,6 +6,7 @@
 
 use super::forces::{Forces, Role};
 use super::state::{State, StateRef};
+use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 
 /// Name and role of a force term, as they appear in a failure report and the ledger.
@@ -46,6 +47,11 @@ pub trait System: Sync {
     /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// The threads that loops over the degrees of freedom may use.
+    fn workers(&self) -> &Workers {
+        &ALONE
     }
 
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).

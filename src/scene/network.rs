@@ -10,7 +10,9 @@ use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TangentSystem, TermInfo, Weights};
+use crate::model::workers::Workers;
 use glam::DVec3;
+use multiversion::multiversion;
 use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them.
@@ -122,6 +124,29 @@ impl Network {
     }
 }
 
+/// a += b
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn plus(a: &mut [f64], b: &[f64]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b;
+    }
+}
+
+/// [J] sum of 1/2 m v^2
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
+    let mut buffer = [0.0; 64];
+    let mut sum = 0.0;
+    for (v, m) in by_node(v).chunks(64).zip(mass.chunks(64)) {
+        let buffer = &mut buffer[..m.len()];
+        for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
+            *e = 0.5 * m * v.length_squared();
+        }
+        sum += lane_sum(buffer);
+    }
+    sum
+}
+
 impl System for Network {
     fn n_dof(&self) -> usize {
         3 * self.mass.len()
@@ -154,8 +179,12 @@ impl System for Network {
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
         let at = node_state(at);
         let Forces { total, external, dissipative, reactions, tallies } = out;
+        let workers = self.threads.workers();
         for role in [&mut *total, &mut *external, &mut *dissipative] {
-            role.fill(0.0);
+            workers.each(role, |_, role| {
+                role.fill(0.0);
+                0.0
+            });
         }
         for ((term, info), tally) in self.terms.iter().zip(&self.infos).zip(tallies) {
             let target = match info.role {
@@ -165,10 +194,11 @@ impl System for Network {
             };
             *tally = term.add(at, &self.threads, bytemuck::cast_slice_mut(target));
         }
-        for role in [&*external, &*dissipative] {
-            for (total, f) in total.iter_mut().zip(role) {
-                *total += f;
-            }
+        for role in [&*external, &*dissipative].into_iter().filter(|role| !role.is_empty()) {
+            workers.each(total, |r, total| {
+                plus(total, &role[r]);
+                0.0
+            });
         }
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
@@ -188,16 +218,11 @@ impl System for Network {
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        let mut buffer = [0.0; 64];
-        let mut sum = 0.0;
-        for (v, m) in by_node(v).chunks(64).zip(self.mass.chunks(64)) {
-            let buffer = &mut buffer[..m.len()];
-            for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
-                *e = 0.5 * m * v.length_squared();
-            }
-            sum += lane_sum(buffer);
-        }
-        sum
+        self.threads.workers().sum(v.len(), |r| kinetic(&v[r.clone()], &self.mass[r.start / 3..r.end / 3]))
+    }
+
+    fn workers(&self) -> &Workers {
+        self.threads.workers()
     }
 
     fn corners(&self) -> Vec<f64> {
