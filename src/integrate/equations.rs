@@ -97,9 +97,18 @@ impl Equations<'_> {
         self.tangents.freeze(self.system, at, w, convex)?;
         if self.kept.recalled() {
             self.counters.tangent_assemblies += 1;
-            self.counters.factorizations += 1;
+            self.counters.factorizations += self.tangents.factorizations();
         }
         Ok(())
+    }
+
+    /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
+    fn make_convex(&mut self) -> Result<bool, LinearError> {
+        let Some((at, w)) = self.kept.to_convex() else { return Ok(false) };
+        self.counters.tangent_assemblies += 1;
+        let made = self.tangents.freeze(self.system, at, w, true)?;
+        self.counters.factorizations += self.tangents.factorizations();
+        Ok(made.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -164,19 +173,21 @@ impl NonlinearProblem for Equations<'_> {
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
         self.counters.tangent_assemblies += 1;
-        self.counters.factorizations += 1;
         *self.mass_weight = Some(w.m);
         // Where W is symmetric the two share their room.
         self.kept.is_lost(self.tangents.symmetric());
-        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature)
+        let inertia = self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature);
+        self.counters.factorizations += self.tangents.factorizations();
+        inertia
     }
 
     fn freeze(&mut self) -> Result<bool, LinearError> {
         let w = self.weights();
         for convex in [false, true] {
             self.counters.tangent_assemblies += 1;
-            self.counters.factorizations += 1;
-            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex)? {
+            let made = self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex);
+            self.counters.factorizations += self.tangents.factorizations();
+            match made? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {
@@ -193,13 +204,26 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.take(Which::Frozen);
     }
 
+    fn keeps(&self) -> bool {
+        self.tangents.keeps()
+    }
+
+    fn ask(&mut self, relative: f64) {
+        self.tangents.ask(relative);
+    }
+
     fn factor_cost(&self) -> f64 {
         self.tangents.factor_cost()
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        self.counters.linear_solves += 1;
-        self.tangents.solve(b)
+        match self.tangents.solve(b, self.counters) {
+            // Of a kept matrix that was not factorised this shows only here.
+            Err(LinearError::Indefinite { .. }) if self.tangents.solves_with(Which::Frozen) && self.make_convex()? => {
+                self.tangents.solve(b, self.counters)
+            }
+            solved => solved,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::StepError;
+use super::{Counters, StepError};
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::{TangentSystem, Weights};
@@ -44,8 +44,19 @@ pub fn kept_factor(
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::new(assembler, LinearChoice::Auto)?;
-    Ok(strategy.keeps(factor.cost()).then_some(factor))
+    let factor = Factor::new(assembler, choice)?;
+    // What is not factorised is cheap to make, and cheaper to keep.
+    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
+    Ok(keeps.then_some(factor))
+}
+
+/// Why a choice of solver does not fit a scene.
+pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Option<LinearError> {
+    match choice {
+        LinearChoice::Cholesky if !symmetric => Some(LinearError::NotSymmetric),
+        LinearChoice::Cg if !symmetric && strategy == Strategy::Full => Some(LinearError::FullNotSymmetric),
+        _ => None,
+    }
 }
 
 /// Which of the two is meant.
@@ -72,9 +83,7 @@ impl Tangents {
     /// # Errors
     /// When patterns cannot be found or analysed, or the choice of solver does not fit.
     pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
-        if choice == LinearChoice::Cholesky && !system.symmetric() {
-            return Err(LinearError::NotSymmetric.into());
-        }
+        refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
         let frozen = kept_factor(system, strategy, choice)?;
         let factor_cost = frozen.as_ref().map_or(0.0, Factor::cost);
         let exact = match &frozen {
@@ -84,12 +93,19 @@ impl Tangents {
         // A pendulum's single entry is stored in full.
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
+        // Where the symmetric part leads nowhere there is nothing but LU.
+        let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof, factor_cost })
     }
 
     /// [-] cost of a factorisation in iterations without one.
     pub fn factor_cost(&self) -> f64 {
         self.factor_cost
+    }
+
+    /// Whether a matrix is kept over many solves.
+    pub fn keeps(&self) -> bool {
+        self.frozen.is_some()
     }
 
     /// Whether W is symmetric.
@@ -146,19 +162,44 @@ impl Tangents {
         convex: bool,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
+        self.current = Which::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
-        factor.linear.factor_definite(factor.assembler.values()).map(Some)
+        factor.linear.prepare(factor.assembler.values()).map(Some)
     }
 
     /// Replaces b by W^-1 b.
     ///
     /// # Errors
     /// A solution that is not finite, or no factor.
-    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    pub fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
+        let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
+        counters.linear_solves += 1;
+        let solved = factor.linear.solve(factor.assembler.values(), b);
+        counters.cg_iterations += u64::from(factor.linear.iterations());
+        solved
+    }
+
+    /// The matrix that solves.
+    fn in_use(&mut self) -> Option<&mut Factor> {
         let shared = self.symmetric && self.frozen.is_some();
-        let factor = if shared || self.current == Which::Frozen { &mut self.frozen } else { &mut self.exact };
-        let Some(factor) = factor else { return Err(LinearError::Singular { unknown: None }) };
-        factor.linear.solve(factor.assembler.values(), b)
+        if shared || self.current == Which::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
+    }
+
+    /// Whether solves are with this one.
+    pub fn solves_with(&self, which: Which) -> bool {
+        self.current == which
+    }
+
+    /// What further solves may leave of their right-hand sides.
+    pub fn ask(&mut self, relative: f64) {
+        for factor in self.frozen.iter_mut().chain(&mut self.exact) {
+            factor.linear.ask(relative);
+        }
+    }
+
+    /// Factorisations that the matrix in use has cost when it was made: 1, but 0 for conjugate gradients.
+    pub fn factorizations(&mut self) -> u64 {
+        self.in_use().map_or(0, |factor| u64::from(factor.linear.is_direct()))
     }
 
     /// The account of the solver that works most.

@@ -1,10 +1,10 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
-use super::{Cholesky, Lu};
+use super::{Cholesky, ConjugateGradients, Lu};
 use crate::assembly::Pattern;
 use std::sync::Arc;
 
-/// Which direct solver to use.
+/// Which solver to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearChoice {
     /// Cholesky for a symmetric W, LU else.
@@ -14,12 +14,14 @@ pub enum LinearChoice {
     Cholesky,
     /// LU, of a symmetric W too.
     Lu,
+    /// Conjugate gradients; refused for a non-symmetric W.
+    Cg,
 }
 
 /// What a solver is and what it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearStats {
-    /// `cholesky` or `lu`
+    /// `cholesky`, `lu` or `cg`
     pub name: &'static str,
     /// entries stored of W
     pub matrix_nonzeros: usize,
@@ -27,7 +29,7 @@ pub struct LinearStats {
     pub factor_nonzeros: Option<usize>,
     /// floating point operations of one factorisation, where the library tells the factor's shape
     pub factor_operations: Option<f64>,
-    /// factorisations for which Cholesky was not positive definite and LDLT or LBLT stepped in
+    /// matrices that were found not to be positive definite
     pub indefinite: u64,
 }
 
@@ -48,6 +50,9 @@ impl LinearStats {
         making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
     }
 }
+
+/// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
+pub const KEPT_RELATIVE: f64 = 1e-2;
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -70,6 +75,36 @@ pub enum LinearError {
          it; use \"linear\": \"lu\" or \"auto\""
     )]
     NotSymmetric,
+    /// Conjugate gradients were asked for where there are no blocks of nodes.
+    #[error(
+        "\"cg\" works on the symmetric blocks of a network's nodes, and this system has none; use \"linear\": \"auto\""
+    )]
+    NotByNodes,
+    /// Conjugate gradients were asked for true Newton iterations with a non-symmetric matrix.
+    #[error(
+        "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cg\" can only solve with its symmetric part, \
+         which the strategy \"full\" does not use; use \"strategy\": \"auto\", or \"linear\": \"lu\""
+    )]
+    FullNotSymmetric,
+    /// Conjugate gradients met a direction p with p . W p <= 0.
+    #[error("the tangent matrix is not positive definite: conjugate gradients found it in iteration {iterations}")]
+    Indefinite {
+        /// iterations made
+        iterations: u32,
+    },
+    /// Conjugate gradients did not come to the residual they were asked for.
+    #[error(
+        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
+         the step is long for so stiff a scene; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
+    )]
+    Stalled {
+        /// iterations made
+        iterations: u32,
+        /// [-] residual over that at the start
+        residual: f64,
+        /// [-] what it had to reach
+        asked: f64,
+    },
     /// The analysis ran out of memory or index range.
     #[error("the symbolic analysis of a matrix with {unknowns} unknowns failed: {reason}")]
     Analysis {
@@ -107,11 +142,35 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
-    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`.
+    /// The same for a W that is kept for many solves, each of which may leave [`KEPT_RELATIVE`] of its right-hand side.
     ///
     /// # Errors
-    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision.
+    /// As [`LinearSolver::factor`].
+    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factor_definite(values)
+    }
+
+    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate gradients leaves `b`.
+    ///
+    /// # Errors
+    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients: W is indefinite, or
+    /// too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
+
+    /// [-] The share of its right-hand side that each further solve may leave; direct solvers leave what rounding does.
+    fn ask(&mut self, relative: f64) {
+        let _ = relative;
+    }
+
+    /// Whether it factorises W.
+    fn is_direct(&self) -> bool {
+        true
+    }
+
+    /// Iterations of the last solve; 0 of a direct one.
+    fn iterations(&self) -> u32 {
+        0
+    }
 
     /// What the solver is and holds.
     fn stats(&self) -> LinearStats;
@@ -124,6 +183,7 @@ pub trait LinearSolver: Send {
 pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
     match (choice, pattern.symmetric) {
         (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
+        (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Cholesky, true) => Ok(Box::new(Cholesky::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Lu, _) => Ok(Box::new(Lu::new(pattern)?)),
     }

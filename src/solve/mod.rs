@@ -1,7 +1,10 @@
 //! Linear solvers behind one small trait, and Newton's iteration on top of them.
 
+mod blocks;
 mod cholesky;
+mod conjugate;
 mod failure;
+mod forcing;
 mod linear;
 mod lu;
 pub mod newton;
@@ -11,6 +14,7 @@ pub mod quasi;
 mod search;
 
 pub use cholesky::Cholesky;
-pub use linear::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+pub use conjugate::ConjugateGradients;
+pub use linear::{Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
 pub use lu::Lu;
 pub use ordering::fill_reducing;

@@ -10,7 +10,7 @@
 //! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
 
 use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem, dot, norm};
-use super::{LinearError, search};
+use super::{KEPT_RELATIVE, LinearError, search};
 
 /// Pairs kept.
 const PAIRS: usize = 8;
@@ -186,6 +186,7 @@ impl Iteration<'_> {
             return Ok(None);
         }
         self.problem.take_frozen();
+        self.problem.ask(KEPT_RELATIVE);
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
         let mut leg = Leg::new(residual);
