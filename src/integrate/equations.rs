@@ -94,10 +94,10 @@ impl Equations<'_> {
     /// Makes the kept factor again where another has taken its place since the last accepted step.
     pub fn recall(&mut self) -> Result<(), LinearError> {
         let Some((at, w, convex)) = self.kept.missing() else { return Ok(()) };
-        self.tangents.freeze(self.system, at, w, convex)?;
+        let mut spent = Counters::default();
+        self.tangents.freeze(self.system, at, w, convex, &mut spent)?;
         if self.kept.recalled() {
-            self.counters.tangent_assemblies += 1;
-            self.counters.factorizations += self.tangents.factorizations();
+            *self.counters = self.counters.plus(spent);
         }
         Ok(())
     }
@@ -105,10 +105,7 @@ impl Equations<'_> {
     /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
         let Some((at, w)) = self.kept.to_convex() else { return Ok(false) };
-        self.counters.tangent_assemblies += 1;
-        let made = self.tangents.freeze(self.system, at, w, true)?;
-        self.counters.factorizations += self.tangents.factorizations();
-        Ok(made.is_some())
+        Ok(self.tangents.freeze(self.system, at, w, true, self.counters)?.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -172,22 +169,16 @@ impl NonlinearProblem for Equations<'_> {
 
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
-        self.counters.tangent_assemblies += 1;
         *self.mass_weight = Some(w.m);
         // Where W is symmetric the two share their room.
         self.kept.is_lost(self.tangents.symmetric());
-        let inertia = self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature);
-        self.counters.factorizations += self.tangents.factorizations();
-        inertia
+        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
     fn freeze(&mut self) -> Result<bool, LinearError> {
         let w = self.weights();
         for convex in [false, true] {
-            self.counters.tangent_assemblies += 1;
-            let made = self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex);
-            self.counters.factorizations += self.tangents.factorizations();
-            match made? {
+            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {

@@ -8,7 +8,7 @@ use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, Strategy};
-use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for};
 
 /// A matrix with its solver.
 pub struct Factor {
@@ -21,6 +21,11 @@ pub struct Factor {
 impl Factor {
     fn new(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
         let linear = solver_for(assembler.pattern.clone(), choice)?;
+        Ok(Factor { assembler, linear })
+    }
+
+    fn kept(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
+        let linear = kept_solver_for(assembler.pattern.clone(), choice)?;
         Ok(Factor { assembler, linear })
     }
 
@@ -44,7 +49,7 @@ pub fn kept_factor(
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::new(assembler, choice)?;
+    let factor = Factor::kept(assembler, choice)?;
     // What is not factorised is cheap to make, and cheaper to keep.
     let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
     Ok(keeps.then_some(factor))
@@ -57,6 +62,11 @@ pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Opt
         LinearChoice::Cg if !symmetric && strategy == Strategy::Full => Some(LinearError::FullNotSymmetric),
         _ => None,
     }
+}
+
+fn count(counters: &mut Counters, before: Work, after: Work) {
+    counters.factorizations += after.factorizations - before.factorizations;
+    counters.cg_iterations += after.iterations - before.iterations;
 }
 
 /// Which of the two is meant.
@@ -76,7 +86,6 @@ pub(super) struct Tangents {
     current: Which,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
-    factor_cost: f64,
 }
 
 impl Tangents {
@@ -85,7 +94,6 @@ impl Tangents {
     pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
         refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
         let frozen = kept_factor(system, strategy, choice)?;
-        let factor_cost = frozen.as_ref().map_or(0.0, Factor::cost);
         let exact = match &frozen {
             Some(_) => None,
             None => Some(Factor::new(system.assembler()?, choice)?),
@@ -95,12 +103,12 @@ impl Tangents {
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
         // Where the symmetric part leads nowhere there is nothing but LU.
         let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
-        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof, factor_cost })
+        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof })
     }
 
     /// [-] cost of a factorisation in iterations without one.
     pub fn factor_cost(&self) -> f64 {
-        self.factor_cost
+        self.frozen.as_ref().map_or(0.0, Factor::cost)
     }
 
     /// Whether a matrix is kept over many solves.
@@ -128,6 +136,7 @@ impl Tangents {
         at: StateRef<'_>,
         w: Weights,
         curvature: Curvature,
+        counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
         self.current = Which::Exact;
         let symmetric = self.symmetric;
@@ -146,8 +155,11 @@ impl Tangents {
             Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
             Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
         }
-        let values = factor.assembler.values();
-        if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) }
+        let (values, before) = (factor.assembler.values(), factor.linear.work());
+        let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
+        counters.tangent_assemblies += 1;
+        count(counters, before, factor.linear.work());
+        made
     }
 
     /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
@@ -160,11 +172,16 @@ impl Tangents {
         at: StateRef<'_>,
         w: Weights,
         convex: bool,
+        counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
         self.current = Which::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
-        factor.linear.prepare(factor.assembler.values()).map(Some)
+        let before = factor.linear.work();
+        let made = factor.linear.prepare(factor.assembler.values());
+        counters.tangent_assemblies += 1;
+        count(counters, before, factor.linear.work());
+        made.map(Some)
     }
 
     /// Replaces b by W^-1 b.
@@ -174,8 +191,9 @@ impl Tangents {
     pub fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
         let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
         counters.linear_solves += 1;
+        let before = factor.linear.work();
         let solved = factor.linear.solve(factor.assembler.values(), b);
-        counters.cg_iterations += u64::from(factor.linear.iterations());
+        count(counters, before, factor.linear.work());
         solved
     }
 
@@ -195,11 +213,6 @@ impl Tangents {
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
             factor.linear.ask(relative);
         }
-    }
-
-    /// Factorisations that the matrix in use has cost when it was made: 1, but 0 for conjugate gradients.
-    pub fn factorizations(&mut self) -> u64 {
-        self.in_use().map_or(0, |factor| u64::from(factor.linear.is_direct()))
     }
 
     /// The account of the solver that works most.

@@ -9,7 +9,7 @@
 //! and its residual is the one of this system: W's residual in the norm of the inverse preconditioner.
 
 use super::blocks::{NodeBlocks, Sweep};
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use crate::assembly::Pattern;
 use glam::DVec3;
 use std::sync::Arc;
@@ -31,7 +31,12 @@ pub struct ConjugateGradients {
     p: Vec<DVec3>,
     t: Vec<DVec3>,
     q: Vec<DVec3>,
+    /// the most of them in a solve
+    most: u32,
+    /// of the last solve
     iterations: u32,
+    /// of all solves
+    all: u64,
     indefinite: u64,
 }
 
@@ -53,12 +58,28 @@ impl ConjugateGradients {
         let blocks = NodeBlocks::new(&pattern);
         let zero = || vec![DVec3::ZERO; blocks.nodes()];
         let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
-        Ok(ConjugateGradients { pattern, blocks, relative: RELATIVE, x, r, p, t, q, iterations: 0, indefinite: 0 })
+        let [least, most] = MOST;
+        let most = (pattern.n() + least).min(most) as u32;
+        let (iterations, all, indefinite) = (0, 0, 0);
+        Ok(ConjugateGradients { pattern, blocks, relative: RELATIVE, x, r, p, t, q, most, iterations, all, indefinite })
     }
 
-    fn most_iterations(&self) -> u32 {
-        let [least, most] = MOST;
-        (self.pattern.n() + least).min(most) as u32
+    /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
+    /// or not at all, and returns how many were made.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    pub(super) fn rehearse(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
+        let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut rough = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5
+        };
+        self.r.fill_with(|| DVec3::new(rough(), rough(), rough()));
+        let own = (std::mem::replace(&mut self.relative, relative), std::mem::replace(&mut self.most, most));
+        let found = self.iterate();
+        (self.relative, self.most) = own;
+        found.map(|()| self.iterations)
     }
 
     /// Iterates until x^ is found, with the right-hand side in r.
@@ -71,11 +92,12 @@ impl ConjugateGradients {
         let first = square;
         let mut beta = 0.0;
         while square.sqrt() > goal {
-            if self.iterations == self.most_iterations() {
+            if self.iterations == self.most {
                 let residual = (square / first).sqrt();
                 return Err(LinearError::Stalled { iterations: self.iterations, residual, asked: self.relative });
             }
             self.iterations += 1;
+            self.all += 1;
             let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
             let curvature = self.blocks.times(&self.r, beta, sweep);
             if curvature.is_nan() {
@@ -136,12 +158,8 @@ impl LinearSolver for ConjugateGradients {
         self.relative = relative;
     }
 
-    fn is_direct(&self) -> bool {
-        false
-    }
-
-    fn iterations(&self) -> u32 {
-        self.iterations
+    fn work(&self) -> Work {
+        Work { factorizations: 0, iterations: self.all }
     }
 
     fn stats(&self) -> LinearStats {
@@ -151,6 +169,7 @@ impl LinearSolver for ConjugateGradients {
             factor_nonzeros: None,
             factor_operations: None,
             indefinite: self.indefinite,
+            prediction: None,
         }
     }
 }

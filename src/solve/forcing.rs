@@ -1,12 +1,26 @@
 //! How exactly a linear system need be solved within Newton's iteration.
 
+use super::KEPT_RELATIVE;
+
 /// [-] Share of the residual that the first solve may leave.
-const FIRST: f64 = 1e-2;
+const FIRST: f64 = 1e-3;
 /// Of the squared reduction of the residual, and the share from which on the last forcing still binds the next.
 const GAMMA: f64 = 0.9;
 const BINDS: f64 = 0.1;
 /// A solve need not go below this share of the tolerance on the residual.
 const ENOUGH: f64 = 0.1;
+
+/// [-] No solve may leave more.
+const LOOSEST: f64 = 0.1;
+
+fn enough(residual: f64, tolerance: f64) -> f64 {
+    ENOUGH * tolerance / residual
+}
+
+/// [-] The share of a residual [N] that a solve with a kept matrix may leave.
+pub(super) fn kept(residual: f64, tolerance: f64) -> f64 {
+    KEPT_RELATIVE.max(enough(residual, tolerance)).min(LOOSEST)
+}
 
 /// The forcing terms of Eisenstat & Walker (1996, choice 2 with its safeguard), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20).
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,8 +40,7 @@ impl Forcing {
                 if bound > BINDS { reduced.max(bound) } else { reduced }
             }
         };
-        let enough = ENOUGH * tolerance / residual;
-        let term = wanted.min(FIRST).max(enough.min(FIRST)).max(f64::EPSILON);
+        let term = wanted.min(FIRST).max(enough(residual, tolerance)).clamp(f64::EPSILON, LOOSEST);
         self.last = Some((term, residual));
         term
     }
@@ -43,7 +56,7 @@ mod tests {
         assert_eq!(forcing.next(1.0, 1e-12), FIRST);
         let near = forcing.next(1e-3, 1e-12);
         assert!((near - GAMMA * 1e-6).abs() < 1e-18, "the square of the reduction: {near}");
-        assert_eq!(forcing.next(1e-11, 1e-12), 1e-2, "no more than the tolerance asks for");
+        assert_eq!(forcing.next(1e-10, 1e-12), 1e-3, "no more than the tolerance asks for");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
-use super::{Cholesky, ConjugateGradients, Lu};
+use super::{Cholesky, ConjugateGradients, Lu, Weighed};
+pub use super::weighed::Prediction;
 use crate::assembly::Pattern;
 use std::sync::Arc;
 
@@ -31,16 +32,18 @@ pub struct LinearStats {
     pub factor_operations: Option<f64>,
     /// matrices that were found not to be positive definite
     pub indefinite: u64,
+    /// what the choice was made from, where there was one
+    pub prediction: Option<Prediction>,
 }
 
 /// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
-const SOLVE_FLOPS: f64 = 4.0;
+pub(super) const SOLVE_FLOPS: f64 = 4.0;
 const ITERATION_FLOPS: f64 = 100.0;
 /// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
 /// works on dense blocks.
-const SOLVE_SLOWNESS: f64 = 4.0;
+pub(super) const SOLVE_SLOWNESS: f64 = 4.0;
 /// [flop] an entry of W in an assembly
-const ASSEMBLY_FLOPS: f64 = 50.0;
+pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
 
 impl LinearStats {
     /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
@@ -52,7 +55,7 @@ impl LinearStats {
 }
 
 /// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
-pub const KEPT_RELATIVE: f64 = 1e-2;
+pub const KEPT_RELATIVE: f64 = 1e-3;
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -115,6 +118,15 @@ pub enum LinearError {
     },
 }
 
+/// Work of a solver since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// factorisations
+    pub factorizations: u64,
+    /// iterations of conjugate gradients
+    pub iterations: u64,
+}
+
 /// What a factorisation tells of W.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
@@ -162,15 +174,8 @@ pub trait LinearSolver: Send {
         let _ = relative;
     }
 
-    /// Whether it factorises W.
-    fn is_direct(&self) -> bool {
-        true
-    }
-
-    /// Iterations of the last solve; 0 of a direct one.
-    fn iterations(&self) -> u32 {
-        0
-    }
+    /// What it has done so far.
+    fn work(&self) -> Work;
 
     /// What the solver is and holds.
     fn stats(&self) -> LinearStats;
@@ -186,6 +191,17 @@ pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn
         (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Cholesky, true) => Ok(Box::new(Cholesky::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Lu, _) => Ok(Box::new(Lu::new(pattern)?)),
+    }
+}
+
+/// The solver for a symmetric W that is kept over many solves.
+///
+/// # Errors
+/// As [`solver_for`].
+pub fn kept_solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
+    match choice {
+        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern)?)),
+        _ => solver_for(pattern, choice),
     }
 }
 

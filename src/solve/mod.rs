@@ -12,9 +12,13 @@ mod ordering;
 mod problem;
 pub mod quasi;
 mod search;
+mod weighed;
 
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
-pub use linear::{Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+pub use linear::{
+    Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work, kept_solver_for, solver_for,
+};
 pub use lu::Lu;
-pub use ordering::fill_reducing;
+pub use ordering::{Elimination, Permutation, fill_reducing};
+pub use weighed::Weighed;
