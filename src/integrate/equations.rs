@@ -210,7 +210,9 @@ impl NonlinearProblem for Equations<'_> {
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match self.tangents.solve(b, self.counters) {
             // Of a kept matrix that was not factorised this shows only here.
-            Err(LinearError::Indefinite { .. }) if self.tangents.solves_with(Which::Frozen) && self.make_convex()? => {
+            Err(LinearError::Indefinite { .. })
+                if self.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
+            {
                 self.tangents.solve(b, self.counters)
             }
             solved => solved,

@@ -8,7 +8,7 @@ use super::equations::{Equations, Guess, scales};
 use super::kept::Kept;
 use super::stage::StageMap;
 use super::tangents::Tangents;
-pub use super::tangents::{Factor, kept_factor};
+pub use super::tangents::{Factor, kept_factor, refusal};
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;

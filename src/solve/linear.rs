@@ -1,7 +1,7 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
-use super::{Cholesky, ConjugateGradients, Lu, Weighed};
 pub use super::weighed::Prediction;
+use super::{Cholesky, ConjugateGradients, Lu, Weighed};
 use crate::assembly::Pattern;
 use std::sync::Arc;
 

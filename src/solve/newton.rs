@@ -6,9 +6,9 @@
 //! direction and its slope take over until full steps are possible again.
 
 pub use super::failure::NewtonFailure;
+use super::forcing::Forcing;
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
-use super::forcing::Forcing;
 use super::{Inertia, LinearError, search};
 
 /// How often the tangent is factorised.

@@ -109,14 +109,7 @@ impl Weighed {
             Err(other) => return Err(other),
         };
         let cg_work = none + one * f64::from(cg_iterations);
-        Ok(Some(Prediction {
-            cholesky_work,
-            cg_work,
-            cg_iterations,
-            cg_converged,
-            factor_nonzeros,
-            factor_operations,
-        }))
+        Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
     }
 }
 
