@@ -7,7 +7,7 @@ use crate::assembly::Assembler;
 use crate::integrate::implicit::{Factor, SolverSpec, kept_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::solve::{KEPT_RELATIVE, LinearSolver, LinearStats, solver_for};
+use crate::solve::{KEPT_RELATIVE, LinearSolver, LinearStats, Prediction, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
@@ -74,6 +74,8 @@ pub struct TangentCost {
     pub factor_operations: Option<f64>,
     /// iterations of the measured solve, of conjugate gradients; 0 of a direct solver
     pub cg_iterations: u64,
+    /// what the solver was chosen from; null where there was nothing to choose
+    pub prediction: Option<Prediction>,
 }
 
 impl TangentCost {
@@ -172,6 +174,7 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         blocks: assembler.blocks(),
         factor_operations: stats.factor_operations,
         cg_iterations,
+        prediction: stats.prediction,
     })
 }
 
