@@ -12,7 +12,7 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, build_network};
-use canopy_fem::solve::{Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
+use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
 use common::run::{Run, asset, changed, run, run_with};
 use common::{Random, spring_group};
 use std::path::Path;
@@ -82,7 +82,7 @@ fn solutions_are_those_of_cholesky() {
         assert_eq!(solver.factor(&values), Ok(Inertia::Unknown));
         let mut before = 0;
         for relative in [1e-2, 1e-6, 1e-12] {
-            solver.ask(relative);
+            solver.ask(Accuracy::to(relative));
             let (mut x, made) = (b.clone(), solver.work().iterations);
             solver.solve(&values, &mut x).expect("definite");
             let (off, iterations) = (difference(&x, &expected), solver.work().iterations - made);
@@ -154,7 +154,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     }
     let mut solver = cg(&pattern);
     solver.factor(&values).expect("definite");
-    solver.ask(1e-10);
+    solver.ask(Accuracy::to(1e-10));
     let b = random_vector(n as usize, 5);
     match solver.solve(&values, &mut b.clone()) {
         Err(error @ LinearError::Stalled { iterations, residual, asked }) => {

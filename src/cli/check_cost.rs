@@ -55,11 +55,8 @@ fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
         None if linear_solver == "cg" => spared(tangent),
         None => "factor known after the first factorisation".to_owned(),
     };
-    let part = if linear_solver != "lu" && !tangent.symmetric {
-        " of its symmetric part, kept over many steps"
-    } else {
-        ""
-    };
+    let part =
+        if linear_solver != "lu" && !tangent.symmetric { " of its symmetric part, kept over many steps" } else { "" };
     let unknowns = if unknowns == 1 { "1 unknown".to_owned() } else { format!("{unknowns} unknowns") };
     let _ = writeln!(
         text,

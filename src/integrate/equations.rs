@@ -12,7 +12,7 @@ use super::tangents::{Tangents, Which};
 use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, NonlinearProblem, Scales, norm};
-use crate::solve::{Inertia, LinearError};
+use crate::solve::{Accuracy, Inertia, LinearError};
 
 /// F(z) = 0 of one step.
 pub(super) struct Equations<'a> {
@@ -199,8 +199,8 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.keeps()
     }
 
-    fn ask(&mut self, relative: f64) {
-        self.tangents.ask(relative);
+    fn ask(&mut self, accuracy: Accuracy) {
+        self.tangents.ask(accuracy);
     }
 
     fn factor_cost(&self) -> f64 {

@@ -13,7 +13,7 @@ use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
-use crate::solve::{LinearChoice, LinearStats};
+use crate::solve::{Accuracy, LinearChoice, LinearStats};
 
 /// [-] What a solve for a filtered error may leave: it is only looked at.
 const FILTER_RELATIVE: f64 = 1e-3;
@@ -193,7 +193,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         for (&dof, b) in s.tangents.dof.iter().zip(&mut s.z) {
             *b = weight * s.inertia[dof as usize];
         }
-        s.tangents.ask(FILTER_RELATIVE);
+        s.tangents.ask(Accuracy::to(FILTER_RELATIVE));
         s.tangents.solve(&mut s.z, counters)?;
         for (&dof, b) in s.tangents.dof.iter().zip(&s.z) {
             e[dof as usize] = *b;

@@ -8,7 +8,9 @@ use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, Strategy};
-use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for};
+use crate::solve::{
+    Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for,
+};
 
 /// A matrix with its solver.
 pub struct Factor {
@@ -209,9 +211,9 @@ impl Tangents {
     }
 
     /// What further solves may leave of their right-hand sides.
-    pub fn ask(&mut self, relative: f64) {
+    pub fn ask(&mut self, accuracy: Accuracy) {
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
-            factor.linear.ask(relative);
+            factor.linear.ask(accuracy);
         }
     }
 

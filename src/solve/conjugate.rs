@@ -9,13 +9,15 @@
 //! and its residual is the one of this system: W's residual in the norm of the inverse preconditioner.
 
 use super::blocks::{NodeBlocks, Sweep};
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use crate::assembly::Pattern;
 use glam::DVec3;
 use std::sync::Arc;
 
 /// [-] relative residual of a solve for which nobody has asked for another
 const RELATIVE: f64 = 1e-10;
+/// Iterations that take as long as the force pass and the vectors of an iteration around a solve
+const FEW: u32 = 4;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
 const MOST: [usize; 2] = [200, 20_000];
 
@@ -23,8 +25,8 @@ const MOST: [usize; 2] = [200, 20_000];
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
     blocks: NodeBlocks,
-    /// [-] relative residual to be reached
-    relative: f64,
+    /// what a solve may leave
+    accuracy: Accuracy,
     /// x^
     x: Vec<DVec3>,
     r: Vec<DVec3>,
@@ -60,8 +62,8 @@ impl ConjugateGradients {
         let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
-        let (iterations, all, indefinite) = (0, 0, 0);
-        Ok(ConjugateGradients { pattern, blocks, relative: RELATIVE, x, r, p, t, q, most, iterations, all, indefinite })
+        let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
+        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, most, iterations, all, indefinite })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
@@ -76,9 +78,10 @@ impl ConjugateGradients {
             (seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5
         };
         self.r.fill_with(|| DVec3::new(rough(), rough(), rough()));
-        let own = (std::mem::replace(&mut self.relative, relative), std::mem::replace(&mut self.most, most));
+        let accuracy = Accuracy::to(relative);
+        let own = (std::mem::replace(&mut self.accuracy, accuracy), std::mem::replace(&mut self.most, most));
         let found = self.iterate();
-        (self.relative, self.most) = own;
+        (self.accuracy, self.most) = own;
         found.map(|()| self.iterations)
     }
 
@@ -88,13 +91,14 @@ impl ConjugateGradients {
         self.p.fill(DVec3::ZERO);
         self.iterations = 0;
         let mut square = squared(&self.r);
-        let goal = self.relative * square.sqrt();
         let first = square;
+        let left = |square: f64| (square / first).sqrt();
+        let Accuracy { relative, enough } = self.accuracy;
         let mut beta = 0.0;
-        while square.sqrt() > goal {
+        while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
-                let residual = (square / first).sqrt();
-                return Err(LinearError::Stalled { iterations: self.iterations, residual, asked: self.relative });
+                let (iterations, residual) = (self.iterations, left(square));
+                return Err(LinearError::Stalled { iterations, residual, asked: relative });
             }
             self.iterations += 1;
             self.all += 1;
@@ -154,8 +158,8 @@ impl LinearSolver for ConjugateGradients {
         }
     }
 
-    fn ask(&mut self, relative: f64) {
-        self.relative = relative;
+    fn ask(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
     }
 
     fn work(&self) -> Work {

@@ -1,6 +1,6 @@
 //! How exactly a linear system need be solved within Newton's iteration.
 
-use super::KEPT_RELATIVE;
+use super::{Accuracy, KEPT_RELATIVE};
 
 /// [-] Share of the residual that the first solve may leave.
 const FIRST: f64 = 1e-3;
@@ -17,9 +17,10 @@ fn enough(residual: f64, tolerance: f64) -> f64 {
     ENOUGH * tolerance / residual
 }
 
-/// [-] The share of a residual [N] that a solve with a kept matrix may leave.
-pub(super) fn kept(residual: f64, tolerance: f64) -> f64 {
-    KEPT_RELATIVE.max(enough(residual, tolerance)).min(LOOSEST)
+/// What a solve with a kept matrix may leave of a residual [N], on the way to a tolerance [N].
+pub(super) fn kept(residual: f64, tolerance: f64) -> Accuracy {
+    let enough = enough(residual, tolerance).min(LOOSEST);
+    Accuracy { relative: KEPT_RELATIVE.max(enough), enough }
 }
 
 /// The forcing terms of Eisenstat & Walker (1996, choice 2 with its safeguard), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20).

@@ -54,6 +54,27 @@ impl LinearStats {
     }
 }
 
+/// What a solve may leave of its right-hand side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// [-] share that it may leave
+    pub relative: f64,
+    /// [-] share below which nothing is gained; as long as iterations are few it is worth going on to it
+    pub enough: f64,
+}
+
+impl Accuracy {
+    /// No less and no more than this [-].
+    pub fn to(relative: f64) -> Self {
+        Accuracy { relative, enough: relative }
+    }
+
+    /// That of a solve with a kept matrix.
+    pub fn kept() -> Self {
+        Accuracy::to(KEPT_RELATIVE)
+    }
+}
+
 /// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
 pub const KEPT_RELATIVE: f64 = 1e-3;
 
@@ -169,9 +190,9 @@ pub trait LinearSolver: Send {
     /// too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
-    /// [-] The share of its right-hand side that each further solve may leave; direct solvers leave what rounding does.
-    fn ask(&mut self, relative: f64) {
-        let _ = relative;
+    /// What further solves may leave; direct solvers leave what rounding does.
+    fn ask(&mut self, accuracy: Accuracy) {
+        let _ = accuracy;
     }
 
     /// What it has done so far.

@@ -17,8 +17,8 @@ mod weighed;
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
 pub use linear::{
-    Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work, kept_solver_for,
-    solver_for,
+    Accuracy, Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work,
+    kept_solver_for, solver_for,
 };
 pub use lu::Lu;
 pub use ordering::{Elimination, Permutation, fill_reducing};

@@ -9,7 +9,7 @@ pub use super::failure::NewtonFailure;
 use super::forcing::Forcing;
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
-use super::{Inertia, LinearError, search};
+use super::{Accuracy, Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -217,7 +217,7 @@ impl Newton {
         let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
         for iterations in 1..=self.spec.max_iterations {
             let before = residual;
-            problem.ask(forcing.next(residual, tolerance));
+            problem.ask(Accuracy::to(forcing.next(residual, tolerance)));
             let step = self.step(problem, z, &mut caution, tolerance);
             let lambda = step.map_err(|error| NewtonFailure::Linear { iterations, error, worst: self.worst() })?;
             let Some(lambda) = lambda else {

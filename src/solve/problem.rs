@@ -1,6 +1,6 @@
 //! What Newton's iteration asks of a problem.
 
-use super::{Inertia, LinearError};
+use super::{Accuracy, Inertia, LinearError};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +63,9 @@ pub trait NonlinearProblem {
         false
     }
 
-    /// [-] The share of its right-hand side that each further solve may leave; solvers that are exact take no notice.
-    fn ask(&mut self, relative: f64) {
-        let _ = relative;
+    /// What further solves may leave of their right-hand sides; solvers that are exact take no notice.
+    fn ask(&mut self, accuracy: Accuracy) {
+        let _ = accuracy;
     }
 
     /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.

@@ -7,7 +7,7 @@ use crate::assembly::Assembler;
 use crate::integrate::implicit::{Factor, SolverSpec, kept_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::solve::{KEPT_RELATIVE, LinearSolver, LinearStats, Prediction, solver_for};
+use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
@@ -195,7 +195,7 @@ fn factor(solver: &mut dyn LinearSolver, assembler: &Assembler, kept: bool) -> (
     let factorization = median_seconds(BUDGET, || {
         black_box(if kept { solver.prepare(values).is_ok() } else { solver.factor(values).is_ok() });
     });
-    solver.ask(KEPT_RELATIVE);
+    solver.ask(Accuracy::kept());
     let (mut solves, before) = (0, solver.work().iterations);
     let solve = median_seconds(BUDGET, || {
         b.fill(1.0);
