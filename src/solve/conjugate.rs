@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 /// [-] relative residual of a solve for which nobody has asked for another
 const RELATIVE: f64 = 1e-10;
-/// Iterations that take as long as the force pass and the vectors of an iteration around a solve
-const FEW: u32 = 4;
+/// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
+const FEW: u32 = 2;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
 const MOST: [usize; 2] = [200, 20_000];
 
