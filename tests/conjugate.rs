@@ -233,12 +233,12 @@ fn compressed_springs_are_no_obstacle() {
     let case = asset(
         "cloth-k100",
         &[
-            ("time.end", "0.2"),
-            ("time.step", "0.02"),
+            ("time.end", "0.06"),
+            ("time.step", "0.015"),
             ("time.method", "backward-euler"),
             ("output", "{}"),
             ("system.network.aero", "null"),
-            ("system.network.springs.0.rest_scale", "1.3"),
+            ("system.network.springs.0.rest_scale", "1.2"),
             ("system.network.loads", DEAD),
         ],
     );

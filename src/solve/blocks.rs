@@ -29,6 +29,9 @@ pub(super) struct NodeBlocks {
 }
 
 impl NodeBlocks {
+    /// Stored entries of W beyond which entries of blocks, of which each holds one at least, could not be numbered.
+    pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
+
     /// Finds the blocks of a symmetric pattern.
     pub fn new(pattern: &Pattern) -> Self {
         let nodes = pattern.node_start.len() - 1;

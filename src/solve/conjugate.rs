@@ -52,10 +52,14 @@ impl ConjugateGradients {
     /// Finds the blocks of a pattern.
     ///
     /// # Errors
-    /// A pattern that is not symmetric, or not of a network's nodes.
+    /// A pattern that is not symmetric, or has too many entries.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
         if !pattern.symmetric {
             return Err(LinearError::NotByNodes);
+        }
+        if pattern.nonzeros() > NodeBlocks::MOST_ENTRIES {
+            let reason = "more entries than 32 bits can number in blocks".to_owned();
+            return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
         let blocks = NodeBlocks::new(&pattern);
         let zero = || vec![DVec3::ZERO; blocks.nodes()];

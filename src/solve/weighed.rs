@@ -18,11 +18,14 @@ use std::sync::Arc;
 const SERVED: [f64; 2] = [20.0, 16.0];
 /// Entries stored of L for one that is counted: supernodes have zeros.
 const PADDING: f64 = 1.3;
-/// [flop] an entry of W in an iteration, and in making it ready, in the measure of a dense factorisation: 1.3 ns and 3.5 ns where an entry of L takes 1.7
-/// ns in a solve (703 and 10,000 nodes).
+/// Units of work, of which an entry of L takes 16 in a solve (1.6 to 2.7 ns, 703 to 100,000 nodes). By them an operation of a factorisation, on dense blocks, and
+/// besides an entry of L in it; an entry of W in an iteration of conjugate gradients (1.3 to 1.7 ns), and in making it ready.
+const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
+const OPERATION: f64 = 0.25;
+const FACTOR: f64 = 68.0;
 const ITERATION: f64 = 10.0;
 const READY: f64 = 25.0;
-/// [flop] an unknown in a force pass and in the vectors of an iteration around the solve.
+/// The same of an unknown in a force pass and in the vectors of an iteration around the solve.
 const AROUND: f64 = 250.0;
 /// How many more iterations the less exact solves take around them (1 to 2).
 const MORE: f64 = 1.2;
@@ -30,9 +33,9 @@ const MORE: f64 = 1.2;
 /// What a solve would cost each way, its share of making what it needs and the iteration around it included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prediction {
-    /// [flop] by Cholesky
+    /// [-] by Cholesky; of these units an entry of L takes 16 in a solve
     pub cholesky_work: f64,
-    /// [flop] by conjugate gradients; where they were given up, what they had cost by then
+    /// [-] by conjugate gradients; where they were given up, with the one iteration more that made them dearer
     pub cg_work: f64,
     /// iterations of conjugate gradients
     pub cg_iterations: u32,
@@ -93,8 +96,10 @@ impl Weighed {
     /// Counted work of a solve by Cholesky, and by conjugate gradients that make no iteration.
     fn fixed_costs(&self, e: &Elimination) -> [f64; 2] {
         let (n, entries) = (self.pattern.n() as f64, self.pattern.nonzeros() as f64);
-        let making = [2.0 * e.operations + ASSEMBLY_FLOPS * entries, (READY + ASSEMBLY_FLOPS) * entries];
-        let cholesky = SOLVE_SLOWNESS * SOLVE_FLOPS * PADDING * e.nonzeros + making[0] / SERVED[0] + AROUND * n;
+        let stored = PADDING * e.nonzeros;
+        let factor = OPERATION * e.operations + FACTOR * stored;
+        let making = [factor + ASSEMBLY_FLOPS * entries, (READY + ASSEMBLY_FLOPS) * entries];
+        let cholesky = SOLVE * stored + making[0] / SERVED[0] + AROUND * n;
         // To begin and to end a solve takes as long as an iteration.
         [cholesky, MORE * (ITERATION * entries + making[1] / SERVED[1] + AROUND * n)]
     }
@@ -111,7 +116,8 @@ impl Weighed {
             Err(LinearError::Stalled { iterations, .. }) => (iterations, false),
             Err(other) => return Err(other),
         };
-        let cg_work = none + one * f64::from(cg_iterations);
+        let made = f64::from(cg_iterations) + if cg_converged { 0.0 } else { 1.0 };
+        let cg_work = none + one * made;
         Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
     }
 }
