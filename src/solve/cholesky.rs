@@ -3,8 +3,8 @@
 //! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
 //! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
-use super::ordering::fill_reducing;
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -40,6 +40,7 @@ pub struct Cholesky {
     refinement: Vec<f64>,
     product: Vec<f64>,
     indefinite: u64,
+    factorizations: u64,
 }
 
 /// What only LBLT needs, made when it is first called for.
@@ -88,9 +89,17 @@ impl Cholesky {
     /// # Errors
     /// When the analysis runs out of memory or index range.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
+        let order = fill_reducing(&pattern).map(|elimination| elimination.order);
+        Self::ordered(pattern, order.as_ref())
+    }
+
+    /// Analyses a symmetric pattern in a given order.
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`].
+    pub fn ordered(pattern: Arc<Pattern>, order: Option<&Permutation>) -> Result<Self, LinearError> {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
-        let order = fill_reducing(&pattern);
-        let ordering = match &order {
+        let ordering = match order {
             Some(p) => SymmetricOrdering::Custom(PermRef::new_checked(&p.new_to_old, &p.old_to_new, pattern.n())),
             None => SymmetricOrdering::Amd,
         };
@@ -118,6 +127,7 @@ impl Cholesky {
             refinement,
             product,
             indefinite: 0,
+            factorizations: 0,
         })
     }
 
@@ -193,6 +203,7 @@ impl Cholesky {
 
 impl LinearSolver for Cholesky {
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factorizations += 1;
         check_finite(&self.pattern, values)?;
         let llt = self.symbolic.factorize_numeric_llt(
             &mut self.l,
@@ -255,6 +266,10 @@ impl LinearSolver for Cholesky {
         }
     }
 
+    fn work(&self) -> Work {
+        Work { factorizations: self.factorizations, iterations: 0 }
+    }
+
     fn stats(&self) -> LinearStats {
         LinearStats {
             name: "cholesky",
@@ -262,6 +277,7 @@ impl LinearSolver for Cholesky {
             factor_nonzeros: Some(self.symbolic.len_val()),
             factor_operations: operations(&self.symbolic),
             indefinite: self.indefinite,
+            prediction: None,
         }
     }
 }
