@@ -35,9 +35,8 @@ mod tests {
     fn it_fills_a_grid_by_steps_to_a_neighbour() {
         let n = 32;
         let centre = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0;
-        let mut cells: Vec<(u32, [i32; 2])> = (0..n * n)
-            .map(|i| (place(DVec2::new(centre(i % n), centre(i / n)), 1.0), [i % n, i / n]))
-            .collect();
+        let mut cells: Vec<(u32, [i32; 2])> =
+            (0..n * n).map(|i| (place(DVec2::new(centre(i % n), centre(i / n)), 1.0), [i % n, i / n])).collect();
         cells.sort_unstable();
         for pair in cells.windows(2) {
             let [(a, [x, y]), (b, [u, v])] = [pair[0], pair[1]];

@@ -9,6 +9,7 @@ use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{GraphEdge, SpringGraph, System, TangentSystem, TermInfo, Weights};
+use crate::startup::{Phase, timed};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -99,6 +100,10 @@ impl Network {
     }
 
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        timed(Phase::Pattern, || self.record(symmetric))
+    }
+
+    fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         for term in &self.terms {

@@ -6,6 +6,7 @@
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
 use super::ordering::fill_reducing;
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -89,7 +90,7 @@ impl Cholesky {
     /// When the analysis runs out of memory or index range.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
-        let order = fill_reducing(&pattern);
+        let order = timed(Phase::Ordering, || fill_reducing(&pattern));
         let ordering = match &order {
             Some(p) => SymmetricOrdering::Custom(PermRef::new_checked(&p.new_to_old, &p.old_to_new, pattern.n())),
             None => SymmetricOrdering::Amd,
@@ -99,8 +100,8 @@ impl Cholesky {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let symbolic = factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params)
-            .map_err(|e| failed(format!("{e:?}")))?;
+        let analysed = || factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params);
+        let symbolic = timed(Phase::Symbolic, analysed).map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_llt_scratch::<f64>(PAR, Default::default())
             .or(symbolic.factorize_numeric_ldlt_scratch::<f64>(PAR, Default::default()))
@@ -194,15 +195,17 @@ impl Cholesky {
 impl LinearSolver for Cholesky {
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
-        let llt = self.symbolic.factorize_numeric_llt(
-            &mut self.l,
-            matrix(&self.pattern, values),
-            Side::Lower,
-            Default::default(),
-            PAR,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
+        let llt = timed(Phase::Factorization, || {
+            self.symbolic.factorize_numeric_llt(
+                &mut self.l,
+                matrix(&self.pattern, values),
+                Side::Lower,
+                Default::default(),
+                PAR,
+                MemStack::new(&mut self.memory),
+                Default::default(),
+            )
+        });
         if llt.is_ok() {
             self.kind = Kind::Llt;
             return Ok(Inertia::Definite);
