@@ -15,6 +15,7 @@ use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::scene::Scene;
+use crate::startup::{Phase, timed};
 use multiversion::multiversion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -152,7 +153,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
-        counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
+        timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
@@ -186,7 +187,7 @@ impl<'a> Run<'a> {
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, adaptive } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
-        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);

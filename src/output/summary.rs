@@ -14,6 +14,7 @@ use crate::integrate::Counters;
 use crate::model::system::System;
 use crate::output::process::{self, Cost};
 use crate::solve::{LinearChoice, LinearStats, Prediction};
+use crate::startup::Startup;
 
 /// How a linear solver came to be used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -76,6 +77,9 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// [byte] largest resident memory; null where the system does not tell
     pub peak_memory_bytes: Option<u64>,
+    /// [s] where the time before the first step went, of this part of the run
+    #[serde(default)]
+    pub startup: Startup,
     /// what the run did, counted
     #[serde(flatten)]
     pub counters: Counters,
@@ -119,6 +123,7 @@ impl Summary {
             cpu_seconds: cost.cpu,
             wall_seconds: cost.wall.as_secs_f64(),
             peak_memory_bytes: process::peak_memory_bytes(),
+            startup: Startup::default(),
             counters: outcome.counters,
             unknowns: system.inverse_mass().iter().filter(|m| **m > 0.0).count() as u64,
             matrix_nonzeros: linear.map(|l| l.matrix_nonzeros as u64),

@@ -11,6 +11,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
+use crate::startup::{Phase, timed};
 use glam::DVec3;
 use multiversion::multiversion;
 use std::sync::{Arc, OnceLock};
@@ -110,6 +111,10 @@ impl Network {
     }
 
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        timed(Phase::Pattern, || self.record(symmetric))
+    }
+
+    fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         for term in &self.terms {

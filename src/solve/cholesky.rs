@@ -6,6 +6,7 @@
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -89,7 +90,7 @@ impl Cholesky {
     /// # Errors
     /// When the analysis runs out of memory or index range.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
-        let order = fill_reducing(&pattern).map(|elimination| elimination.order);
+        let order = timed(Phase::Ordering, || fill_reducing(&pattern)).map(|elimination| elimination.order);
         Self::ordered(pattern, order.as_ref())
     }
 
@@ -108,8 +109,8 @@ impl Cholesky {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let symbolic = factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params)
-            .map_err(|e| failed(format!("{e:?}")))?;
+        let analysed = || factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params);
+        let symbolic = timed(Phase::Symbolic, analysed).map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_llt_scratch::<f64>(PAR, Default::default())
             .or(symbolic.factorize_numeric_ldlt_scratch::<f64>(PAR, Default::default()))
@@ -205,15 +206,17 @@ impl LinearSolver for Cholesky {
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         self.factorizations += 1;
         check_finite(&self.pattern, values)?;
-        let llt = self.symbolic.factorize_numeric_llt(
-            &mut self.l,
-            matrix(&self.pattern, values),
-            Side::Lower,
-            Default::default(),
-            PAR,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
+        let llt = timed(Phase::Factorization, || {
+            self.symbolic.factorize_numeric_llt(
+                &mut self.l,
+                matrix(&self.pattern, values),
+                Side::Lower,
+                Default::default(),
+                PAR,
+                MemStack::new(&mut self.memory),
+                Default::default(),
+            )
+        });
         if llt.is_ok() {
             self.kind = Kind::Llt;
             return Ok(Inertia::Definite);

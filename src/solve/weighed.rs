@@ -11,6 +11,7 @@ use super::linear::{
 use super::ordering::{Elimination, fill_reducing};
 use super::{Cholesky, ConjugateGradients};
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use std::sync::Arc;
 
 /// Solves that a factor serves before it is made anew (cloths of 703 nodes in steps of 1 and 10 ms: 17 to 60), and a matrix of conjugate
@@ -70,7 +71,7 @@ impl Weighed {
     /// When the analysis fails, or there is nothing to choose.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
         let cg = ConjugateGradients::new(pattern.clone())?;
-        let elimination = fill_reducing(&pattern);
+        let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
         Ok(Weighed {
             pattern,
             elimination,
