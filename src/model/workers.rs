@@ -74,7 +74,7 @@ impl Workers {
     ) -> T {
         let size = piece(n);
         if n <= size {
-            return join(none, part(0..n));
+            return part(0..n);
         }
         let count = n.div_ceil(size).min(PIECES);
         let mut parts = [none; PIECES];

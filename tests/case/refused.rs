@@ -87,7 +87,7 @@ fn time_and_solver() {
         ("time.method={\"htt\":{}}", "/time/method/htt", "did you mean \"hht\""),
         ("time.method={\"hht\":{\"alpha\":0.1}}", "/time/method/hht/alpha", "-0.333"),
         ("time.method={\"rk4\":{\"alpha\":0.1}}", "/time/method/rk4/alpha", "none"),
-        ("solver.linear=cg", "/solver/linear", "not available in this version"),
+        ("solver.linear=qr", "/solver/linear", "cg"),
         ("solver.newton.relative=0", "/solver/newton/relative", "above 0 and below 1"),
         ("solver.newton.max_iterations=0", "/solver/newton/max_iterations", "1 to 1000"),
         ("name=", "/name", "1 to 200"),
@@ -315,7 +315,7 @@ fn pendulum() {
 fn faults_of_all_sections_at_once() {
     let list = faults(base_with(&sets(
         "time.end=0;time.method=foo;system.network.springs.0.stiffness=-1;system.network.supports.0.fix=q;\
-         solver.linear=cg;output.frames.every=0;system.network.mass.nodal=-1;study.repeat=0",
+         solver.newton.relative=0;output.frames.every=0;system.network.mass.nodal=-1;study.repeat=0",
     )));
     let mut pointers: Vec<&str> = list.iter().map(|f| f.pointer.as_str()).collect();
     pointers.sort_unstable();
@@ -323,7 +323,7 @@ fn faults_of_all_sections_at_once() {
         pointers,
         [
             "/output/frames/every",
-            "/solver/linear",
+            "/solver/newton/relative",
             "/study/repeat",
             "/system/network/mass/nodal",
             "/system/network/springs/0/stiffness",
