@@ -8,7 +8,7 @@ use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
 use crate::model::workers::Workers;
 use glam::{DMat3, DVec3};
-use std::ops::Range;
+use multiversion::multiversion;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -120,10 +120,29 @@ impl Network {
 
 fn extent(x: &[DVec3], workers: &Workers) -> f64 {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let wider = |(low, high): (DVec3, DVec3), p: &DVec3| (low.min(*p), high.max(*p));
-    let box_of = |r: Range<usize>| x[r].iter().fold(none, wider);
-    let (low, high) = workers.fold(x.len(), none, box_of, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = workers.fold(x.len(), none, |r| bounds(&x[r]), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     0.5 * (high - low).max_element()
+}
+
+/// Nodes whose coordinates are compared side by side.
+const ROW: usize = 8;
+
+/// Lowest and highest coordinates.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
+    let (rows, rest) = x.as_chunks::<ROW>();
+    let (mut low, mut high) = ([f64::INFINITY; 3 * ROW], [f64::NEG_INFINITY; 3 * ROW]);
+    for row in rows {
+        let row: &[f64] = bytemuck::cast_slice(row);
+        for (x, (low, high)) in row.iter().zip(low.iter_mut().zip(&mut high)) {
+            *low = if *x < *low { *x } else { *low };
+            *high = if *x > *high { *x } else { *high };
+        }
+    }
+    let lows = bytemuck::cast_slice::<f64, DVec3>(&low).iter().chain(rest);
+    let highs = bytemuck::cast_slice::<f64, DVec3>(&high).iter().chain(rest);
+    let low = lows.fold(DVec3::INFINITY, |low, p| low.min(*p));
+    (low, highs.fold(DVec3::NEG_INFINITY, |high, p| high.max(*p)))
 }
 
 /// Multiplies emitted blocks with a vector instead of storing them.
