@@ -1,0 +1,112 @@
+"""Which scenes are run, which programs, and which of their methods with which steps and tolerances.
+
+A new peer is a program that speaks the line protocol of README.md and an entry in PEERS.
+"""
+from dataclasses import dataclass, field
+
+from setup import HERE, OURS, PYTHON, TARGET
+
+FRAME = 0.02  # [s] between the frames that are compared
+
+
+@dataclass
+class SceneSpec:
+    name: str
+    case: str
+    told: str
+    stiff: float  # how many times shorter the explicit steps are than at K = 1e3
+    overrides: list = field(default_factory=list)
+    air: bool = False
+
+
+STILL = ["system.network.aero=null", "system.network.springs.0.dashpot=null"]
+TIME = ["time.end=0.2", f"output.frames.every={FRAME}"]
+SCENES = [
+    SceneSpec("cloth-k1000", "cloth-k1000.json", "703 nodes, 1983 springs of 1e3 N/m falling under gravity, no damping", 1, STILL + TIME),
+    SceneSpec("cloth-k100000", "cloth-k100000.json", "the same with 1e5 N/m", 10, STILL + TIME),
+    SceneSpec("cloth-k1000-air", "cloth-k1000.json", "springs of 1e3 N/m with relative dashpots, wind of 50 m/s through 1280 triangles", 1, TIME, True),
+]
+
+
+@dataclass
+class Peer:
+    name: str
+    command: list
+    needs: list  # names in missing.json without which it cannot run
+    runs: object  # scene -> [(method, kind, values)]
+    air: bool = False
+    environment: dict = field(default_factory=dict)
+
+
+def steps(scene, *fractions):
+    """Explicit steps: FRAME over a whole number, that number times what the scene's stiffness asks for."""
+    return ["step", [FRAME / round(n * scene.stiff) for n in fractions]]
+
+
+IMPLICIT = [2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4]
+VERLET = (8, 10, 12, 16, 20, 40, 80, 160)
+RK4 = (6, 8, 10, 14, 20, 40)
+
+
+def ours(s):
+    tight = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8]
+    runs = [
+        ("velocity-verlet", *steps(s, *VERLET)),
+        ("rk4", *steps(s, *RK4)),
+        ("dormand-prince", *steps(s, 16, 20, 32)),
+        ("dop853", *steps(s, 4, 6, 8)),
+        ("dop853", "tol", tight),
+        ("dormand-prince", "tol", tight),
+        ("newmark", "step", [*IMPLICIT, 2e-4, 1e-4]),
+        ("newmark-full", "step", IMPLICIT),
+    ]
+    if not s.air:
+        runs.append(("kang", *steps(s, 20, 80)))
+    return runs
+
+
+def plain_cpp(s):
+    return [("leapfrog", *steps(s, *VERLET, 32)), ("rk4", *steps(s, *RK4))]
+
+
+def sundials(s):
+    return [
+        ("erk5", "tol", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8]),
+        ("erk8", "tol", [1e-2, 1e-4, 1e-6, 1e-8]),
+        ("bdf", "tol", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+        ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+    ]
+
+
+def numpy_loop(s):
+    return [("explicit-euler", *steps(s, 100, 200, 400)), ("velocity-verlet", *steps(s, 16, 20, 40, 80, 160))]
+
+
+def opensees(s):
+    return [("newmark", "step", IMPLICIT), ("central-difference", *steps(s, 12, 16, 20, 40, 80, 160))]
+
+
+def python(script):
+    return [str(PYTHON), str(HERE / script)]
+
+
+def opensees_libraries():
+    """The wheel brings libraries along that it does not find by itself."""
+    found = sorted(PYTHON.parent.parent.glob("lib/python*/site-packages/openseespy*/lib"))
+    return {"LD_LIBRARY_PATH": ":".join(map(str, found))}
+
+
+PEERS = [
+    Peer("canopy-fem", [str(TARGET / OURS), "serve"], [OURS], ours, air=True),
+    Peer("plain C++", [str(TARGET / "plain_cpp")], ["plain_cpp"], plain_cpp, air=True),
+    Peer("C++ with Eigen", [str(TARGET / "plain_eigen")], ["plain_eigen"], lambda s: [("newmark", "step", [*IMPLICIT, 2e-4])]),
+    Peer("SUNDIALS", [str(TARGET / "plain_sundials")], ["plain_sundials"], sundials, air=True),
+    Peer("SciPy", python("peer_scipy.py"), ["scipy"], lambda s: [("DOP853", "tol", [1e-2, 1e-3, 1e-4, 1e-6]), ("RK45", "tol", [1e-2, 1e-3, 1e-4, 1e-6])], air=True),
+    Peer("numpy loop", python("peer_numpy.py"), ["numpy"], numpy_loop, air=True),
+    Peer("OpenSees", python("peer_opensees.py"), ["openseespy"], opensees, environment=opensees_libraries()),
+    Peer("Kratos", python("peer_kratos.py"), ["KratosMultiphysics", "KratosLinearSolversApplication", "KratosStructuralMechanicsApplication"], lambda s: [("newmark", "step", IMPLICIT)]),
+]
+
+
+def name_of_case(scene):
+    return str(HERE.parent.parent / "assets" / "cases" / scene.case)
