@@ -86,6 +86,14 @@ def opensees(s):
     return [("newmark", "step", IMPLICIT), ("central-difference", *steps(s, 12, 16, 20, 40, 80, 160))]
 
 
+def kratos(s):
+    few = IMPLICIT[:4]
+    return [("newmark-cg", "step", IMPLICIT), ("newmark-lu", "step", few), ("central-difference", *steps(s, 12, 16, 20, 40, 80))]
+
+
+KRATOS = [f"Kratos{part}" for part in ("Multiphysics", "LinearSolversApplication", "ConstitutiveLawsApplication", "StructuralMechanicsApplication")]
+
+
 def python(script):
     return [str(PYTHON), str(HERE / script)]
 
@@ -104,7 +112,7 @@ PEERS = [
     Peer("SciPy", python("peer_scipy.py"), ["scipy"], lambda s: [("DOP853", "tol", [1e-2, 1e-3, 1e-4, 1e-6]), ("RK45", "tol", [1e-2, 1e-3, 1e-4, 1e-6])], air=True),
     Peer("numpy loop", python("peer_numpy.py"), ["numpy"], numpy_loop, air=True),
     Peer("OpenSees", python("peer_opensees.py"), ["openseespy"], opensees, environment=opensees_libraries()),
-    Peer("Kratos", python("peer_kratos.py"), ["KratosMultiphysics", "KratosLinearSolversApplication", "KratosStructuralMechanicsApplication"], lambda s: [("newmark", "step", IMPLICIT)]),
+    Peer("Kratos", python("peer_kratos.py"), KRATOS, kratos),
 ]
 
 
