@@ -81,7 +81,8 @@ def newmark(scene, part, solver):
     """Newton's iteration on Newmark's equations."""
     free = 3 * int(np.sum(~scene.fixed))
     weight = np.linalg.norm(scene.mass[~scene.fixed]) * np.linalg.norm(scene.gravity)
-    scheme = SMA.StructuralMechanicsBossakScheme(KM.Parameters('{"damp_factor_m": 0.0, "newmark_beta": 0.25, "projection_variables_list": []}'))
+    settings = '{"damp_factor_m": 0.0, "newmark_beta": 0.25, "projection_variables_list": []}'
+    scheme = SMA.StructuralMechanicsBossakScheme(KM.Parameters(settings))
     # The criterion divides the residual by the number of unknowns.
     criterion = KM.ResidualCriteria(0.0, 1e-8 * weight / free)
     criterion.SetEchoLevel(0)
@@ -116,4 +117,4 @@ def run(scene, method, _kind, step):
 
 
 if __name__ == "__main__":
-    serve(f"Kratos {KM.KratosGlobals.Kernel.Version()}", run)
+    serve("Kratos " + KM.KratosGlobals.Kernel.Version().replace('"', ""), run)

@@ -134,7 +134,12 @@ inline long steps_a_frame(const Scene &s, const Job &job) {
 // Answers each line "METHOD step|tol VALUE FILE" with "done|diverged|refused SECONDS NOTE".
 template <class Run> int serve(int argc, char **argv, const std::string &version, Run run) {
   if (argc != 2) return std::fprintf(stderr, "usage: %s SCENE < jobs\n", argv[0]), 2;
-  Scene scene = read_scene(argv[1]);
+  Scene scene;
+  try {
+    scene = read_scene(argv[1]);
+  } catch (const std::exception &why) {
+    return std::fprintf(stderr, "%s\n", why.what()), 1;
+  }
   std::cout << "ready " << version << std::endl;
   std::string line, file;
   while (std::getline(std::cin, line)) {

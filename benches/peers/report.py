@@ -23,7 +23,7 @@ class Result:
 
 def seconds(t):
     """Three figures with a unit."""
-    return f"{t:.3g} s" if t >= 1 else f"{1e3 * t:.3g} ms"
+    return f"{t:.3g} s" if t >= 0.9995 else f"{1e3 * t:.3g} ms"
 
 
 def error_rows(result):
@@ -34,7 +34,7 @@ def error_rows(result):
         told = [run.peer, run.method, run.pace]
         if run.done:
             spread = [seconds(t) for t in (run.median, min(run.seconds), max(run.seconds))]
-            rows.append([*told, f"{run.error:.1e}", f"{run.error_max:.1e}", *spread, str(len(run.seconds)), run.note])
+            rows.append([*told, f"{run.error:.3e}", f"{run.error_max:.1e}", *spread, str(len(run.seconds)), run.note])
         else:
             rows.append([*told, run.status, "", "", "", "", "", run.note])
     return head, rows + [[peer, "", "not run", "", "", "", "", "", "", why] for peer, why in result.absent.items()]
@@ -55,7 +55,7 @@ def target_rows(result):
                 row += ["not reached", "", ""]
                 continue
             ratio = f"{found[0] / ours[target][0]:.2f}" if ours[target] else ""
-            row += [seconds(found[0]), ratio, f"{found[1].method}, {'up to ' if found[2] else ''}{found[1].pace}"]
+            row += [seconds(found[0]), ratio, f"{found[1].method}, {'near ' if found[2] else ''}{found[1].pace}"]
         rows.append(row)
     return head, rows + [[peer, "not run", *[""] * (3 * len(TARGETS) - 1)] for peer in result.absent]
 
@@ -89,9 +89,10 @@ def markdown(head, rows):
 def preface(result):
     """What was run and how far to trust the reference."""
     agreed = "; ".join(f"{who} is {error:.1e} of the motion away" for who, error in result.agreement) or "nobody checked it"
-    versions = "; ".join(dict.fromkeys(result.versions.values()))
+    versions = "; ".join(f"{peer}: {version}" for peer, version in result.versions.items())
     return [
-        f"{result.spec.name}: {result.spec.told}; 0.2 s, 10 frames; {result.rounds} rounds, programs in turn, median processor time of the integration",
+        f"{result.spec.name}: {result.spec.told}; 0.2 s, 10 frames",
+        f"at most {result.rounds} rounds, programs in turn; CPU: median processor time of the integration, one thread",
         f"reference: canopy-fem dop853 at 1e-11; {agreed}",
         f"versions: {versions}",
     ]
@@ -113,13 +114,17 @@ def write(results, out, head):
             page.write(f"![error against time]({result.spec.name}.svg)\n\n{markdown(*error_rows(result))}\n")
     with open(os.path.join(out, "peers.csv"), "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(["scene", "program", "version", "method", "kind", "value", "status", "error", "error_max", "cpu_seconds", "note"])
+        head = "scene program version method kind value status error error_max cpu_seconds cpu_least cpu_most rounds note"
+        rows.writerow(head.split())
         for r in results:
             for run in r.runs:
-                shown = [run.error, run.error_max, run.median] if run.done else ["", "", ""]
-                rows.writerow([r.spec.name, run.peer, r.versions[run.peer], run.method, run.kind, run.value, run.status, *shown, run.note])
+                shown = [""] * 6
+                if run.done:
+                    shown = [run.error, run.error_max, run.median, min(run.seconds), max(run.seconds), len(run.seconds)]
+                what = [run.peer, r.versions[run.peer], run.method, run.kind, run.value, run.status]
+                rows.writerow([r.spec.name, *what, *shown, run.note])
             for peer, why in r.absent.items():
-                rows.writerow([r.spec.name, peer, "", "", "", "", "not run", "", "", "", why])
+                rows.writerow([r.spec.name, peer, "", "", "", "", "not run", *[""] * 6, why])
 
 
 def diagram(result, out):
@@ -139,8 +144,8 @@ def diagram(result, out):
         for mark, key in zip(marks, dict.fromkeys((r.method, r.kind) for r in mine)):
             line = sorted((r for r in mine if (r.method, r.kind) == key), key=lambda r: -r.value)
             label = f"{peer}: {key[0]}{', adaptive' if key[1] == 'tol' else ''}"
-            width = 2.2 if peer == OURS else 1.0
-            axes.loglog([r.median for r in line], [r.error for r in line], mark + "-", color=f"C{colour}", label=label, lw=width, ms=4)
+            look = {"color": f"C{colour}", "lw": 2.2 if peer == OURS else 1.0, "ms": 4}
+            axes.loglog([r.median for r in line], [r.error for r in line], mark + "-", label=label, **look)
     axes.set_xlabel("processor time of the integration [s]")
     axes.set_ylabel("error: distance from the reference over the motion, root mean squares [-]")
     axes.set_title(f"{result.spec.name}: {result.spec.told}", fontsize=10)
