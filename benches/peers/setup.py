@@ -25,14 +25,15 @@ class Failed(Exception):
 
 
 def call(command, **more):
-    """Runs a command; its last line of complaint is the reason if it fails."""
+    """Runs a command; its first line of complaint is the reason if it fails."""
     try:
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, **more)
     except OSError as why:
         raise Failed(f"{command[0]}: {why.strerror}") from why
     if done.returncode != 0:
-        complaint = [row for row in (done.stderr or done.stdout).splitlines() if "rror" in row]
-        raise Failed(f"{Path(str(command[0])).name}: {(complaint or ['failed without an error message'])[0].strip()}")
+        rows = [row.strip() for row in (done.stderr or done.stdout).splitlines() if row.strip()]
+        complaint = [row for row in rows if "rror" in row] or rows[-1:] or ["failed without a word"]
+        raise Failed(f"{Path(str(command[0])).name}: {complaint[0]}")
     return done.stdout
 
 
