@@ -81,7 +81,7 @@ def sundials(s):
     return [
         ("erk5", "tol", [*loose, 1e-8]),
         ("erk8", "tol", loose[::2]),
-        ("bdf", "tol", loose),
+        ("bdf", "tol", loose if s.stiff == 1 else loose[1:4]),
         ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
     ]
 
@@ -89,11 +89,12 @@ def sundials(s):
 def scipy(s):
     if s.stiff > 10:  # minutes
         return []
-    return [(pair, "tol", [1e-2, 1e-3, 1e-4, 1e-6]) for pair in ("DOP853", "RK45")]
+    return [("DOP853", "tol", [1e-2, 1e-4, 1e-6]), ("RK45", "tol", [1e-3, 1e-4, 1e-6])]
 
 
 def numpy_loop(s):
-    euler = [("explicit-euler", *steps(s, 100, 200, 400))] if s.stiff <= 10 else []
+    # Its steps shrink with the stiffness, not its root: undamped oscillations grow by (w h)^2/2 a step.
+    euler = [("explicit-euler", *steps(s, 100, 200, 400))] if s.stiff == 1 else []
     return [*euler, ("velocity-verlet", *steps(s, 16, 20, 40, 80, 160))]
 
 
@@ -104,7 +105,7 @@ def opensees(s):
 
 def kratos(s):
     explicit = [("central-difference", *steps(s, 12, 16, 20, 40, 80))]
-    return [("newmark-cg", "step", IMPLICIT), ("newmark-lu", "step", IMPLICIT[:4])] + (explicit if s.stiff <= 10 else [])
+    return [("newmark-cg", "step", IMPLICIT), ("newmark-lu", "step", IMPLICIT[:3])] + (explicit if s.stiff <= 10 else [])
 
 
 KRATOS = ["KratosMultiphysics"] + [f"Kratos{part}Application" for part in ("LinearSolvers", "ConstitutiveLaws", "StructuralMechanics")]

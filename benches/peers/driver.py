@@ -19,7 +19,7 @@ from workers import Lost, Worker
 
 REFERENCES = [("canopy-fem", "dop853", 1e-11), ("scipy", "DOP853", 1e-11), ("sundials", "erk8", 1e-11)]
 # [s] A run that takes longer is made in so many rounds only.
-REPEATS = [(3.0, 1), (1.0, 2), (0.3, 3)]
+REPEATS = [(2.0, 1), (0.7, 2), (0.2, 3)]
 
 
 def arguments():
@@ -30,7 +30,7 @@ def arguments():
     parser.add_argument("--scene", help="scenes, parted by commas: " + ", ".join(s.name + " (else left out)" * s.asked for s in SCENES))
     parser.add_argument("--only", help="programs, parted by commas, besides canopy-fem: " + ", ".join(p.name for p in PEERS[1:]))
     parser.add_argument("--rounds", type=int, help="times every run is made, in turn with all others (default 5)")
-    parser.add_argument("--limit", type=float, default=15.0, help="[s] a run may take (default 15); what would take longer is not run")
+    parser.add_argument("--limit", type=float, default=10.0, help="[s] a run may take (default 10); what would take longer is not run")
     parser.add_argument("--out", default=str(ROOT / "out" / "peers"), help="folder for tables and diagrams (default out/peers)")
     args = parser.parse_args()
     scenes = args.scene or (SCENES[0].name if args.quick else None)
@@ -148,6 +148,7 @@ def compare(spec, args, missing):
         reference, agreement = bench.reference()
         runs = plan(bench, args)
         for number in range(args.rounds):
+            began = time.monotonic()
             for count, run in enumerate(runs):
                 if not due(run, runs, number, args):
                     continue
@@ -157,7 +158,8 @@ def compare(spec, args, missing):
                 if status == "done":
                     run.seconds.append(seconds)
                     run.error, run.error_max = reference.errors(frames)
-        progress("")
+            progress("")
+            print(f"  {spec.name}: round {number + 1} of {args.rounds}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
         versions = {name: worker.version for name, worker in bench.workers.items()}
         return report.Result(spec, runs, agreement, versions, bench.absent, args.rounds)
     finally:

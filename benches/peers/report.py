@@ -144,8 +144,8 @@ def diagram(result, out):
         for mark, key in zip(marks, dict.fromkeys((r.method, r.kind) for r in mine)):
             line = sorted((r for r in mine if (r.method, r.kind) == key), key=lambda r: -r.value)
             label = f"{peer}: {key[0]}{', adaptive' if key[1] == 'tol' else ''}"
-            look = {"color": f"C{colour}", "lw": 2.2 if peer == OURS else 1.0, "ms": 4}
-            axes.loglog([r.median for r in line], [r.error for r in line], mark + "-", label=label, **look)
+            look = {"color": f"C{colour}", "lw": 2.2 if peer == OURS else 1.0, "ms": 5, "ls": "--" if key[1] == "tol" else "-"}
+            axes.loglog([r.median for r in line], [r.error for r in line], marker=mark, label=label, **look)
     axes.set_xlabel("processor time of the integration [s]")
     axes.set_ylabel("error: distance from the reference over the motion, root mean squares [-]")
     axes.set_title(f"{result.spec.name}: {result.spec.told}", fontsize=10)
