@@ -5,7 +5,7 @@ from peer_common import Accelerations, serve, steps_a_frame
 
 
 def gather(elements, signs, nodes):
-    """Sums at nodes by numpy's bincount, component by component, several times faster than np.add.at."""
+    """Sums at nodes by numpy's bincount, component by component: the whole pass takes half of what it does with np.add.at."""
     index = elements.T.ravel()
 
     def at_nodes(force):
