@@ -106,7 +106,11 @@ def run(scene, method, _kind, step):
         part.ProcessInfo[KM.STEP] = n
         solving.InitializeSolutionStep()
         solving.Predict()
-        if not solving.SolveSolutionStep() and method in SOLVERS:
+        try:
+            solved = solving.SolveSolutionStep() or method not in SOLVERS
+        except RuntimeError as why:  # it throws where a linear solver fails on what Newton made of the matrix
+            raise Diverged(f"at t = {n * h:g} s: {' '.join(str(why).split())[:100]}") from why
+        if not solved:
             raise Diverged(f"Newton's iteration did not converge at t = {n * h:g} s")
         solving.FinalizeSolutionStep()
         if n % each == 0:
