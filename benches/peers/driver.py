@@ -96,7 +96,8 @@ class Bench:
                     sys.exit(f"{self.spec.name}: no reference: {note}")
                 found = Reference(frames, self.scene.x0, ~self.scene.fixed)
             else:
-                told.append((f"{peer} {method}", found.errors(frames)[0] if status == "done" else float("nan")))
+                away = f"is {found.errors(frames)[0]:.1e} of the motion away" if status == "done" else f"gave no solution ({note})"
+                told.append(f"{peer} {method} {away}")
         return found, told
 
     def stop(self):

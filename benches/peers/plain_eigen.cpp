@@ -3,7 +3,7 @@
 
 struct Newmark {
   const Scene &s;
-  double h;
+  double h, rounding = 0;  // what the springs' forces lose to rounding of positions [N]
   Tangent tangent;
   Cholesky solver;
   Vector x, v, a, x1, v1, a1, f, r;
@@ -14,6 +14,8 @@ struct Newmark {
     x = s.x0;
     v = a = v1 = a1 = f = r = Vector(x.size(), 0);
     right.resize(tangent.dof.size());
+    for (const Spring &e : s.springs) rounding += 2 * e.k * e.k;
+    rounding = 4 * 2.2e-16 * std::sqrt(rounding) * std::fabs(*std::max_element(x.begin(), x.end()));
     solver.analyzePattern(tangent.w);
     forces(s, x.data(), v.data(), f.data());
     for (size_t i = 0; i < a.size(); i++) a[i] = s.inverse_mass[i] * f[i];
@@ -32,14 +34,14 @@ struct Newmark {
       r[i] = ma - f[i];
       square += r[i] * r[i], inertia += ma * ma, inner += internal * internal, outer += s.weight[i] * s.weight[i];
     }
-    return std::sqrt(square / std::max({inertia, inner, outer}));
+    return std::max(std::sqrt(square) - rounding, 0.0) / std::sqrt(std::max({inertia, inner, outer}));
   }
 
   bool solve() {
     for (int iteration = 0; iteration < 50; iteration++) {
       double size = residual();
-      if (size <= 1e-8) return true;
       if (!std::isfinite(size)) return false;
+      if (size <= 1e-8) return true;
       factorise(solver, tangent, s, x1.data(), 4 / (h * h), 2 / h, 1);
       factorisations++;
       for (size_t i = 0; i < tangent.dof.size(); i++) right[i] = -r[tangent.dof[i]];

@@ -88,7 +88,7 @@ def markdown(head, rows):
 
 def preface(result):
     """What was run and how far to trust the reference."""
-    agreed = "; ".join(f"{who} is {error:.1e} of the motion away" for who, error in result.agreement) or "nobody checked it"
+    agreed = "; ".join(result.agreement) or "nobody checked it"
     versions = "; ".join(f"{peer}: {version}" for peer, version in result.versions.items())
     return [
         f"{result.spec.name}: {result.spec.told}; 0.2 s, 10 frames",
