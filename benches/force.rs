@@ -8,17 +8,15 @@
 mod fixture;
 
 use canopy_fem::force::NodeState;
-use canopy_fem::force::batch::{Batch, Threads};
-use canopy_fem::force::spring::{Coefficient, SpringData};
+use canopy_fem::force::batch::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
-use canopy_fem::model::spec::Slack;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
-use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fixture::{Contents, PlainC, cloth};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -27,29 +25,29 @@ use std::time::Instant;
 
 fn spring_pass(c: &mut Criterion) {
     let arrays = fixture::SpringArrays::of_cloth(703, 126);
-    let data = SpringData {
-        nodes: arrays.nodes.clone().into(),
-        rest_length: arrays.rest_length.clone().into(),
-        stiffness: Coefficient::Each(arrays.stiffness.clone().into()),
-        slack: Slack::None,
-    };
-    let batch = Batch::new(data);
-    let mut f = vec![DVec3::ZERO; arrays.x.len()];
+    let scene = build_network(cloth(703, 126, Contents::Springs), Threads::one()).expect("the fixture is sound");
+    let springs = scene.force_terms().next().expect("springs come first");
+    // The same net as the C loop sees it, in the order a scene keeps it in.
+    let state = scene.initial_state();
+    let raised: Vec<DVec3> = bytemuck::cast_slice::<f64, DVec3>(&state.x)
+        .iter()
+        .map(|p| DVec3::new(p.x, p.y, 0.3 * (1.0 - p.x * p.x - p.y * p.y)))
+        .collect();
+    let (mut f, mut g) = (vec![DVec3::ZERO; arrays.x.len()], vec![DVec3::ZERO; arrays.x.len()]);
     let threads = Threads::one();
     let mut group = c.benchmark_group("spring pass, 703 nodes");
     group.throughput(Throughput::Elements(arrays.nodes.len() as u64));
     group.bench_function("canopy-fem, with energy", |b| {
-        b.iter(|| batch.add(NodeState { t: 0.0, x: black_box(&arrays.x), v: &[] }, &threads, &mut f));
+        b.iter(|| springs.add(NodeState { t: 0.0, x: black_box(&raised), v: &[] }, &threads, &mut f));
     });
     match PlainC::compile() {
         Ok(plain) => {
             group.bench_function("plain C loop, -O3", |b| b.iter(|| plain.spring_forces(black_box(&arrays), &mut f)));
-            let mut g = vec![DVec3::ZERO; arrays.x.len()];
             // On a noisy machine only times taken in turn can be compared.
             let ratio = median_ratio(
                 &mut || {
-                    let at = NodeState { t: 0.0, x: black_box(&arrays.x), v: &[] };
-                    black_box(batch.add(at, &threads, black_box(&mut f)));
+                    let at = NodeState { t: 0.0, x: black_box(&raised), v: &[] };
+                    black_box(springs.add(at, &threads, black_box(&mut f)));
                 },
                 &mut || plain.spring_forces(black_box(&arrays), black_box(&mut g)),
             );
@@ -58,6 +56,80 @@ fn spring_pass(c: &mut Criterion) {
         Err(why) => eprintln!("plain C loop left out: {why}"),
     }
     group.finish();
+}
+
+/// Whole steps against each other, taken in turn.
+fn ratios(_: &mut Criterion) {
+    let build = |contents| build_network(cloth(703, 126, contents), Threads::one()).expect("the fixture is sound");
+    let (springs, no_air, all) = (build(Contents::BareSprings), build(Contents::Dashpots), build(Contents::Everything));
+    let mut pairs = vec![
+        ("kang / explicit-euler, springs", Steps::new(&springs, "kang"), Steps::new(&springs, "explicit-euler")),
+        ("kang / explicit-euler, everything", Steps::new(&all, "kang"), Steps::new(&all, "explicit-euler")),
+        (
+            "velocity-verlet, with air / without",
+            Steps::new(&all, "velocity-verlet"),
+            Steps::new(&no_air, "velocity-verlet"),
+        ),
+    ];
+    for (what, a, b) in &mut pairs {
+        println!("step, 703 nodes, {what}, taken in turn: {:.3}", median_ratio(&mut || a.step(), &mut || b.step()));
+    }
+    if let Ok(plain) = PlainC::compile() {
+        let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
+        let mut f = vec![DVec3::ZERO; arrays.x.len()];
+        let mut verlet = Steps::new(&springs, "velocity-verlet");
+        let ratio = median_ratio(&mut || verlet.step(), &mut || plain.verlet_step(&mut arrays, &mut f));
+        println!("velocity-verlet step, 703 nodes, springs: canopy-fem / plain C, taken in turn: {ratio:.3}");
+    }
+}
+
+/// A scene on its way.
+struct Steps<'a> {
+    stepper: Stepper<'a>,
+    from: Point,
+    to: Point,
+    counters: Counters,
+}
+
+impl<'a> Steps<'a> {
+    fn new(scene: &'a Network, method: &str) -> Self {
+        let choice = MethodChoice::new(method, &BTreeMap::new()).expect("a known method");
+        let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+        stepper.start(&from).expect("a small scene");
+        Steps { stepper, to: from.clone(), from, counters: Counters::default() }
+    }
+
+    fn step(&mut self) {
+        let h = 1e-4;
+        let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + h };
+        self.stepper.attempt(attempt, &mut self.to, &mut self.counters).expect("explicit");
+        self.stepper.accept();
+        std::mem::swap(&mut self.from, &mut self.to);
+    }
+}
+
+/// Nanoseconds an element of every kind of force, taken in turn.
+fn passes(_: &mut Criterion) {
+    let scene = build_network(cloth(703, 126, Contents::Everything), Threads::one()).expect("the fixture is sound");
+    let mut state = scene.initial_state();
+    for (i, (x, v)) in state.x.iter_mut().zip(&mut state.v).enumerate() {
+        (*x, *v) = (*x + 0.01 * (i as f64).sin(), (i as f64).cos());
+    }
+    let at = NodeState { t: 0.0, x: bytemuck::cast_slice(&state.x), v: bytemuck::cast_slice(&state.v) };
+    let (mut f, threads) = (vec![DVec3::ZERO; 703], Threads::one());
+    for term in scene.force_terms() {
+        let mut ns: Vec<f64> = (0..200)
+            .map(|_| {
+                let start = Instant::now();
+                (0..20).for_each(|_| _ = black_box(term.add(black_box(at), &threads, &mut f)));
+                start.elapsed().as_secs_f64() * 1e9 / (20 * term.elements()) as f64
+            })
+            .collect();
+        ns.sort_unstable_by(f64::total_cmp);
+        println!("{:20} {:6.2} ns an element, least {:6.2}", term.info().name, ns[100], ns[0]);
+    }
 }
 
 /// Median over 400 rounds of the time of `a` over that of `b`, 20 calls each a round.
@@ -91,25 +163,9 @@ fn explicit_steps(c: &mut Criterion) {
 }
 
 fn steps(b: &mut criterion::Bencher<'_>, scene: &Network, method: &str) {
-    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("a known method");
-    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
-    scene.evaluate(from.state.as_ref(), &mut from.forces);
-    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
-    stepper.start(&from).expect("a small scene");
-    let mut to = from.clone();
-    let mut counters = Counters::default();
-    let h = 1e-4;
-    b.iter_batched(
-        || (),
-        |()| {
-            let t_next = from.state.t + h;
-            stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("explicit");
-            stepper.accept();
-            std::mem::swap(&mut from, &mut to);
-        },
-        BatchSize::SmallInput,
-    );
+    let mut steps = Steps::new(scene, method);
+    b.iter(|| steps.step());
 }
 
-criterion_group!(benches, spring_pass, explicit_steps);
+criterion_group!(benches, spring_pass, passes, ratios, explicit_steps);
 criterion_main!(benches);

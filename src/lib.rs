@@ -19,4 +19,5 @@ pub mod scene;
 pub mod simulation;
 
 pub mod solve;
+pub mod startup;
 pub mod study;

@@ -1,4 +1,4 @@
-//! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky. LU allocates inside the library.
+//! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky or conjugate gradients. LU allocates inside the library.
 //!
 //! A plain `main` without the test harness, whose own thread allocates beside the measurement.
 
@@ -16,6 +16,7 @@ use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
 use common::{patch, spring_group};
 use std::collections::BTreeMap;
@@ -39,10 +40,10 @@ fn scene(with_air: bool) -> Network {
 }
 
 /// Heap blocks allocated by `steps` steps after ten steps of warm-up.
-fn blocks(scene: &Network, method: &str, steps: u32, strategy: Strategy) -> u64 {
+fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strategy, LinearChoice)) -> u64 {
     let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
     let newton = NewtonSpec { strategy, ..NewtonSpec::default() };
-    let solver = SolverSpec { newton, ..SolverSpec::default() };
+    let solver = SolverSpec { newton, linear };
     let mut stepper = Stepper::bind(choice.scheme(solver), scene.abilities()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
@@ -107,16 +108,24 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
 fn main() {
     let _profiler = dhat::Profiler::builder().testing().build();
     let (calm, windy) = (scene(false), scene(true));
+    let full = (Strategy::Full, LinearChoice::Auto);
     for method in methods() {
-        assert_eq!(blocks(&calm, method.name, 50, Strategy::Full), 0, "{} on a symmetric scene", method.name);
+        assert_eq!(blocks(&calm, method.name, 50, full), 0, "{} on a symmetric scene", method.name);
         assert_eq!(adaptive_blocks(&calm, method.name), 0, "adaptive steps of {}", method.name);
         if method.family != Family::Implicit {
-            assert_eq!(blocks(&windy, method.name, 50, Strategy::Full), 0, "{} with air", method.name);
+            assert_eq!(blocks(&windy, method.name, 50, full), 0, "{} with air", method.name);
         } else {
-            for strategy in [Strategy::Modified, Strategy::Quasi] {
-                assert_eq!(blocks(&calm, method.name, 50, strategy), 0, "{} with a kept factor", method.name);
-                assert_eq!(blocks(&windy, method.name, 50, strategy), 0, "{} with air and a kept factor", method.name);
+            let kept = [
+                (Strategy::Modified, LinearChoice::Auto),
+                (Strategy::Quasi, LinearChoice::Auto),
+                (Strategy::Auto, LinearChoice::Cg),
+            ];
+            for strategy in kept {
+                assert_eq!(blocks(&calm, method.name, 50, strategy), 0, "{}, {strategy:?}", method.name);
+                assert_eq!(blocks(&windy, method.name, 50, strategy), 0, "{} with air, {strategy:?}", method.name);
             }
+            let newton = (Strategy::Full, LinearChoice::Cg);
+            assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
         }
     }
     // The measurement itself sees an allocation when there is one.

@@ -18,7 +18,8 @@ fn stems() -> Vec<String> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases");
     let entries = std::fs::read_dir(folder).expect("assets/cases");
     let stem = |path: std::path::PathBuf| path.file_stem().map(|s| s.to_string_lossy().into_owned());
-    let mut stems: Vec<String> = entries.filter_map(|e| stem(e.expect("an entry").path())).collect();
+    let files = entries.map(|e| e.expect("an entry").path()).filter(|path| path.is_file());
+    let mut stems: Vec<String> = files.filter_map(stem).collect();
     stems.sort();
     assert!(CLOTHS.iter().all(|cloth| stems.iter().any(|stem| stem == cloth)), "the cloths are among {stems:?}");
     stems
@@ -26,6 +27,37 @@ fn stems() -> Vec<String> {
 
 fn fits(method: &MethodInfo, case: &Case) -> bool {
     !(method.family == Family::MatrixFree && matches!(case.problem().system, SystemSpec::Pendulum(_)))
+}
+
+/// The big annuli ask for the nodes they are named after, and are one sheet at every size: with as many nodes they are one case.
+#[test]
+fn the_big_annuli_differ_in_nothing_but_size() {
+    let mut sheets = Vec::new();
+    for (name, nodes) in [("10k", 10_000), ("100k", 100_000), ("1m", 1_000_000)] {
+        // What the file says, without making its mesh.
+        let path = format!("{}/assets/cases/big/annulus-{name}.json", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a case");
+        let file: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(file.pointer("/system/network/mesh/annulus/nodes"), Some(&nodes.into()), "{name}");
+        assert_eq!(file["name"], format!("annulus-{name}"));
+        let few = asset(&format!("big/annulus-{name}"), &[("system.network.mesh.annulus.nodes", "500"), ("name", "x")]);
+        let mut sheet = few.problem().case_json.clone();
+        sheet.as_object_mut().expect("an object").remove("description");
+        sheets.push(sheet);
+    }
+    assert!(sheets.iter().all(|sheet| *sheet == sheets[0]), "{sheets:#?}");
+}
+
+/// Ten thousand nodes in two Newmark steps: away from its edge the sheet falls freely, which the scheme has exactly.
+#[test]
+fn ten_thousand_nodes_fall() {
+    let run = run(&asset("big/annulus-10k", &[("time.end", "2e-3")]));
+    assert_eq!((run.outcome.status, run.outcome.steps, run.reference.len()), (Status::Completed, 2, 10_000));
+    let fallen = 0.5 * 9.81 * 2e-3_f64.powi(2);
+    let far = |r: &[f64; 3]| r[0].hypot(r[1]) < 0.5;
+    let heights = run.reference.iter().zip(&run.positions).filter(|(r, _)| far(r)).map(|(_, x)| x[2]);
+    let worst = heights.map(|z| (z / -fallen - 1.0).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-6, "{worst:e}");
 }
 
 /// [s] The step of an asset.

@@ -44,6 +44,7 @@ fn counters(force_evaluations: u64, newton: u64) -> Counters {
         factorizations: newton,
         linear_solves: newton,
         newton_iterations: newton,
+        cg_iterations: 0,
     }
 }
 

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::case::spec::Problem;
 use crate::figures::figures;
 use crate::integrate::registry::Family;
+use crate::solve::Prediction;
 use crate::study::trial::advice::{Advice, Choice};
 use crate::study::trial::cost::{ForceCost, TangentCost};
 use crate::study::trial::estimate::{Basis, Estimate};
@@ -51,13 +52,11 @@ fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
     let kind = if tangent.symmetric { "symmetric" } else { "not symmetric" };
     let factor = match tangent.factor_nonzeros {
         Some(entries) => format!("{entries} in its factor"),
+        None if linear_solver == "cg" => spared(tangent),
         None => "factor known after the first factorisation".to_owned(),
     };
-    let part = if linear_solver == "cholesky" && !tangent.symmetric {
-        " of its symmetric part, kept over many steps"
-    } else {
-        ""
-    };
+    let part =
+        if linear_solver != "lu" && !tangent.symmetric { " of its symmetric part, kept over many steps" } else { "" };
     let unknowns = if unknowns == 1 { "1 unknown".to_owned() } else { format!("{unknowns} unknowns") };
     let _ = writeln!(
         text,
@@ -72,6 +71,19 @@ fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
         if tangent.measured { "" } else { " (told from counts)" },
         seconds(tangent.analysis_seconds)
     );
+}
+
+/// The factor that conjugate gradients do without.
+fn spared(tangent: &TangentCost) -> String {
+    let iterations = tangent.cg_iterations;
+    match tangent.prediction {
+        Some(Prediction { factor_nonzeros, .. }) => format!(
+            "{iterations} iterations a solve instead of a factor with {} entries ({:.1} MB)",
+            figures(factor_nonzeros, 3),
+            8e-6 * factor_nonzeros
+        ),
+        None => format!("{iterations} iterations a solve, no factor"),
+    }
 }
 
 fn describe_force(text: &mut String, force: &ForceCost) {

@@ -9,6 +9,7 @@ use crate::analysis::rates::Rates;
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
 use crate::figures::figures;
+use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::output::space::{frame_bytes, free_bytes};
 use crate::scene::Scene;
@@ -16,12 +17,19 @@ use crate::solve::{LinearChoice, LinearError};
 
 /// Refuses a solver that cannot solve this scene's equations.
 pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
-    let implicit = problem.method.info.family == Family::Implicit;
-    if implicit && problem.solver.linear == LinearChoice::Cholesky && !scene.symmetric() {
-        let why = LinearError::NotSymmetric.to_string();
-        return Err(source.refuse(&problem.case_json, "/solver/linear", "\"lu\" or \"auto\" for this scene", why));
+    let SolverSpec { newton, linear } = problem.solver;
+    let why = match linear {
+        // Only networks have a graph.
+        LinearChoice::Cg if scene.abilities().graph.is_none() => Some(LinearError::NotByNodes),
+        _ => refusal(scene.symmetric(), newton.strategy, linear),
+    };
+    match why.filter(|_| problem.method.info.family == Family::Implicit) {
+        Some(why) => {
+            let allowed = "\"lu\" or \"auto\" for this scene";
+            Err(source.refuse(&problem.case_json, "/solver/linear", allowed, why.to_string()))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only

@@ -15,6 +15,8 @@ const REDRAW: Duration = Duration::from_millis(100);
 const LONGEST_STRIDE: u64 = 64;
 /// [-] weight of the newest interval in the smoothed rates
 const NEWEST: f64 = 0.3;
+/// [s] Start-ups longer than this are told phase by phase.
+pub const LONG_START: f64 = 1.0;
 /// Positions of the bar.
 const TICKS: f64 = 1000.0;
 
@@ -130,7 +132,11 @@ impl Progress {
 
 impl Observer for Progress {
     fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        let startup = crate::startup::ready().filter(|startup| startup.total > LONG_START);
         if !self.bar.is_hidden() {
+            if let Some(startup) = startup {
+                self.bar.suspend(|| complain(&format!("start-up {}", startup.text())));
+            }
             let (now, t) = (Instant::now(), at.state.t);
             self.clock = Some(Clock { start: t, looked: now, drawn: now, t, rates: Rates::default() });
         }

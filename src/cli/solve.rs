@@ -3,7 +3,7 @@
 use super::doubts::{check_solver, disk_doubt, limit_at_start, step_doubt, worth};
 use super::farthest::Farthest;
 use super::interrupt::stop_on_interrupt;
-use super::progress::{Display, Progress};
+use super::progress::{Display, LONG_START, Progress};
 use super::resume::{self, Earlier};
 use super::stiffening::{Least, Stiffening, Watched};
 use super::{CliError, Finished, SolveArgs, complain, fields};
@@ -25,12 +25,15 @@ use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
+use crate::startup::{Account, Phase, timed};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
-    let (mut problem, source) = Case::from_file(&args.case.case, &args.case.overrides())?.split();
+    let account = Account::open();
+    let (mut problem, source) =
+        timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?.split();
     if !args.quiet {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
@@ -41,25 +44,26 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
         return Ok(Finished { text, code: 0 });
     }
-    let scene = build_scene(problem.take_system(), usize::from(args.threads))?;
+    let scene = timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?;
     check_solver(&problem, &*scene, source)?;
     let mut stepper = bind(&problem, &*scene)?;
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let (folder, checkpoint) = match earlier {
         Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
-        _ => (ResultFolder::prepare(&out, &problem.name, args.force)?, None),
+        _ => (timed(Phase::Files, || ResultFolder::prepare(&out, &problem.name, args.force))?, None),
     };
-    let limit = limit_at_start(&problem, &*scene);
+    let limit = timed(Phase::CriticalStep, || limit_at_start(&problem, &*scene));
     if !args.quiet {
-        let doubts = [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)];
+        let doubts =
+            timed(Phase::CriticalStep, || [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)]);
         doubts.iter().flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
     }
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit };
+    let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit, account };
     let (outcome, summary, seen) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
     if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
         complain(&doubt);
@@ -83,6 +87,7 @@ struct Job<'a> {
     scene: &'a dyn Scene,
     folder: &'a ResultFolder,
     limit: CriticalStep,
+    account: Account,
 }
 
 /// What was seen of a run besides its results.
@@ -101,15 +106,15 @@ impl<'a> Job<'a> {
         checkpoint: Option<Checkpoint>,
         stop: &AtomicBool,
     ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
-        let &Job { args, problem, scene, folder, limit } = self;
+        let &Job { args, problem, scene, folder, limit, .. } = self;
         let spec = problem.run_spec(args.keep_going);
         let recorded = recorder_spec(problem, folder);
         let recorder = match &checkpoint {
             Some(checkpoint) => {
                 spec.passes(scene, &checkpoint.snapshot)?;
-                Recorder::resume(scene, &recorded, checkpoint)?
+                timed(Phase::Files, || Recorder::resume(scene, &recorded, checkpoint))?
             }
-            None => Recorder::new(scene, &recorded)?,
+            None => timed(Phase::Files, || Recorder::new(scene, &recorded))?,
         };
         let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
         let every = problem.output.checkpoint_every;
@@ -130,7 +135,7 @@ impl<'a> Job<'a> {
             None => drive::run(scene, stepper, spec, observers, stop)?,
         };
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
-        let summary = Summary { resumed_from, ..summary };
+        let summary = Summary { resumed_from, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // That of an interrupt; nobody has asked for one to stay.
         if outcome.status == Status::Completed && every.is_none() {
@@ -185,6 +190,9 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     }
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
+    if summary.startup.total > LONG_START {
+        let _ = writeln!(text, "  start-up        {}", summary.startup.text());
+    }
     let _ = writeln!(
         text,
         "  work            {} force passes, {} factorisations, {} Newton iterations",

@@ -11,6 +11,7 @@ use crate::integrate::{StageWork, StepReport};
 use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::model::system::System;
+use multiversion::multiversion;
 
 /// Running account of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -33,8 +34,8 @@ impl Ledger {
     /// Accounts for an accepted step.
     pub fn step(&mut self, system: &dyn System, from: &Point, to: &Point, report: &StepReport) -> LedgerRow {
         let work = report.work.unwrap_or_else(|| StageWork {
-            external: trapezoid(&from.forces.external, &to.forces.external, from, to),
-            dissipated: -trapezoid(&from.forces.dissipative, &to.forces.dissipative, from, to),
+            external: trapezoid(system, (&from.forces.external, &to.forces.external), from, to),
+            dissipated: -trapezoid(system, (&from.forces.dissipative, &to.forces.dissipative), from, to),
         });
         self.work.external += work.external;
         self.work.dissipated += work.dissipated;
@@ -80,10 +81,27 @@ impl Ledger {
     }
 }
 
-fn trapezoid(f_n: &[f64], f_n1: &[f64], from: &Point, to: &Point) -> f64 {
-    let mut lanes = [0.0; 4];
-    for (i, (((a, b), x), y)) in f_n.iter().zip(f_n1).zip(&from.state.x).zip(&to.state.x).enumerate() {
-        lanes[i % 4] += 0.5 * (a + b) * (y - x);
+/// [J] Work of a force that changes from `f_n` to `f_n1` along the step.
+fn trapezoid(system: &dyn System, f: (&[f64], &[f64]), from: &Point, to: &Point) -> f64 {
+    let (f_n, f_n1) = f;
+    system.workers().sum(f_n.len(), |r| {
+        let (x, y) = (&from.state.x[r.clone()], &to.state.x[r.clone()]);
+        half_sum_times_difference((&f_n[r.clone()], &f_n1[r]), (x, y))
+    })
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn half_sum_times_difference((a, b): (&[f64], &[f64]), (x, y): (&[f64], &[f64])) -> f64 {
+    let mut lanes = [0.0; 8];
+    let ((a, a_last), (b, b_last)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let ((x, x_last), (y, y_last)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
+    for (((a, b), x), y) in a.iter().zip(b).zip(x).zip(y) {
+        for i in 0..8 {
+            lanes[i] += 0.5 * (a[i] + b[i]) * (y[i] - x[i]);
+        }
     }
-    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
+    for ((((a, b), x), y), lane) in a_last.iter().zip(b_last).zip(x_last).zip(y_last).zip(&mut lanes) {
+        *lane += 0.5 * (a + b) * (y - x);
+    }
+    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
 }

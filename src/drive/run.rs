@@ -15,6 +15,8 @@ use crate::integrate::{Counters, StepError, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::scene::Scene;
+use crate::startup::{Phase, timed};
+use multiversion::multiversion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How many times its size a scene may spread before it counts as blown up.
@@ -151,7 +153,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
-        counters.evaluate(scene, from.state.as_ref(), &mut from.forces);
+        timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
@@ -185,7 +187,7 @@ impl<'a> Run<'a> {
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, adaptive } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
-        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
@@ -294,7 +296,7 @@ impl<'a> Run<'a> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
         let before = (self.ledger, self.watch);
         let row = self.ledger.step(self.scene, &self.from, &self.to, report);
-        let finite = is_finite(&row) && self.to.forces.total.iter().all(|f| f.is_finite());
+        let finite = is_finite(&row) && all_finite(self.scene, &self.to.forces.total);
         let extent = self.scene.extent(self.to.state.as_ref());
         let left = !finite || extent.is_nan() || extent > self.limit;
         match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
@@ -404,6 +406,23 @@ fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> usize {
 fn limit(scene: &dyn Scene) -> f64 {
     let size = scene.size();
     if size > 0.0 { BLOW_UP * size } else { f64::INFINITY }
+}
+
+/// Nothing times zero is zero but what is finite.
+fn all_finite(scene: &dyn Scene, f: &[f64]) -> bool {
+    scene.workers().sum(f.len(), |r| zero_times(&f[r])) == 0.0
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn zero_times(f: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (rows, last) = f.as_chunks::<8>();
+    for row in rows {
+        for i in 0..8 {
+            lanes[i] += 0.0 * row[i];
+        }
+    }
+    lanes.iter().sum::<f64>() + last.iter().map(|f| 0.0 * f).sum::<f64>()
 }
 
 fn is_finite(row: &LedgerRow) -> bool {

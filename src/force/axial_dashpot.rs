@@ -10,14 +10,13 @@
 //! -df/dv = c n n^T
 //! ```
 
-use super::batch::{Batch, Kernel, Threads};
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
 use super::slack::{clamped, tension};
 use super::spring::{Coefficient, SpringData, Stretch};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use glam::DVec3;
-use std::ops::Range;
 
 /// Axial dashpots parallel to a batch of springs.
 #[derive(Debug)]
@@ -76,19 +75,17 @@ impl AxialData {
 }
 
 impl Kernel<2> for AxialData {
-    const SIGNS: [f64; 2] = [1.0, -1.0];
+    const WANTS: Wants = Wants { x: false, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.springs.nodes
     }
 
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let mut power = 0.0;
-        for (i, out) in range.zip(out) {
-            let d = self.damping(at, i);
-            *out = d.force * d.stretch.n;
-            power -= d.force * d.ldot;
-        }
+    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        let power = tile.each([1.0, -1.0], f, |i| {
+            let d = self.damping(tile.at, i);
+            (d.force * d.stretch.n, -d.force * d.ldot)
+        });
         Tally { energy: 0.0, power }
     }
 }

@@ -1,30 +1,38 @@
 //! Sums element forces into nodes, with the same bits for every number of threads.
 //!
-//! One thread computes a block of elements into a small buffer and scatters it. Several threads compute all
-//! elements first, then every node gathers its own elements in ascending order. Both add the same numbers to a
-//! node in the same order, and the tallies of fixed blocks are added in block order; so the bits agree.
+//! Elements are cut into tiles, each summed in a window of its own. One thread adds a tile's window to the nodes as soon as it is done;
+//! several threads fill all windows first, then every node adds its own entries in the order of the tiles. Both add the same numbers to
+//! a node in the same order, and tallies are added in the order of the tiles; so the bits agree.
 
 use super::NodeState;
+pub use super::tile::{LANES, Lanes, Padded, Tile};
+use super::tile::{Plan, Tiles, WINDOW, Windows};
 use crate::model::forces::Tally;
+use crate::model::workers::Workers;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::ops::Range;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Elements a block: the buffers of a block stay in the first-level cache.
-pub const BLOCK: usize = 64;
-/// Blocks a parallel task, so that a task outweighs its hand-over.
-const BLOCKS_PER_TASK: usize = 16;
-const NODES_PER_TASK: usize = 1024;
+const NODES_PER_TASK: usize = 4096;
 
-/// How many threads a force pass may use.
-#[derive(Debug, Default)]
-pub struct Threads(Option<rayon::ThreadPool>);
+/// How many threads a force pass may use, and their windows.
+#[derive(Debug)]
+pub struct Threads {
+    workers: Workers,
+    /// one a thread
+    windows: Vec<Mutex<Windows>>,
+}
+
+impl Default for Threads {
+    fn default() -> Self {
+        Threads::one()
+    }
+}
 
 impl Threads {
     /// One thread: no pool is made.
     pub fn one() -> Self {
-        Threads(None)
+        Threads { workers: Workers::default(), windows: vec![Mutex::default()] }
     }
 
     /// `n` threads (0 and 1 mean one).
@@ -32,46 +40,65 @@ impl Threads {
     /// # Errors
     /// When the operating system gives no threads.
     pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        if n <= 1 {
-            return Ok(Threads(None));
-        }
-        Ok(Threads(Some(rayon::ThreadPoolBuilder::new().num_threads(n).build()?)))
+        Ok(Threads { workers: Workers::new(n)?, windows: (0..n.max(1)).map(|_| Mutex::default()).collect() })
     }
+
+    /// The threads, for loops over nodes.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
+    }
+
+    /// The windows of a thread of the pool.
+    fn windows(&self, thread: usize) -> MutexGuard<'_, Windows> {
+        self.windows[thread % self.windows.len()].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What a kernel wants to find in the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wants {
+    /// positions
+    pub x: bool,
+    /// velocities
+    pub v: bool,
 }
 
 /// The forces of like elements with `N` nodes each.
 pub trait Kernel<const N: usize>: Send + Sync {
-    /// How an element's force vector acts on each of its nodes: +1 or -1.
-    const SIGNS: [f64; N];
+    /// What it wants in the window; what it does not want is not copied.
+    const WANTS: Wants;
 
     /// Node numbers of every element.
     fn elements(&self) -> &[[u32; N]];
 
-    /// `out[i] =` force vector [N] of element `range.start + i`; returns the range's energy or power.
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally;
+    /// Adds the forces [N] of a tile's elements to its window; returns their energy or power.
+    fn add(&self, tile: Tile<'_, N>, f: &mut [Padded]) -> Tally;
 }
 
-/// A kernel with what several threads need, made when first used.
+/// A kernel with its tiles, and with what several threads need, made when first used.
 #[derive(Debug)]
 pub struct Batch<K, const N: usize> {
     kernel: K,
+    tiles: Tiles<N>,
     parallel: OnceLock<Mutex<Parallel>>,
 }
 
 #[derive(Debug)]
 struct Parallel {
-    /// per node: start of its list in `incidence`
+    /// per node: start of its list in `entries`
     start: Vec<u32>,
-    /// element * N + local node, ascending
-    incidence: Vec<u32>,
-    force: Vec<DVec3>,
+    /// places in the windows, ascending
+    entries: Vec<u32>,
+    /// room for one window a tile
+    windows: Vec<Padded>,
     tally: Vec<Tally>,
 }
 
 impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     /// Wraps a kernel.
     pub fn new(kernel: K) -> Self {
-        Batch { kernel, parallel: OnceLock::new() }
+        let tiles = Tiles::new(kernel.elements());
+        Batch { kernel, tiles, parallel: OnceLock::new() }
     }
 
     /// The kernel.
@@ -86,96 +113,103 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
 
     /// f += element forces; returns the sum of energies or powers.
     pub fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        match &threads.0 {
-            None => self.scatter(at, f),
+        match threads.workers.pool() {
+            None => self.one_thread(at, &mut threads.windows(0), f),
             Some(pool) => {
                 let parallel = self.parallel.get_or_init(|| Mutex::new(self.prepare(f.len())));
                 let mut guard = parallel.lock().unwrap_or_else(PoisonError::into_inner);
                 let parallel = &mut *guard;
-                pool.install(|| self.gather(at, parallel, f))
+                pool.install(|| self.several_threads(at, threads, parallel, f))
             }
         }
     }
 
-    fn scatter(&self, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
-        let elements = self.kernel.elements();
-        let mut buffer = [DVec3::ZERO; BLOCK];
+    fn one_thread(&self, at: NodeState<'_>, windows: &mut Windows, f: &mut [DVec3]) -> Tally {
         let mut total = Tally::default();
-        for (b, nodes) in elements.chunks(BLOCK).enumerate() {
-            let first = b * BLOCK;
-            let force = &mut buffer[..nodes.len()];
-            total += self.kernel.forces(at, first..first + nodes.len(), force);
-            for (nodes, &force) in nodes.iter().zip(force.iter()) {
-                for (&node, sign) in nodes.iter().zip(K::SIGNS) {
-                    f[node as usize] += sign * force;
-                }
-            }
+        for plan in self.tiles.plan() {
+            let Windows { x, v, f: sums } = &mut *windows;
+            sums.clear();
+            sums.resize(plan.window.len(), [0.0; 4]);
+            total += self.tile(plan, at, (x, v), sums);
+            self.tiles.add(plan, sums, f);
         }
         total
     }
 
-    fn gather(&self, at: NodeState<'_>, p: &mut Parallel, f: &mut [DVec3]) -> Tally {
-        let n = self.kernel.elements().len();
-        p.force
-            .par_chunks_mut(BLOCK * BLOCKS_PER_TASK)
-            .zip(p.tally.par_chunks_mut(BLOCKS_PER_TASK))
-            .enumerate()
-            .for_each(|(task, (force, tally))| {
-                let first = task * BLOCK * BLOCKS_PER_TASK;
-                for (b, (force, tally)) in force.chunks_mut(BLOCK).zip(tally).enumerate() {
-                    let begin = first + b * BLOCK;
-                    *tally = self.kernel.forces(at, begin..(begin + BLOCK).min(n), force);
-                }
-            });
-        let Parallel { start, incidence, force, tally } = &*p;
+    fn tile(
+        &self,
+        plan: &Plan,
+        at: NodeState<'_>,
+        (x, v): (&mut Vec<Padded>, &mut Vec<Padded>),
+        f: &mut [Padded],
+    ) -> Tally {
+        if K::WANTS.x {
+            self.tiles.load(plan, at.x, x);
+        }
+        if K::WANTS.v {
+            self.tiles.load(plan, at.v, v);
+        }
+        let nodes = self.tiles.local(plan);
+        self.kernel.add(Tile { at, x, v, nodes, first: plan.elements.start }, f)
+    }
+
+    fn several_threads(&self, at: NodeState<'_>, threads: &Threads, p: &mut Parallel, f: &mut [DVec3]) -> Tally {
+        let Parallel { start, entries, windows, tally } = p;
+        let tiles = self.tiles.plan().par_iter().zip(windows.par_chunks_mut(WINDOW)).zip(tally.par_iter_mut());
+        tiles.for_each(|((plan, sums), tally)| {
+            let mut own = threads.windows(rayon::current_thread_index().unwrap_or(0));
+            let Windows { x, v, .. } = &mut *own;
+            let sums = &mut sums[..plan.window.len()];
+            sums.fill([0.0; 4]);
+            *tally = self.tile(plan, at, (x, v), sums);
+        });
         f.par_chunks_mut(NODES_PER_TASK).enumerate().for_each(|(task, f)| {
             let first = task * NODES_PER_TASK;
             for (i, f) in f.iter_mut().enumerate() {
                 let list = start[first + i] as usize..start[first + i + 1] as usize;
-                for &entry in &incidence[list] {
-                    *f += K::SIGNS[entry as usize % N] * force[entry as usize / N];
+                for &entry in &entries[list] {
+                    let sum = windows[entry as usize];
+                    *f += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }
         });
         let mut total = Tally::default();
-        for &t in tally {
+        for &t in tally.iter() {
             total += t;
         }
         total
     }
 
     fn prepare(&self, n_nodes: usize) -> Parallel {
-        let elements = self.kernel.elements();
+        let places =
+            || self.tiles.plan().iter().enumerate().flat_map(|(t, plan)| self.tiles.nodes(plan).zip(t * WINDOW..));
         let mut start = vec![0u32; n_nodes + 1];
-        for &node in elements.as_flattened() {
+        for (node, _) in places() {
             start[node as usize + 1] += 1;
         }
         for i in 0..n_nodes {
             start[i + 1] += start[i];
         }
         let mut next = start.clone();
-        let mut incidence = vec![0u32; elements.len() * N];
-        for (entry, &node) in elements.as_flattened().iter().enumerate() {
-            incidence[next[node as usize] as usize] = entry as u32;
+        let mut entries = vec![0u32; start[n_nodes] as usize];
+        for (node, place) in places() {
+            entries[next[node as usize] as usize] = place as u32;
             next[node as usize] += 1;
         }
-        let force = vec![DVec3::ZERO; elements.len()];
-        Parallel { start, incidence, force, tally: vec![Tally::default(); elements.len().div_ceil(BLOCK)] }
+        let tiles = self.tiles.plan().len();
+        Parallel { start, entries, windows: vec![[0.0; 4]; tiles * WINDOW], tally: vec![Tally::default(); tiles] }
     }
 }
 
 /// Sum in eight fixed lanes: vectorises, and has the same bits everywhere.
 pub(crate) fn lane_sum(values: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let chunks = values.chunks_exact(8);
-    let rest = chunks.remainder();
+    let mut lanes = Lanes::default();
+    let (chunks, rest) = values.as_chunks::<LANES>();
     for chunk in chunks {
-        for (lane, v) in lanes.iter_mut().zip(chunk) {
-            *lane += v;
-        }
+        lanes.add(chunk);
     }
-    for (lane, v) in lanes.iter_mut().zip(rest) {
-        *lane += v;
-    }
-    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    let mut last = [0.0; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    lanes.add(&last);
+    lanes.total()
 }

@@ -4,7 +4,7 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use super::batch::{Batch, Kernel, Threads};
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
 use super::series::factor;
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink};
@@ -12,7 +12,6 @@ use crate::model::forces::{Role, Tally};
 use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// A follower pressure on a batch of triangles.
@@ -38,20 +37,19 @@ impl FollowerPressure {
 }
 
 impl Kernel<3> for FollowerData {
-    const SIGNS: [f64; 3] = [1.0; 3];
+    const WANTS: Wants = Wants { x: false, v: false };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let p = self.pressure * factor(self.factor.as_ref(), at.t);
-        let mut power = 0.0;
-        for (&nodes, out) in self.triangles[range].iter().zip(out) {
-            let force = p * AreaVector::new(at.x, nodes).s;
-            power += force.dot(mean(at.v, nodes));
-            *out = force * THIRD;
-        }
+    fn add(&self, tile: Tile<'_, 3>, f: &mut [Padded]) -> Tally {
+        let p = self.pressure * factor(self.factor.as_ref(), tile.at.t);
+        let power = tile.each([1.0; 3], f, |i| {
+            let nodes = self.triangles[i];
+            let force = p * AreaVector::new(tile.at.x, nodes).s;
+            (force * THIRD, force.dot(mean(tile.at.v, nodes)))
+        });
         Tally { energy: 0.0, power }
     }
 }

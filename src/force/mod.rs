@@ -18,12 +18,14 @@ pub mod axial_dashpot;
 pub mod batch;
 pub mod follower_pressure;
 pub mod gravity;
+pub mod neighbours;
 pub mod nodal;
 pub mod rayleigh;
 pub mod relative_dashpot;
 pub mod series;
 pub mod slack;
 pub mod spring;
+pub mod tile;
 pub mod triangle;
 
 use crate::model::forces::Tally;

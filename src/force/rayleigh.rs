@@ -3,13 +3,12 @@
 //! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
-use super::batch::{Batch, Kernel, Threads};
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
 use super::spring::Coefficient;
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// The mass-proportional part.
@@ -78,21 +77,20 @@ impl RayleighStiffness {
 }
 
 impl Kernel<2> for RayleighData {
-    const SIGNS: [f64; 2] = [1.0, -1.0];
+    const WANTS: Wants = Wants { x: false, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let mut power = 0.0;
-        for (i, out) in range.zip(out) {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        let v = tile.at.v;
+        let power = tile.each([1.0, -1.0], f, |i| {
             let ([a, b], n) = (self.nodes[i], self.direction[i]);
-            let rate = n.dot(at.v[b as usize] - at.v[a as usize]);
+            let rate = n.dot(v[b as usize] - v[a as usize]);
             let c = self.coefficient.at(i);
-            *out = c * rate * n;
-            power -= c * rate * rate;
-        }
+            (c * rate * n, -c * rate * rate)
+        });
         Tally { energy: 0.0, power }
     }
 }

@@ -5,13 +5,14 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{BLOCK, Batch, Kernel, Threads, lane_sum};
+use super::batch::{Batch, Kernel, LANES, Lanes, Padded, Threads, Tile, Wants};
 use super::spring::Coefficient;
+use super::tile::{minus, plus, times};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
-use std::ops::Range;
+use multiversion::multiversion;
 use std::sync::Arc;
 
 /// A batch of relative dashpots.
@@ -35,24 +36,62 @@ impl RelativeDashpots {
 }
 
 impl Kernel<2> for RelativeData {
-    const SIGNS: [f64; 2] = [1.0, -1.0];
+    const WANTS: Wants = Wants { x: false, v: true };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let n = range.len();
-        let mut buffers = [[0.0; BLOCK]; 2];
-        let [c, power] = &mut buffers;
-        let (c, power) = (&mut c[..n], &mut power[..n]);
-        self.coefficient.fill(range.clone(), c);
-        for (((&[a, b], out), c), power) in self.nodes[range].iter().zip(out).zip(c.iter()).zip(power.iter_mut()) {
-            let dv = at.v[b as usize] - at.v[a as usize];
-            *out = *c * dv;
-            *power = -c * dv.length_squared();
+    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        Tally { energy: 0.0, power: add_dashpots(self, tile, f) }
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_dashpots(data: &RelativeData, tile: Tile<'_, 2>, f: &mut [Padded]) -> f64 {
+    match &data.coefficient {
+        Coefficient::Uniform(c) => add_blocks(tile, std::iter::repeat(&[*c; LANES]), std::iter::repeat(c), f),
+        Coefficient::Each(c) => {
+            let (c, last) = c[tile.range()].as_chunks();
+            add_blocks(tile, c.iter(), last.iter(), f)
         }
-        Tally { energy: 0.0, power: lane_sum(power) }
+    }
+}
+
+#[inline(always)]
+fn add_blocks<'a>(
+    tile: Tile<'_, 2>,
+    blocks: impl Iterator<Item = &'a [f64; LANES]>,
+    last: impl Iterator<Item = &'a f64>,
+    f: &mut [Padded],
+) -> f64 {
+    let mut power = Lanes::default();
+    let (nodes, rest) = tile.nodes.as_chunks::<LANES>();
+    for (nodes, c) in nodes.iter().zip(blocks) {
+        add_block(nodes, c, tile.v, f, &mut power);
+    }
+    for (nodes, c) in rest.iter().zip(last) {
+        add_block(&[*nodes], &[*c], tile.v, f, &mut power);
+    }
+    power.total()
+}
+
+#[inline(always)]
+fn add_block<const B: usize>(nodes: &[[u16; 2]; B], c: &[f64; B], v: &[Padded], f: &mut [Padded], power: &mut Lanes) {
+    let mut dv = [[0.0; 4]; B];
+    let mut given = [0.0; B];
+    for j in 0..B {
+        dv[j] = minus(v[nodes[j][1] as usize], v[nodes[j][0] as usize]);
+    }
+    for j in 0..B {
+        given[j] = -c[j] * (dv[j][0] * dv[j][0] + dv[j][1] * dv[j][1] + dv[j][2] * dv[j][2]);
+    }
+    power.add(&given);
+    for j in 0..B {
+        let [a, b] = nodes[j];
+        let force = times(c[j], dv[j]);
+        f[a as usize] = plus(f[a as usize], force);
+        f[b as usize] = minus(f[b as usize], force);
     }
 }
 

@@ -6,15 +6,15 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use super::batch::{BLOCK, Batch, Kernel, Threads, lane_sum};
+use super::batch::{Batch, Kernel, LANES, Lanes, Padded, Threads, Tile, Wants};
 use super::slack::{Clamped, Plain, TensionLaw, clamped, tension};
+use super::tile::{minus, plus, times};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use multiversion::multiversion;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// One value for all elements, or one each; a uniform value is not read from memory again and again.
@@ -41,15 +41,6 @@ impl Coefficient {
         match self {
             Coefficient::Uniform(c) => *c,
             Coefficient::Each(values) => values[i],
-        }
-    }
-
-    /// Fills `out` with the values of a range.
-    #[inline]
-    pub(crate) fn fill(&self, range: Range<usize>, out: &mut [f64]) {
-        match self {
-            Coefficient::Uniform(c) => out.fill(*c),
-            Coefficient::Each(values) => out.copy_from_slice(&values[range]),
         }
     }
 }
@@ -99,66 +90,114 @@ impl SpringData {
         tension(self.slack, self.stiffness.at(i), self.stretch(x, i).elongation).force
     }
 
+    /// [-] largest strain of all springs, -inf without any.
+    pub fn max_strain(&self, x: &[DVec3]) -> f64 {
+        largest_strain(self, x)
+    }
+
     /// [-] strain (l - l0)/l0 of spring `i`.
     pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
         self.stretch(x, i).elongation / self.rest_length[i]
     }
-
-    fn block_forces(&self, x: &[DVec3], range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        let n = range.len();
-        let mut buffers = [[0.0; BLOCK]; 3];
-        let [k, energy, square] = &mut buffers;
-        let (k, energy, square) = (&mut k[..n], &mut energy[..n], &mut square[..n]);
-        self.stiffness.fill(range.clone(), k);
-        for ((&[a, b], d), q) in self.nodes[range.clone()].iter().zip(out.iter_mut()).zip(square.iter_mut()) {
-            *d = x[b as usize] - x[a as usize];
-            *q = d.length_squared();
-        }
-        let springs = Stretched { square, energy, k, rest_length: &self.rest_length[range] };
-        match clamped(self.slack) {
-            None => scale_plain(springs),
-            Some(law) => scale_clamped(springs, law),
-        }
-        for (d, s) in out.iter_mut().zip(square.iter()) {
-            *d *= *s;
-        }
-        Tally { energy: lane_sum(energy), power: 0.0 }
-    }
-}
-
-/// A block of springs by lengths alone: no memory access by node number, so that the loop over it vectorises.
-struct Stretched<'a> {
-    /// [m^2] squared length before, [N/m] T/l after
-    square: &'a mut [f64],
-    /// [J] stored energy, written
-    energy: &'a mut [f64],
-    /// [N/m]
-    k: &'a [f64],
-    /// [m]
-    rest_length: &'a [f64],
 }
 
 /// Compiled for each vector width and chosen at run time; without fused operations all give the same bits.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx512f"))]
-fn scale_plain(springs: Stretched<'_>) {
-    scale(springs, Plain);
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_plain(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded]) -> f64 {
+    add_springs(data, tile, f, Plain)
 }
 
 /// The same for slack springs.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx512f"))]
-fn scale_clamped(springs: Stretched<'_>, law: Clamped) {
-    scale(springs, law);
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_clamped(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded], law: Clamped) -> f64 {
+    add_springs(data, tile, f, law)
 }
 
 #[inline(always)]
-fn scale<L: TensionLaw>(springs: Stretched<'_>, law: L) {
-    let Stretched { square, energy, k, rest_length } = springs;
-    for (((q, u), k), l0) in square.iter_mut().zip(energy.iter_mut()).zip(k).zip(rest_length) {
-        let l = q.sqrt();
-        let t = law.at(*k, l - l0);
-        *q = if l > 0.0 { t.force / l } else { 0.0 };
-        *u = t.energy;
+fn add_springs<L: TensionLaw>(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded], law: L) -> f64 {
+    let (l0, last_l0) = data.rest_length[tile.range()].as_chunks();
+    match &data.stiffness {
+        Coefficient::Uniform(k) => {
+            let (blocks, last) = ([*k; LANES], [*k; LANES]);
+            let k = (std::iter::repeat(&blocks), last.iter());
+            add_blocks(tile, l0.iter().zip(k.0), last_l0.iter().zip(k.1), law, f)
+        }
+        Coefficient::Each(k) => {
+            let (k, last_k) = k[tile.range()].as_chunks();
+            add_blocks(tile, l0.iter().zip(k), last_l0.iter().zip(last_k), law, f)
+        }
     }
+}
+
+/// Springs with their l0 and k: as many side by side as a register holds, and the last ones alone.
+#[inline(always)]
+fn add_blocks<'a, L: TensionLaw>(
+    tile: Tile<'_, 2>,
+    blocks: impl Iterator<Item = (&'a [f64; LANES], &'a [f64; LANES])>,
+    last: impl Iterator<Item = (&'a f64, &'a f64)>,
+    law: L,
+    f: &mut [Padded],
+) -> f64 {
+    let mut energy = Lanes::default();
+    let (nodes, rest) = tile.nodes.as_chunks::<LANES>();
+    for (nodes, (l0, k)) in nodes.iter().zip(blocks) {
+        add_block(nodes, (l0, k), law, tile.x, f, &mut energy);
+    }
+    for (nodes, (l0, k)) in rest.iter().zip(last) {
+        add_block(&[*nodes], (&[*l0], &[*k]), law, tile.x, f, &mut energy);
+    }
+    energy.total()
+}
+
+/// Loops by number instead of iterators and maps: only these become vector instructions.
+#[inline(always)]
+fn add_block<const B: usize, L: TensionLaw>(
+    nodes: &[[u16; 2]; B],
+    (l0, k): (&[f64; B], &[f64; B]),
+    law: L,
+    x: &[Padded],
+    f: &mut [Padded],
+    energy: &mut Lanes,
+) {
+    let mut d = [[0.0; 4]; B];
+    let mut scale = [0.0; B];
+    let mut stored = [0.0; B];
+    for j in 0..B {
+        d[j] = minus(x[nodes[j][1] as usize], x[nodes[j][0] as usize]);
+    }
+    for j in 0..B {
+        let l = (d[j][0] * d[j][0] + d[j][1] * d[j][1] + d[j][2] * d[j][2]).sqrt();
+        let t = law.at(k[j], l - l0[j]);
+        scale[j] = if l > 0.0 { t.force / l } else { 0.0 };
+        stored[j] = t.energy;
+    }
+    energy.add(&stored);
+    for j in 0..B {
+        let [a, b] = nodes[j];
+        let force = times(scale[j], d[j]);
+        f[a as usize] = plus(f[a as usize], force);
+        f[b as usize] = minus(f[b as usize], force);
+    }
+}
+
+/// Without directions, which cost a division each.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
+    let mut largest = [f64::NEG_INFINITY; LANES];
+    let (nodes, rest) = data.nodes.as_chunks::<LANES>();
+    let (l0, _) = data.rest_length.as_chunks::<LANES>();
+    for (nodes, l0) in nodes.iter().zip(l0) {
+        let mut square = [0.0; LANES];
+        for j in 0..LANES {
+            let [a, b] = nodes[j];
+            square[j] = (x[b as usize] - x[a as usize]).length_squared();
+        }
+        for j in 0..LANES {
+            largest[j] = f64::max(largest[j], (square[j].sqrt() - l0[j]) / l0[j]);
+        }
+    }
+    let last = data.nodes.len() - rest.len()..data.nodes.len();
+    last.map(|i| data.strain(x, i)).chain(largest).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Direction, length and elongation of a spring.
@@ -184,14 +223,18 @@ impl Stretch {
 }
 
 impl Kernel<2> for SpringData {
-    const SIGNS: [f64; 2] = [1.0, -1.0];
+    const WANTS: Wants = Wants { x: true, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn forces(&self, at: NodeState<'_>, range: Range<usize>, out: &mut [DVec3]) -> Tally {
-        self.block_forces(at.x, range, out)
+    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        let energy = match clamped(self.slack) {
+            None => add_plain(self, tile, f),
+            Some(law) => add_clamped(self, tile, f, law),
+        };
+        Tally { energy, power: 0.0 }
     }
 }
 

@@ -13,10 +13,13 @@ pub struct Counters {
     pub tangent_assemblies: u64,
     /// factorisations of W
     pub factorizations: u64,
-    /// solves with a factorised W
+    /// solves with W
     pub linear_solves: u64,
     /// Newton iterations
     pub newton_iterations: u64,
+    /// iterations of conjugate gradients in these solves
+    #[serde(default)]
+    pub cg_iterations: u64,
 }
 
 impl Counters {
@@ -29,6 +32,7 @@ impl Counters {
             factorizations: self.factorizations + other.factorizations,
             linear_solves: self.linear_solves + other.linear_solves,
             newton_iterations: self.newton_iterations + other.newton_iterations,
+            cg_iterations: self.cg_iterations + other.cg_iterations,
         }
     }
 

@@ -12,7 +12,7 @@ use super::tangents::{Tangents, Which};
 use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, NonlinearProblem, Scales, norm};
-use crate::solve::{Inertia, LinearError};
+use crate::solve::{Accuracy, Inertia, LinearError};
 
 /// F(z) = 0 of one step.
 pub(super) struct Equations<'a> {
@@ -94,12 +94,18 @@ impl Equations<'_> {
     /// Makes the kept factor again where another has taken its place since the last accepted step.
     pub fn recall(&mut self) -> Result<(), LinearError> {
         let Some((at, w, convex)) = self.kept.missing() else { return Ok(()) };
-        self.tangents.freeze(self.system, at, w, convex)?;
+        let mut spent = Counters::default();
+        self.tangents.freeze(self.system, at, w, convex, &mut spent)?;
         if self.kept.recalled() {
-            self.counters.tangent_assemblies += 1;
-            self.counters.factorizations += 1;
+            *self.counters = self.counters.plus(spent);
         }
         Ok(())
+    }
+
+    /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
+    fn make_convex(&mut self) -> Result<bool, LinearError> {
+        let Some((at, w)) = self.kept.to_convex() else { return Ok(false) };
+        Ok(self.tangents.freeze(self.system, at, w, true, self.counters)?.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -163,20 +169,16 @@ impl NonlinearProblem for Equations<'_> {
 
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
-        self.counters.tangent_assemblies += 1;
-        self.counters.factorizations += 1;
         *self.mass_weight = Some(w.m);
         // Where W is symmetric the two share their room.
         self.kept.is_lost(self.tangents.symmetric());
-        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature)
+        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
     fn freeze(&mut self) -> Result<bool, LinearError> {
         let w = self.weights();
         for convex in [false, true] {
-            self.counters.tangent_assemblies += 1;
-            self.counters.factorizations += 1;
-            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex)? {
+            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {
@@ -193,13 +195,28 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.take(Which::Frozen);
     }
 
+    fn keeps(&self) -> bool {
+        self.tangents.keeps()
+    }
+
+    fn ask(&mut self, accuracy: Accuracy) {
+        self.tangents.ask(accuracy);
+    }
+
     fn factor_cost(&self) -> f64 {
         self.tangents.factor_cost()
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        self.counters.linear_solves += 1;
-        self.tangents.solve(b)
+        match self.tangents.solve(b, self.counters) {
+            // Of a kept matrix that was not factorised this shows only here.
+            Err(LinearError::Indefinite { .. })
+                if self.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
+            {
+                self.tangents.solve(b, self.counters)
+            }
+            solved => solved,
+        }
     }
 }
 

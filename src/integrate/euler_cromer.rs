@@ -7,7 +7,7 @@
 //! Symplectic, not energy-conserving: on an oscillator it keeps v^2 + w^2 x^2 - w^2 h x v. Limit w h < 2 undamped,
 //! 2 (sqrt(1 + zeta^2) - zeta) with damping ratio zeta.
 
-use super::updates::{add_scaled, kick};
+use super::updates::{Sizes, kick_and_drift};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
@@ -27,10 +27,8 @@ impl Integrator<dyn System> for EulerCromer {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let n = &from.state;
         to.state.t = t_next;
-        kick(system, &mut to.state.v, &n.v, h, &from.forces.total);
-        add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
+        kick_and_drift(system, &mut to.state, from, Sizes { kick: h, drift: h });
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }

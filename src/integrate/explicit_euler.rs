@@ -7,7 +7,7 @@
 //! Undamped oscillations grow for every h: the amplitude by sqrt(1 + (w h)^2) a step. With damping ratio zeta the limit is
 //! w h < 2 zeta (oscillating case).
 
-use super::updates::{add_scaled, kick};
+use super::updates::{Sizes, drift_and_kick};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
@@ -27,10 +27,8 @@ impl Integrator<dyn System> for ExplicitEuler {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let n = &from.state;
         to.state.t = t_next;
-        add_scaled(&mut to.state.x, &n.x, h, &n.v);
-        kick(system, &mut to.state.v, &n.v, h, &from.forces.total);
+        drift_and_kick(system, &mut to.state, from, Sizes { kick: h, drift: h });
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }

@@ -8,12 +8,15 @@ use super::equations::{Equations, Guess, scales};
 use super::kept::Kept;
 use super::stage::StageMap;
 use super::tangents::Tangents;
-pub use super::tangents::{Factor, kept_factor};
+pub use super::tangents::{Factor, kept_factor, refusal};
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
-use crate::solve::{LinearChoice, LinearStats};
+use crate::solve::{Accuracy, LinearChoice, LinearStats};
+
+/// [-] What a solve for a filtered error may leave: it is only looked at.
+const FILTER_RELATIVE: f64 = 1e-3;
 
 /// A scheme of the family: nothing but its stage map.
 pub trait ImplicitScheme: Send {
@@ -190,8 +193,8 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         for (&dof, b) in s.tangents.dof.iter().zip(&mut s.z) {
             *b = weight * s.inertia[dof as usize];
         }
-        counters.linear_solves += 1;
-        s.tangents.solve(&mut s.z)?;
+        s.tangents.ask(Accuracy::to(FILTER_RELATIVE));
+        s.tangents.solve(&mut s.z, counters)?;
         for (&dof, b) in s.tangents.dof.iter().zip(&s.z) {
             e[dof as usize] = *b;
         }

@@ -15,14 +15,21 @@
 use super::updates::add_scaled;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::system::{GraphEdge, SpringGraph};
+use crate::model::system::{SpringGraph, Viscosity};
 
 /// Kang's scheme; carries nothing.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Kang {
-    edges: Vec<GraphEdge>,
     /// [N/m] sum of the stiffnesses at every node
     stiffness_sum: Vec<f64>,
+    /// [s] the step that `inverse_d` is for
+    h: f64,
+    /// [1/kg] D^-1
+    inverse_d: Vec<f64>,
+    /// [N] gravity
+    weight: Vec<f64>,
+    /// which dashpots are part of F already
+    viscosity: Viscosity,
     /// F, the filtered forces
     filtered: Vec<f64>,
     /// h F_j / D_j
@@ -31,21 +38,41 @@ pub struct Kang {
     neighbours: Vec<f64>,
     /// g, what acts outside the filter
     outside: Vec<f64>,
+    /// dashpots of the scene that are part of F already, where they are not all of its dashpots
+    inside: Vec<f64>,
+}
+
+impl Default for Kang {
+    fn default() -> Self {
+        let empty = Vec::new;
+        Kang {
+            stiffness_sum: empty(),
+            h: 0.0,
+            inverse_d: empty(),
+            weight: empty(),
+            viscosity: Viscosity::None,
+            filtered: empty(),
+            sweep: empty(),
+            neighbours: empty(),
+            outside: empty(),
+            inside: empty(),
+        }
+    }
 }
 
 impl Integrator<dyn SpringGraph> for Kang {
     fn start(&mut self, system: &dyn SpringGraph, at: &Point) -> Result<(), StepError> {
         let n = at.state.x.len();
-        self.edges = system.edges();
-        self.stiffness_sum = vec![0.0; n / 3];
-        for e in &self.edges {
-            for i in e.nodes {
-                self.stiffness_sum[i as usize] += e.stiffness;
-            }
-        }
-        for buffer in [&mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside] {
+        self.stiffness_sum = system.stiffness_sums();
+        self.weight = system.weight();
+        self.viscosity = system.viscosity();
+        self.h = 0.0;
+        for buffer in
+            [&mut self.inverse_d, &mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside]
+        {
             *buffer = vec![0.0; n];
         }
+        self.inside = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
         Ok(())
     }
 
@@ -57,27 +84,16 @@ impl Integrator<dyn SpringGraph> for Kang {
     ) -> Result<StepReport, StepError> {
         let n = &from.state;
         self.split_forces(system, from, h);
-        let inverse_mass = system.inverse_mass();
-        // D is m + h^2 K; with q = h^2 K / m its inverse is M^-1 / (1 + q), which is 0 at fixed degrees of freedom.
-        let inverse_d = |dof: usize| {
-            let m = inverse_mass[dof];
-            m / (1.0 + h * h * self.stiffness_sum[dof / 3] * m)
-        };
-        for (dof, (s, f)) in self.sweep.iter_mut().zip(&self.filtered).enumerate() {
-            *s = h * f * inverse_d(dof);
+        self.invert(system, h);
+        for ((s, f), inverse) in self.sweep.iter_mut().zip(&self.filtered).zip(&self.inverse_d) {
+            *s = h * f * inverse;
         }
-        self.neighbours.fill(0.0);
-        for e in &self.edges {
-            let [a, b] = e.nodes.map(|i| 3 * i as usize);
-            for c in 0..3 {
-                self.neighbours[a + c] += e.stiffness * self.sweep[b + c];
-                self.neighbours[b + c] += e.stiffness * self.sweep[a + c];
-            }
-        }
+        system.neighbour_sums(&self.sweep, &mut self.neighbours);
         to.state.t = t_next;
-        for (dof, v) in to.state.v.iter_mut().enumerate() {
-            let dv = (self.filtered[dof] * h + h * h * self.neighbours[dof]) * inverse_d(dof);
-            *v = n.v[dof] + dv + h * inverse_mass[dof] * self.outside[dof];
+        let filter = self.filtered.iter().zip(&self.neighbours).zip(&self.inverse_d);
+        let outside = self.outside.iter().zip(system.inverse_mass());
+        for (((v, v_n), ((f, sum), inverse)), (g, m)) in to.state.v.iter_mut().zip(&n.v).zip(filter).zip(outside) {
+            *v = v_n + (f * h + h * h * sum) * inverse + h * m * g;
         }
         add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
@@ -86,21 +102,43 @@ impl Integrator<dyn SpringGraph> for Kang {
 }
 
 impl Kang {
-    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else).
-    fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
-        system.spring_forces(&from.state.x, &mut self.filtered);
-        for ((g, total), spring) in self.outside.iter_mut().zip(&from.forces.total).zip(&self.filtered) {
-            *g = total - spring;
+    /// D is m + h^2 K; with q = h^2 K / m its inverse is M^-1 / (1 + q), which is 0 at fixed degrees of freedom.
+    fn invert(&mut self, system: &dyn SpringGraph, h: f64) {
+        if self.h == h {
+            return;
         }
-        let v = &from.state.v;
-        for e in &self.edges {
-            let [a, b] = e.nodes.map(|i| 3 * i as usize);
-            for c in 0..3 {
-                let dv = v[b + c] - v[a + c];
-                self.filtered[a + c] += h * e.stiffness * dv;
-                self.filtered[b + c] -= h * e.stiffness * dv;
-                self.outside[a + c] -= e.step_dashpot * dv;
-                self.outside[b + c] += e.step_dashpot * dv;
+        self.h = h;
+        for (dof, (inverse, m)) in self.inverse_d.iter_mut().zip(system.inverse_mass()).enumerate() {
+            *inverse = m / (1.0 + h * h * self.stiffness_sum[dof / 3] * m);
+        }
+    }
+
+    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already.
+    fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
+        let Kang { filtered: f, outside: g, weight, inside, neighbours, .. } = self;
+        let forces = &from.forces;
+        g.copy_from_slice(weight);
+        for (g, external) in g.iter_mut().zip(&forces.external) {
+            *g += external;
+        }
+        if let Viscosity::All { seconds } = self.viscosity {
+            // The scene's dashpots are F's, made for a step of so many seconds.
+            for (i, f) in f.iter_mut().enumerate() {
+                *f = forces.total[i] - g[i] + (h / seconds - 1.0) * forces.dissipative[i];
+            }
+            return;
+        }
+        for (g, dissipative) in g.iter_mut().zip(&forces.dissipative) {
+            *g += dissipative;
+        }
+        system.neighbour_differences(&from.state.v, neighbours);
+        for (i, f) in f.iter_mut().enumerate() {
+            *f = forces.total[i] - g[i] + h * neighbours[i];
+        }
+        if self.viscosity == Viscosity::Some {
+            system.step_dashpots(&from.state.v, inside);
+            for (g, inside) in g.iter_mut().zip(inside) {
+                *g -= *inside;
             }
         }
     }

@@ -81,6 +81,19 @@ impl Kept {
         self.tried = KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex };
     }
 
+    /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing if it is of that already.
+    pub fn to_convex(&mut self) -> Option<(StateRef<'_>, Weights)> {
+        if self.tried.convex {
+            return None;
+        }
+        if self.place != Place::Taken {
+            self.tried_at.copy_from(self.at.as_ref());
+            self.place = Place::Taken;
+        }
+        self.tried.convex = true;
+        Some((self.tried_at.as_ref(), weights(self.tried)))
+    }
+
     /// Another matrix is factorised; if in the same room, there is no kept one any more.
     pub fn is_lost(&mut self, same_room: bool) {
         if same_room {

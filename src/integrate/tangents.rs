@@ -3,12 +3,14 @@
 
 use std::sync::Arc;
 
-use super::StepError;
+use super::{Counters, StepError};
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, Strategy};
-use crate::solve::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+use crate::solve::{
+    Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for,
+};
 
 /// A matrix with its solver.
 pub struct Factor {
@@ -21,6 +23,11 @@ pub struct Factor {
 impl Factor {
     fn new(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
         let linear = solver_for(assembler.pattern.clone(), choice)?;
+        Ok(Factor { assembler, linear })
+    }
+
+    fn kept(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
+        let linear = kept_solver_for(assembler.pattern.clone(), choice)?;
         Ok(Factor { assembler, linear })
     }
 
@@ -44,8 +51,24 @@ pub fn kept_factor(
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::new(assembler, LinearChoice::Auto)?;
-    Ok(strategy.keeps(factor.cost()).then_some(factor))
+    let factor = Factor::kept(assembler, choice)?;
+    // What is not factorised is cheap to make, and cheaper to keep.
+    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
+    Ok(keeps.then_some(factor))
+}
+
+/// Why a choice of solver does not fit a scene.
+pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Option<LinearError> {
+    match choice {
+        LinearChoice::Cholesky if !symmetric => Some(LinearError::NotSymmetric),
+        LinearChoice::Cg if !symmetric && strategy == Strategy::Full => Some(LinearError::FullNotSymmetric),
+        _ => None,
+    }
+}
+
+fn count(counters: &mut Counters, before: Work, after: Work) {
+    counters.factorizations += after.factorizations - before.factorizations;
+    counters.cg_iterations += after.iterations - before.iterations;
 }
 
 /// Which of the two is meant.
@@ -65,18 +88,14 @@ pub(super) struct Tangents {
     current: Which,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
-    factor_cost: f64,
 }
 
 impl Tangents {
     /// # Errors
     /// When patterns cannot be found or analysed, or the choice of solver does not fit.
     pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
-        if choice == LinearChoice::Cholesky && !system.symmetric() {
-            return Err(LinearError::NotSymmetric.into());
-        }
+        refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
         let frozen = kept_factor(system, strategy, choice)?;
-        let factor_cost = frozen.as_ref().map_or(0.0, Factor::cost);
         let exact = match &frozen {
             Some(_) => None,
             None => Some(Factor::new(system.assembler()?, choice)?),
@@ -84,12 +103,19 @@ impl Tangents {
         // A pendulum's single entry is stored in full.
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
-        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof, factor_cost })
+        // Where the symmetric part leads nowhere there is nothing but LU.
+        let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
+        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof })
     }
 
     /// [-] cost of a factorisation in iterations without one.
     pub fn factor_cost(&self) -> f64 {
-        self.factor_cost
+        self.frozen.as_ref().map_or(0.0, Factor::cost)
+    }
+
+    /// Whether a matrix is kept over many solves.
+    pub fn keeps(&self) -> bool {
+        self.frozen.is_some()
     }
 
     /// Whether W is symmetric.
@@ -112,6 +138,7 @@ impl Tangents {
         at: StateRef<'_>,
         w: Weights,
         curvature: Curvature,
+        counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
         self.current = Which::Exact;
         let symmetric = self.symmetric;
@@ -130,8 +157,11 @@ impl Tangents {
             Curvature::Exact => system.assemble(at, w, &mut factor.assembler),
             Curvature::Convex => system.assemble_convex(at, w, &mut factor.assembler),
         }
-        let values = factor.assembler.values();
-        if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) }
+        let (values, before) = (factor.assembler.values(), factor.linear.work());
+        let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
+        counters.tangent_assemblies += 1;
+        count(counters, before, factor.linear.work());
+        made
     }
 
     /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
@@ -144,21 +174,47 @@ impl Tangents {
         at: StateRef<'_>,
         w: Weights,
         convex: bool,
+        counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
+        self.current = Which::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
-        factor.linear.factor_definite(factor.assembler.values()).map(Some)
+        let before = factor.linear.work();
+        let made = factor.linear.prepare(factor.assembler.values());
+        counters.tangent_assemblies += 1;
+        count(counters, before, factor.linear.work());
+        made.map(Some)
     }
 
     /// Replaces b by W^-1 b.
     ///
     /// # Errors
     /// A solution that is not finite, or no factor.
-    pub fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    pub fn solve(&mut self, b: &mut [f64], counters: &mut Counters) -> Result<(), LinearError> {
+        let Some(factor) = self.in_use() else { return Err(LinearError::Singular { unknown: None }) };
+        counters.linear_solves += 1;
+        let before = factor.linear.work();
+        let solved = factor.linear.solve(factor.assembler.values(), b);
+        count(counters, before, factor.linear.work());
+        solved
+    }
+
+    /// The matrix that solves.
+    fn in_use(&mut self) -> Option<&mut Factor> {
         let shared = self.symmetric && self.frozen.is_some();
-        let factor = if shared || self.current == Which::Frozen { &mut self.frozen } else { &mut self.exact };
-        let Some(factor) = factor else { return Err(LinearError::Singular { unknown: None }) };
-        factor.linear.solve(factor.assembler.values(), b)
+        if shared || self.current == Which::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
+    }
+
+    /// Whether solves are with this one.
+    pub fn solves_with(&self, which: Which) -> bool {
+        self.current == which
+    }
+
+    /// What further solves may leave of their right-hand sides.
+    pub fn ask(&mut self, accuracy: Accuracy) {
+        for factor in self.frozen.iter_mut().chain(&mut self.exact) {
+            factor.linear.ask(accuracy);
+        }
     }
 
     /// The account of the solver that works most.

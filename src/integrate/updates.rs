@@ -2,9 +2,13 @@
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};
+use crate::model::point::Point;
+use crate::model::state::State;
 use crate::model::system::System;
+use multiversion::multiversion;
 
 /// out = a + h b
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn add_scaled(out: &mut [f64], a: &[f64], h: f64, b: &[f64]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         *out = a + h * b;
@@ -12,6 +16,7 @@ pub(super) fn add_scaled(out: &mut [f64], a: &[f64], h: f64, b: &[f64]) {
 }
 
 /// out += h b
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
     for (out, b) in out.iter_mut().zip(b) {
         *out += h * b;
@@ -20,8 +25,61 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
 
 /// out = v + h M^-1 f
 pub(super) fn kick<S: System + ?Sized>(system: &S, out: &mut [f64], v: &[f64], h: f64, f: &[f64]) {
-    for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(f).zip(system.inverse_mass()) {
+    let inverse_mass = system.inverse_mass();
+    system.workers().each(out, |r, out| {
+        add_product(out, &v[r.clone()], h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        0.0
+    });
+}
+
+/// M^-1 f, before it is multiplied.
+#[derive(Clone, Copy)]
+struct Product<'a> {
+    inverse_mass: &'a [f64],
+    f: &'a [f64],
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
+    for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(p.f).zip(p.inverse_mass) {
         *out = v + h * (inverse_mass * f);
+    }
+}
+
+/// v = v_n + k M^-1 f, then x = x_n + h v, in one pass over the nodes.
+pub(super) fn kick_and_drift<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
+    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
+    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
+        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
+        kick_then_drift((x, v), (&n.x[r.clone()], &n.v[r]), f, h);
+    });
+}
+
+/// x = x_n + h v_n and v = v_n + k M^-1 f, in one pass over the nodes.
+pub(super) fn drift_and_kick<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
+    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
+    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
+        add_scaled(x, &n.x[r.clone()], h.drift, &n.v[r.clone()]);
+        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
+        add_product(v, &n.v[r], h.kick, f);
+    });
+}
+
+/// How far a kick and a drift go.
+#[derive(Clone, Copy)]
+pub(super) struct Sizes {
+    /// [s] of the forces
+    pub kick: f64,
+    /// [s] of the new velocities
+    pub drift: f64,
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick_then_drift((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), p: Product<'_>, h: Sizes) {
+    let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
+    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
+        *v = v_n + h.kick * (inverse_mass * f);
+        *x = x_n + h.drift * *v;
     }
 }
 
@@ -34,7 +92,16 @@ pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &
 
 /// out += h M^-1 f
 pub(super) fn accumulate_kick<S: System + ?Sized>(system: &S, out: &mut [f64], h: f64, f: &[f64]) {
-    for ((out, f), inverse_mass) in out.iter_mut().zip(f).zip(system.inverse_mass()) {
+    let inverse_mass = system.inverse_mass();
+    system.workers().each(out, |r, out| {
+        accumulate_product(out, h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        0.0
+    });
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn accumulate_product(out: &mut [f64], h: f64, p: Product<'_>) {
+    for ((out, f), inverse_mass) in out.iter_mut().zip(p.f).zip(p.inverse_mass) {
         *out += h * (inverse_mass * f);
     }
 }

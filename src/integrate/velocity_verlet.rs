@@ -12,7 +12,7 @@
 //! a* over to the next step instead of a_{n+1} would save an evaluation but lose stability (w h < 1.64 instead of 1.84 at damping
 //! ratio 0.1). Without velocity-dependent forces a* = a_{n+1}. Limit w h < 2 undamped.
 
-use super::updates::{accumulate_kick, add_scaled, kick};
+use super::updates::{Sizes, accumulate_kick, kick, kick_and_drift};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
@@ -34,8 +34,7 @@ impl Integrator<dyn System> for VelocityVerlet {
     ) -> Result<StepReport, StepError> {
         let (n, f_n) = (&from.state, &from.forces.total);
         to.state.t = t_next;
-        kick(system, &mut to.state.v, &n.v, 0.5 * h, f_n);
-        add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
+        kick_and_drift(system, &mut to.state, from, Sizes { kick: 0.5 * h, drift: h });
         if system.velocity_dependent() {
             kick(system, &mut to.state.v, &n.v, h, f_n);
             counters.evaluate(system, to.state.as_ref(), &mut to.forces);

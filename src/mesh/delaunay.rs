@@ -14,10 +14,17 @@ pub(super) fn triangulate(points: &[DVec2], constraints: &[[usize; 2]], hole: us
     let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| conflict = true);
     let cdt = cdt.ok().filter(|cdt| !conflict && cdt.num_vertices() == points.len())?;
     let faces = cdt.inner_faces().map(|face| face.vertices().map(|v| v.index() as u32));
-    let mut triangles: Vec<_> = faces.filter(|t| t.iter().any(|&n| n as usize >= hole)).map(from_smallest).collect();
     // The order of spade's faces is not part of its interface; ours is.
+    Some(sorted(faces.filter(|t| t.iter().any(|&n| n as usize >= hole)).collect()))
+}
+
+/// The same triangles in ascending order, each turned until its smallest node comes first.
+pub(super) fn sorted(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    for triangle in &mut triangles {
+        *triangle = from_smallest(*triangle);
+    }
     triangles.sort_unstable();
-    Some(triangles)
+    triangles
 }
 
 /// Turns a triangle until its smallest node comes first.

@@ -44,6 +44,11 @@ impl Flips {
         Self { triangles, beyond, kept }
     }
 
+    /// The triangles, counter-clockwise.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
     /// The edges, each once.
     pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.triangles.iter().zip(&self.beyond).enumerate().flat_map(|(t, (corners, beyond))| {

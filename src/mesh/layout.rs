@@ -2,6 +2,7 @@
 
 use super::MeshError;
 use super::annulus::GRADING_RANGE;
+use super::hilbert;
 use super::random::SplitMix64;
 use super::sdf::{RadialTable, Ring, SizeFunction};
 use glam::DVec2;
@@ -13,6 +14,9 @@ const DEFAULT_GRADING: f64 = 1.5;
 const HALF_ROW: f64 = 0.433;
 /// [-] nodes on the smaller loop below which a circle is hardly one
 const ROUND_ENOUGH: usize = 8;
+
+/// Nodes above which a mesh counts as large and is made with less work a node.
+pub(super) const MANY: usize = 20_000;
 
 /// Seams of a disc from which on the triangles around its centre are all between seams: six equilateral ones.
 const SEAMS_WITH_HUB: usize = 6;
@@ -182,6 +186,11 @@ impl Request {
 }
 
 impl Plan {
+    /// Whether it has many nodes.
+    pub fn is_large(&self) -> bool {
+        self.free > MANY
+    }
+
     /// `p` moved out of the hub by at least `depth` [m].
     pub fn off_hub(&self, p: DVec2, depth: f64) -> DVec2 {
         let least = self.hub + depth;
@@ -266,6 +275,11 @@ impl Plan {
             let angle = phase + golden * i as f64;
             start.points.push(radius * DVec2::from_angle(angle) + jitter);
             start.freedom.push(Freedom::Free);
+        }
+        if self.is_large() {
+            // Nodes that follow each other on the spiral lie far apart; every later pass over the mesh would miss the cache.
+            let first = start.points.len() - self.free;
+            start.points[first..].sort_by_cached_key(|&p| hilbert::place(p, outer));
         }
     }
 }

@@ -11,6 +11,7 @@ mod distmesh;
 mod error;
 pub mod explicit;
 mod flips;
+mod hilbert;
 mod layout;
 mod loops;
 mod polish;

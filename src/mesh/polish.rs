@@ -6,7 +6,8 @@
 //! Delaunay triangulation maximises it.
 
 use super::MeshError;
-use super::distmesh::triangulate_plan;
+use super::distmesh::follow_plan;
+use super::flips::Flips;
 use super::layout::{Freedom, Plan, Start};
 use super::quality::smallest_angle_of;
 use glam::DVec2;
@@ -18,9 +19,9 @@ const ROUNDS: usize = 30;
 /// [-] first and last step of a node's search, over the wanted edge length
 const SEARCH: [f64; 2] = [0.2, 0.002];
 
-/// Improves the mesh in place and returns its triangles.
-pub(super) fn polish(plan: &Plan, start: &mut Start) -> Result<Vec<[u32; 3]>, MeshError> {
-    let mut triangles = triangulate_plan(plan, start)?;
+/// Improves the mesh in place and returns its triangles; `flips` is its triangulation before the nodes moved last.
+pub(super) fn polish(plan: &Plan, start: &mut Start, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
+    let mut triangles = follow_plan(plan, start, &mut flips)?;
     for _ in 0..ROUNDS {
         let nodes = nodes_of_sharp(&start.points, &triangles);
         let stars = Stars::new(start.points.len(), &triangles);
@@ -31,7 +32,7 @@ pub(super) fn polish(plan: &Plan, start: &mut Start) -> Result<Vec<[u32; 3]>, Me
         if !moved {
             break;
         }
-        triangles = triangulate_plan(plan, start)?;
+        triangles = follow_plan(plan, start, &mut flips)?;
     }
     Ok(triangles)
 }

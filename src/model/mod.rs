@@ -7,3 +7,4 @@ pub mod point;
 pub mod spec;
 pub mod state;
 pub mod system;
+pub mod workers;

@@ -6,6 +6,7 @@
 
 use super::forces::{Forces, Role};
 use super::state::{State, StateRef};
+use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 
 /// Name and role of a force term, as they appear in a failure report and the ledger.
@@ -46,6 +47,11 @@ pub trait System: Sync {
     /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// The threads that loops over the degrees of freedom may use.
+    fn workers(&self) -> &Workers {
+        &ALONE
     }
 
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
@@ -102,24 +108,39 @@ pub struct Weights {
     pub k: f64,
 }
 
-/// One edge of the spring network as Kang's filter sees it.
+/// Which of a scene's dissipative forces are the viscosity h sum_j k_ij (v_j - v_i) that Kang's filter has of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GraphEdge {
-    /// end nodes
-    pub nodes: [u32; 2],
-    /// [N/m] stiffness, slack or not
-    pub stiffness: f64,
-    /// [N s/m] coefficient of a relative `"step"` dashpot on this edge, which the filter already contains; else 0
-    pub step_dashpot: f64,
+pub enum Viscosity {
+    /// none of them
+    None,
+    /// all, and every spring has its dashpot c = k times this many seconds
+    All {
+        /// [s] c/k
+        seconds: f64,
+    },
+    /// some
+    Some,
 }
 
-/// What Kang's scheme needs besides forces: the spring graph and the springs' forces alone.
+/// What Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
-    /// All springs, in a fixed order.
-    fn edges(&self) -> Vec<GraphEdge>;
+    /// [N/m] sum of the stiffnesses at every node, slack or not.
+    fn stiffness_sums(&self) -> Vec<f64>;
 
-    /// [N] `out =` the springs' elastic forces alone, zero at fixed degrees of freedom.
-    fn spring_forces(&self, x: &[f64], out: &mut [f64]);
+    /// [N] weight at every degree of freedom.
+    fn weight(&self) -> Vec<f64>;
+
+    /// Which of the dissipative forces the filter already contains: relative `"step"` dashpots.
+    fn viscosity(&self) -> Viscosity;
+
+    /// [N] `out =` the forces of the dashpots that the filter already contains.
+    fn step_dashpots(&self, v: &[f64], out: &mut [f64]);
+
+    /// `out_i = sum_j k_ij u_j`
+    fn neighbour_sums(&self, u: &[f64], out: &mut [f64]);
+
+    /// `out_i = sum_j k_ij (u_j - u_i)`
+    fn neighbour_differences(&self, u: &[f64], out: &mut [f64]);
 }
 
 /// What a scene can do, for binding a scheme to it.

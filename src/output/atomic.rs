@@ -70,12 +70,8 @@ fn replace_via(
     durability: Durability,
     fill: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> io::Result<()> {
-    // A leftover, possibly a link: removed rather than written through.
-    match fs::remove_file(part) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-        _ => {}
-    }
-    let written = write_new(part, durability, fill).and_then(|()| fs::rename(part, path));
+    let file = create_new(part)?;
+    let written = write_new(file, durability, fill).and_then(|()| fs::rename(part, path));
     if written.is_err() {
         // The first error is the one to tell; the part is removed if that is still possible.
         let _ = fs::remove_file(part);
@@ -87,8 +83,16 @@ fn replace_via(
     Ok(())
 }
 
-fn write_new(part: &Path, durability: Durability, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(part)?;
+fn create_new(part: &Path) -> io::Result<File> {
+    let create = || OpenOptions::new().write(true).create_new(true).open(part);
+    match create() {
+        // A leftover, possibly a link: removed rather than written through.
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => fs::remove_file(part).and_then(|()| create()),
+        created => created,
+    }
+}
+
+fn write_new(mut file: File, durability: Durability, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     fill(&mut file)?;
     if durability == Durability::Synced {
         file.sync_all()?;

@@ -14,9 +14,11 @@ use super::names::xml_attribute;
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
-/// Up to here the collection is rewritten after every frame; beyond, after each further percent of frames or …
+/// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame …
+const LEAST_DELAY: Duration = Duration::from_millis(100);
+/// … and beyond so many frames not before there are a percent more of them, or …
 const SMALL: u64 = 1000;
-/// … this much time, so that many quick frames do not cost a quadratic number of bytes.
+/// … this much time has passed, so that many quick frames do not cost a quadratic number of bytes.
 const LONGEST_DELAY: Duration = Duration::from_secs(1);
 
 const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -91,15 +93,19 @@ impl Collection {
         self.frames += 1;
     }
 
-    /// Replaces the file on disk if it is due (see [`Collection::write`]): after every frame up to 1000 of them,
-    /// later after one per cent more, or a second.
+    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a second
+    /// where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
     ///
     /// # Errors
     /// When the file cannot be replaced.
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
-        let due = self.frames <= SMALL || waiting * 100 >= self.frames || self.last_write.elapsed() >= LONGEST_DELAY;
-        if waiting > 0 && due { self.write(Durability::Visible) } else { Ok(()) }
+        if waiting == 0 {
+            return Ok(());
+        }
+        let enough = self.frames <= SMALL || waiting * 100 >= self.frames;
+        let delay = if enough { LEAST_DELAY } else { LONGEST_DELAY };
+        if self.shown == 0 || self.last_write.elapsed() >= delay { self.write(Durability::Visible) } else { Ok(()) }
     }
 
     /// Replaces the file on disk, atomically, with all frames so far.

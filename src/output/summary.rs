@@ -13,6 +13,48 @@ use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
 use crate::model::system::System;
 use crate::output::process::{self, Cost};
+use crate::solve::{LinearChoice, LinearStats, Prediction};
+use crate::startup::Startup;
+
+/// How a linear solver came to be used.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LinearReport {
+    /// `cholesky`, `lu` or `cg`
+    pub solver: String,
+    /// why this one, in a sentence
+    pub reason: String,
+    /// counted work of a solve each way, as the last matrix showed it; null where there was nothing to choose
+    pub predicted: Option<Prediction>,
+}
+
+impl LinearReport {
+    fn new(linear: &LinearStats, choice: LinearChoice) -> Self {
+        LinearReport { solver: linear.name.to_owned(), reason: reason(linear, choice), predicted: linear.prediction }
+    }
+}
+
+fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
+    let asked = match choice {
+        LinearChoice::Auto => None,
+        LinearChoice::Cholesky => Some("cholesky"),
+        LinearChoice::Lu => Some("lu"),
+        LinearChoice::Cg => Some("cg"),
+    };
+    if asked == Some(linear.name) {
+        return "the case asks for it".to_owned();
+    }
+    match (linear.prediction, linear.name) {
+        (Some(Prediction { cg_iterations, cholesky_work, cg_work, .. }), "cg") => format!(
+            "by counted work: {cg_iterations} iterations a solve, {:.0} % of what Cholesky would cost",
+            100.0 * cg_work / cholesky_work
+        ),
+        (Some(Prediction { cg_iterations, cg_converged: false, .. }), _) => {
+            format!("by counted work: conjugate gradients need more than {cg_iterations} iterations a solve")
+        }
+        (_, "lu") => "the tangent is not symmetric, and used as it is".to_owned(),
+        _ => "the tangent is symmetric, and made anew in every iteration".to_owned(),
+    }
+}
 
 /// A finished run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,6 +77,9 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// [byte] largest resident memory; null where the system does not tell
     pub peak_memory_bytes: Option<u64>,
+    /// [s] where the time before the first step went, of this part of the run
+    #[serde(default)]
+    pub startup: Startup,
     /// what the run did, counted
     #[serde(flatten)]
     pub counters: Counters,
@@ -46,6 +91,8 @@ pub struct Summary {
     pub factor_nonzeros: Option<u64>,
     /// solver that was used; null for a run without one
     pub linear_solver: Option<String>,
+    /// how it came to be used; null for a run without one
+    pub linear: Option<LinearReport>,
     /// [s] largest stable step of the method at the start; null if unlimited or not known
     pub critical_step: Option<f64>,
     /// [-] max abs(numerical) over the largest energy exchanged
@@ -76,11 +123,13 @@ impl Summary {
             cpu_seconds: cost.cpu,
             wall_seconds: cost.wall.as_secs_f64(),
             peak_memory_bytes: process::peak_memory_bytes(),
+            startup: Startup::default(),
             counters: outcome.counters,
             unknowns: system.inverse_mass().iter().filter(|m| **m > 0.0).count() as u64,
             matrix_nonzeros: linear.map(|l| l.matrix_nonzeros as u64),
             factor_nonzeros: linear.and_then(|l| l.factor_nonzeros).map(|n| n as u64),
             linear_solver: linear.map(|l| l.name.to_owned()),
+            linear: linear.map(|l| LinearReport::new(&l, problem.solver.linear)),
             critical_step: Some(critical_step).filter(|s| s.is_finite()),
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,

@@ -2,6 +2,7 @@
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
@@ -15,6 +16,9 @@ use crate::drive::observer::ObserveError;
 const FRAMES: usize = 3;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
+/// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every row costs both threads more
+/// than a quick step.
+const NAP: Duration = Duration::from_micros(500);
 /// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
 
@@ -175,9 +179,19 @@ fn write_all(mut files: ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
     ended.and(files.finish())
 }
 
+/// The next message, if one comes in time; called after another.
+fn next(messages: &Receiver<Message>) -> Result<Message, RecvTimeoutError> {
+    match messages.try_recv() {
+        Ok(message) => return Ok(message),
+        Err(TryRecvError::Disconnected) => return Err(RecvTimeoutError::Disconnected),
+        Err(TryRecvError::Empty) => std::thread::sleep(NAP),
+    }
+    messages.recv_timeout(LONGEST_DELAY)
+}
+
 fn listen(files: &mut ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
     loop {
-        match ends.messages.recv_timeout(LONGEST_DELAY) {
+        match next(&ends.messages) {
             Ok(Message::Frame(frame)) => {
                 files.frame(&frame)?;
                 // Never full: no more frames exist than fit. A closed end means the run is over.

@@ -14,6 +14,7 @@ use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::series::vectors;
 use crate::force::spring::{Coefficient, SpringData, Springs};
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, SpringGroup};
+use crate::startup::{Phase, timed};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -61,7 +62,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     check(&spec)?;
     let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let links = spec.mesh.edges.iter().copied().chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
-    let numbering = Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links);
+    let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();
     let reference: Vec<DVec3> = (0..n).map(|i| DVec3::from_array(spec.mesh.nodes[at(i)])).collect();
@@ -162,8 +163,8 @@ impl Builder<'_> {
 
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
         let Some(g) = self.spec.gravity else { return };
-        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m }).collect();
-        self.terms.push(Box::new(Gravity { g: DVec3::from_array(g), mass, origin: start.clone() }));
+        let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
+        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start.clone())));
     }
 
     fn air(&mut self) {

@@ -5,6 +5,7 @@
 
 mod bound;
 mod build;
+mod graph;
 pub mod network;
 pub mod numbering;
 mod pendulum;

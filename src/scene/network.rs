@@ -1,5 +1,6 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::batch::{Threads, lane_sum};
@@ -8,9 +9,12 @@ use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{GraphEdge, SpringGraph, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TangentSystem, TermInfo, Weights};
+use crate::model::workers::Workers;
+use crate::startup::{Phase, timed};
 use glam::DVec3;
-use std::sync::Arc;
+use multiversion::multiversion;
+use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them.
 pub struct Network {
@@ -18,18 +22,20 @@ pub struct Network {
     /// which of x, y, z is fixed, by internal node
     pub(super) fixed: Vec<[bool; 3]>,
     fixed_dofs: Vec<u32>,
-    mass: Arc<[f64]>,
+    pub(super) mass: Arc<[f64]>,
     pub(super) inverse_mass: Vec<f64>,
     pub(super) start: Arc<[DVec3]>,
     velocity: Vec<[f64; 3]>,
-    gravity: Option<DVec3>,
+    pub(super) gravity: Option<DVec3>,
     corners: Vec<f64>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
-    infos: Vec<TermInfo>,
+    pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
+    /// made when a scheme first asks for it
+    pub(super) graph: OnceLock<Graph>,
 }
 
 /// Springs of one rule, as the terms hold them, with their way back to the user's edges.
@@ -90,6 +96,7 @@ impl Network {
             springs: p.springs,
             threads: p.threads,
             mesh: p.mesh,
+            graph: OnceLock::new(),
         }
     }
 
@@ -98,7 +105,16 @@ impl Network {
         self.mesh = Mesh::default();
     }
 
+    /// The terms, for benchmarks and tests of one force at a time.
+    pub fn force_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
+        self.terms.iter().map(|t| &**t)
+    }
+
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        timed(Phase::Pattern, || self.record(symmetric))
+    }
+
+    fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         for term in &self.terms {
@@ -111,6 +127,29 @@ impl Network {
     fn has_role(&self, role: Role) -> bool {
         self.infos.iter().any(|i| i.role == role)
     }
+}
+
+/// a += b
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn plus(a: &mut [f64], b: &[f64]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b;
+    }
+}
+
+/// [J] sum of 1/2 m v^2
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
+    let mut buffer = [0.0; 64];
+    let mut sum = 0.0;
+    for (v, m) in by_node(v).chunks(64).zip(mass.chunks(64)) {
+        let buffer = &mut buffer[..m.len()];
+        for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
+            *e = 0.5 * m * v.length_squared();
+        }
+        sum += lane_sum(buffer);
+    }
+    sum
 }
 
 impl System for Network {
@@ -145,8 +184,12 @@ impl System for Network {
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
         let at = node_state(at);
         let Forces { total, external, dissipative, reactions, tallies } = out;
+        let workers = self.threads.workers();
         for role in [&mut *total, &mut *external, &mut *dissipative] {
-            role.fill(0.0);
+            workers.each(role, |_, role| {
+                role.fill(0.0);
+                0.0
+            });
         }
         for ((term, info), tally) in self.terms.iter().zip(&self.infos).zip(tallies) {
             let target = match info.role {
@@ -156,10 +199,11 @@ impl System for Network {
             };
             *tally = term.add(at, &self.threads, bytemuck::cast_slice_mut(target));
         }
-        for role in [&*external, &*dissipative] {
-            for (total, f) in total.iter_mut().zip(role) {
-                *total += f;
-            }
+        for role in [&*external, &*dissipative].into_iter().filter(|role| !role.is_empty()) {
+            workers.each(total, |r, total| {
+                plus(total, &role[r]);
+                0.0
+            });
         }
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
@@ -179,16 +223,11 @@ impl System for Network {
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        let mut buffer = [0.0; 64];
-        let mut sum = 0.0;
-        for (v, m) in by_node(v).chunks(64).zip(self.mass.chunks(64)) {
-            let buffer = &mut buffer[..m.len()];
-            for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
-                *e = 0.5 * m * v.length_squared();
-            }
-            sum += lane_sum(buffer);
-        }
-        sum
+        self.threads.workers().sum(v.len(), |r| kinetic(&v[r.clone()], &self.mass[r.start / 3..r.end / 3]))
+    }
+
+    fn workers(&self) -> &Workers {
+        self.threads.workers()
     }
 
     fn corners(&self) -> Vec<f64> {
@@ -254,30 +293,5 @@ impl TangentSystem for Network {
             internal += (*total - load).length_squared();
         }
         f64::max(internal, external).sqrt()
-    }
-}
-
-impl SpringGraph for Network {
-    fn edges(&self) -> Vec<GraphEdge> {
-        let batch = |b: &SpringBatch| {
-            let edge = |i: usize| GraphEdge {
-                nodes: b.data.nodes[i],
-                stiffness: b.data.stiffness.at(i),
-                step_dashpot: if b.in_filter { b.dashpot.at(i) } else { 0.0 },
-            };
-            (0..b.edges.len()).map(edge).collect::<Vec<_>>()
-        };
-        self.springs.iter().flat_map(batch).collect()
-    }
-
-    fn spring_forces(&self, x: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        let at = NodeState { t: 0.0, x: by_node(x), v: &[] };
-        for term in self.terms.iter().filter(|t| t.info().role == Role::Elastic) {
-            term.add(at, &self.threads, bytemuck::cast_slice_mut(out));
-        }
-        for &dof in &self.fixed_dofs {
-            out[dof as usize] = 0.0;
-        }
     }
 }

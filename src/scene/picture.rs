@@ -53,10 +53,7 @@ impl Picture for Network {
 
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
-        let largest = |b: &super::network::SpringBatch| {
-            (0..b.edges.len()).map(|i| b.data.strain(x, i)).fold(f64::NEG_INFINITY, f64::max)
-        };
-        let max = self.springs.iter().map(largest).fold(f64::NEG_INFINITY, f64::max);
+        let max = self.springs.iter().map(|b| b.data.max_strain(x)).fold(f64::NEG_INFINITY, f64::max);
         if max == f64::NEG_INFINITY { 0.0 } else { max }
     }
 

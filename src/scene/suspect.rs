@@ -6,7 +6,9 @@ use crate::force::TangentSink;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
+use crate::model::workers::Workers;
 use glam::{DMat3, DVec3};
+use std::ops::Range;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -16,11 +18,11 @@ impl Scene for Network {
     }
 
     fn size(&self) -> f64 {
-        extent(&self.start)
+        extent(&self.start, self.threads.workers())
     }
 
     fn extent(&self, at: StateRef<'_>) -> f64 {
-        extent(by_node(at.x))
+        extent(by_node(at.x), self.threads.workers())
     }
 
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect {
@@ -116,9 +118,11 @@ impl Network {
     }
 }
 
-fn extent(x: &[DVec3]) -> f64 {
-    let low = x.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-    let high = x.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+fn extent(x: &[DVec3], workers: &Workers) -> f64 {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let wider = |(low, high): (DVec3, DVec3), p: &DVec3| (low.min(*p), high.max(*p));
+    let box_of = |r: Range<usize>| x[r].iter().fold(none, wider);
+    let (low, high) = workers.fold(x.len(), none, box_of, |a, b| (a.0.min(b.0), a.1.max(b.1)));
     0.5 * (high - low).max_element()
 }
 

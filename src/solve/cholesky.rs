@@ -3,9 +3,10 @@
 //! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
 //! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
-use super::ordering::fill_reducing;
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -40,6 +41,7 @@ pub struct Cholesky {
     refinement: Vec<f64>,
     product: Vec<f64>,
     indefinite: u64,
+    factorizations: u64,
 }
 
 /// What only LBLT needs, made when it is first called for.
@@ -88,9 +90,17 @@ impl Cholesky {
     /// # Errors
     /// When the analysis runs out of memory or index range.
     pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
+        let order = timed(Phase::Ordering, || fill_reducing(&pattern)).map(|elimination| elimination.order);
+        Self::ordered(pattern, order.as_ref())
+    }
+
+    /// Analyses a symmetric pattern in a given order.
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`].
+    pub fn ordered(pattern: Arc<Pattern>, order: Option<&Permutation>) -> Result<Self, LinearError> {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
-        let order = fill_reducing(&pattern);
-        let ordering = match &order {
+        let ordering = match order {
             Some(p) => SymmetricOrdering::Custom(PermRef::new_checked(&p.new_to_old, &p.old_to_new, pattern.n())),
             None => SymmetricOrdering::Amd,
         };
@@ -99,8 +109,8 @@ impl Cholesky {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let symbolic = factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params)
-            .map_err(|e| failed(format!("{e:?}")))?;
+        let analysed = || factorize_symbolic_cholesky(symbolic_matrix(&pattern), Side::Lower, ordering, params);
+        let symbolic = timed(Phase::Symbolic, analysed).map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_llt_scratch::<f64>(PAR, Default::default())
             .or(symbolic.factorize_numeric_ldlt_scratch::<f64>(PAR, Default::default()))
@@ -118,6 +128,7 @@ impl Cholesky {
             refinement,
             product,
             indefinite: 0,
+            factorizations: 0,
         })
     }
 
@@ -193,16 +204,19 @@ impl Cholesky {
 
 impl LinearSolver for Cholesky {
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factorizations += 1;
         check_finite(&self.pattern, values)?;
-        let llt = self.symbolic.factorize_numeric_llt(
-            &mut self.l,
-            matrix(&self.pattern, values),
-            Side::Lower,
-            Default::default(),
-            PAR,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
+        let llt = timed(Phase::Factorization, || {
+            self.symbolic.factorize_numeric_llt(
+                &mut self.l,
+                matrix(&self.pattern, values),
+                Side::Lower,
+                Default::default(),
+                PAR,
+                MemStack::new(&mut self.memory),
+                Default::default(),
+            )
+        });
         if llt.is_ok() {
             self.kind = Kind::Llt;
             return Ok(Inertia::Definite);
@@ -255,6 +269,10 @@ impl LinearSolver for Cholesky {
         }
     }
 
+    fn work(&self) -> Work {
+        Work { factorizations: self.factorizations, iterations: 0 }
+    }
+
     fn stats(&self) -> LinearStats {
         LinearStats {
             name: "cholesky",
@@ -262,6 +280,7 @@ impl LinearSolver for Cholesky {
             factor_nonzeros: Some(self.symbolic.len_val()),
             factor_operations: operations(&self.symbolic),
             indefinite: self.indefinite,
+            prediction: None,
         }
     }
 }

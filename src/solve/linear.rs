@@ -1,10 +1,11 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
-use super::{Cholesky, Lu};
+pub use super::weighed::Prediction;
+use super::{Cholesky, ConjugateGradients, Lu, Weighed};
 use crate::assembly::Pattern;
 use std::sync::Arc;
 
-/// Which direct solver to use.
+/// Which solver to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearChoice {
     /// Cholesky for a symmetric W, LU else.
@@ -14,12 +15,14 @@ pub enum LinearChoice {
     Cholesky,
     /// LU, of a symmetric W too.
     Lu,
+    /// Conjugate gradients; refused for a non-symmetric W.
+    Cg,
 }
 
 /// What a solver is and what it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearStats {
-    /// `cholesky` or `lu`
+    /// `cholesky`, `lu` or `cg`
     pub name: &'static str,
     /// entries stored of W
     pub matrix_nonzeros: usize,
@@ -27,18 +30,20 @@ pub struct LinearStats {
     pub factor_nonzeros: Option<usize>,
     /// floating point operations of one factorisation, where the library tells the factor's shape
     pub factor_operations: Option<f64>,
-    /// factorisations for which Cholesky was not positive definite and LDLT or LBLT stepped in
+    /// matrices that were found not to be positive definite
     pub indefinite: u64,
+    /// what the choice was made from, where there was one
+    pub prediction: Option<Prediction>,
 }
 
 /// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
-const SOLVE_FLOPS: f64 = 4.0;
+pub(super) const SOLVE_FLOPS: f64 = 4.0;
 const ITERATION_FLOPS: f64 = 100.0;
 /// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
 /// works on dense blocks.
-const SOLVE_SLOWNESS: f64 = 4.0;
+pub(super) const SOLVE_SLOWNESS: f64 = 4.0;
 /// [flop] an entry of W in an assembly
-const ASSEMBLY_FLOPS: f64 = 50.0;
+pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
 
 impl LinearStats {
     /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
@@ -48,6 +53,30 @@ impl LinearStats {
         making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
     }
 }
+
+/// What a solve may leave of its right-hand side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// [-] share that it may leave
+    pub relative: f64,
+    /// [-] share below which nothing is gained; as long as iterations are few it is worth going on to it
+    pub enough: f64,
+}
+
+impl Accuracy {
+    /// No less and no more than this [-].
+    pub fn to(relative: f64) -> Self {
+        Accuracy { relative, enough: relative }
+    }
+
+    /// That of a solve with a kept matrix.
+    pub fn kept() -> Self {
+        Accuracy::to(KEPT_RELATIVE)
+    }
+}
+
+/// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
+pub const KEPT_RELATIVE: f64 = 1e-3;
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -70,6 +99,36 @@ pub enum LinearError {
          it; use \"linear\": \"lu\" or \"auto\""
     )]
     NotSymmetric,
+    /// Conjugate gradients were asked for where there are no blocks of nodes.
+    #[error(
+        "\"cg\" works on the symmetric blocks of a network's nodes, and this system has none; use \"linear\": \"auto\""
+    )]
+    NotByNodes,
+    /// Conjugate gradients were asked for true Newton iterations with a non-symmetric matrix.
+    #[error(
+        "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cg\" can only solve with its symmetric part, \
+         which the strategy \"full\" does not use; use \"strategy\": \"auto\", or \"linear\": \"lu\""
+    )]
+    FullNotSymmetric,
+    /// Conjugate gradients met a direction p with p . W p <= 0.
+    #[error("the tangent matrix is not positive definite: conjugate gradients found it in iteration {iterations}")]
+    Indefinite {
+        /// iterations made
+        iterations: u32,
+    },
+    /// Conjugate gradients did not come to the residual they were asked for.
+    #[error(
+        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
+         the step is long for so stiff a scene; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
+    )]
+    Stalled {
+        /// iterations made
+        iterations: u32,
+        /// [-] residual over that at the start
+        residual: f64,
+        /// [-] what it had to reach
+        asked: f64,
+    },
     /// The analysis ran out of memory or index range.
     #[error("the symbolic analysis of a matrix with {unknowns} unknowns failed: {reason}")]
     Analysis {
@@ -78,6 +137,15 @@ pub enum LinearError {
         /// what the library said
         reason: String,
     },
+}
+
+/// Work of a solver since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// factorisations
+    pub factorizations: u64,
+    /// iterations of conjugate gradients
+    pub iterations: u64,
 }
 
 /// What a factorisation tells of W.
@@ -107,11 +175,28 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
-    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`.
+    /// The same for a W that is kept for many solves, each of which may leave [`KEPT_RELATIVE`] of its right-hand side.
     ///
     /// # Errors
-    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision.
+    /// As [`LinearSolver::factor`].
+    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factor_definite(values)
+    }
+
+    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate gradients leaves `b`.
+    ///
+    /// # Errors
+    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients: W is indefinite, or
+    /// too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
+
+    /// What further solves may leave; direct solvers leave what rounding does.
+    fn ask(&mut self, accuracy: Accuracy) {
+        let _ = accuracy;
+    }
+
+    /// What it has done so far.
+    fn work(&self) -> Work;
 
     /// What the solver is and holds.
     fn stats(&self) -> LinearStats;
@@ -124,8 +209,20 @@ pub trait LinearSolver: Send {
 pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
     match (choice, pattern.symmetric) {
         (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
+        (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Cholesky, true) => Ok(Box::new(Cholesky::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Lu, _) => Ok(Box::new(Lu::new(pattern)?)),
+    }
+}
+
+/// The solver for a symmetric W that is kept over many solves.
+///
+/// # Errors
+/// As [`solver_for`].
+pub fn kept_solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
+    match choice {
+        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern)?)),
+        _ => solver_for(pattern, choice),
     }
 }
 

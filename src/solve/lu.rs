@@ -1,6 +1,6 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use crate::assembly::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
@@ -19,6 +19,7 @@ pub struct Lu {
     numeric: NumericLu<u32, f64>,
     memory: MemBuffer,
     factored: bool,
+    factorizations: u64,
 }
 
 impl std::fmt::Debug for Lu {
@@ -73,12 +74,13 @@ impl Lu {
             .factorize_numeric_lu_scratch::<f64>(PAR, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, PAR));
         let memory = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".into()))?;
-        Ok(Lu { pattern, full, symbolic, numeric: NumericLu::new(), memory, factored: false })
+        Ok(Lu { pattern, full, symbolic, numeric: NumericLu::new(), memory, factored: false, factorizations: 0 })
     }
 }
 
 impl LinearSolver for Lu {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        self.factorizations += 1;
         check_finite(&self.pattern, values)?;
         self.factored = false;
         let w = match &mut self.full {
@@ -118,6 +120,10 @@ impl LinearSolver for Lu {
         }
     }
 
+    fn work(&self) -> Work {
+        Work { factorizations: self.factorizations, iterations: 0 }
+    }
+
     fn stats(&self) -> LinearStats {
         LinearStats {
             name: "lu",
@@ -125,6 +131,7 @@ impl LinearSolver for Lu {
             factor_nonzeros: None,
             factor_operations: None,
             indefinite: 0,
+            prediction: None,
         }
     }
 }

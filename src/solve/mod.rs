@@ -1,7 +1,10 @@
 //! Linear solvers behind one small trait, and Newton's iteration on top of them.
 
+mod blocks;
 mod cholesky;
+mod conjugate;
 mod failure;
+mod forcing;
 mod linear;
 mod lu;
 pub mod newton;
@@ -9,8 +12,14 @@ mod ordering;
 mod problem;
 pub mod quasi;
 mod search;
+mod weighed;
 
 pub use cholesky::Cholesky;
-pub use linear::{Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, solver_for};
+pub use conjugate::ConjugateGradients;
+pub use linear::{
+    Accuracy, Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work,
+    kept_solver_for, solver_for,
+};
 pub use lu::Lu;
-pub use ordering::fill_reducing;
+pub use ordering::{Elimination, Permutation, fill_reducing};
+pub use weighed::Weighed;

@@ -6,9 +6,10 @@
 //! direction and its slope take over until full steps are possible again.
 
 pub use super::failure::NewtonFailure;
+use super::forcing::Forcing;
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
-use super::{Inertia, LinearError, search};
+use super::{Accuracy, Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -199,7 +200,7 @@ impl Newton {
             return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
         }
         self.spent = 0;
-        if self.spec.strategy.keeps(problem.factor_cost()) {
+        if problem.keeps() {
             self.guess.copy_from_slice(z);
             let found = quasi::solve(self, problem, z, goal, frozen);
             if let Some(report) =
@@ -213,9 +214,10 @@ impl Newton {
             problem.residual(z, &mut self.r, &mut self.floor);
             residual = norm(&self.r);
         }
-        let mut caution = Caution::default();
+        let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
         for iterations in 1..=self.spec.max_iterations {
             let before = residual;
+            problem.ask(Accuracy::to(forcing.next(residual, tolerance)));
             let step = self.step(problem, z, &mut caution, tolerance);
             let lambda = step.map_err(|error| NewtonFailure::Linear { iterations, error, worst: self.worst() })?;
             let Some(lambda) = lambda else {
@@ -274,7 +276,10 @@ impl Newton {
         for (dz, r) in self.dz.iter_mut().zip(&self.r) {
             *dz = -r;
         }
-        problem.solve(&mut self.dz)?;
+        match problem.solve(&mut self.dz) {
+            Err(LinearError::Indefinite { .. }) if problem.conservative() => return Ok(false),
+            solved => solved?,
+        }
         Ok(dot(&self.r, &self.dz) < 0.0)
     }
 

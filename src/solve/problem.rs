@@ -1,6 +1,6 @@
 //! What Newton's iteration asks of a problem.
 
-use super::{Inertia, LinearError};
+use super::{Accuracy, Inertia, LinearError};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,16 @@ pub trait NonlinearProblem {
     /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.
     fn take_frozen(&mut self) {}
 
+    /// Whether there is a matrix to be kept over many solves.
+    fn keeps(&self) -> bool {
+        false
+    }
+
+    /// What further solves may leave of their right-hand sides; solvers that are exact take no notice.
+    fn ask(&mut self, accuracy: Accuracy) {
+        let _ = accuracy;
+    }
+
     /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.
     fn factor_cost(&self) -> f64 {
         0.0
@@ -66,6 +76,6 @@ pub trait NonlinearProblem {
     /// Replaces b by (dF/dz)^-1 b.
     ///
     /// # Errors
-    /// A solution that is not finite.
+    /// A solution that is not finite, or a tangent that only now shows not to be positive definite.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
 }

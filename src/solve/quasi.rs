@@ -10,7 +10,7 @@
 //! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
 
 use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem, dot, norm};
-use super::{LinearError, search};
+use super::{LinearError, forcing, search};
 
 /// Pairs kept.
 const PAIRS: usize = 8;
@@ -180,8 +180,7 @@ impl Leg {
 
 impl Iteration<'_> {
     fn run(&mut self, z: &mut [f64]) -> Result<Option<NewtonReport>, LinearError> {
-        let cost = self.problem.factor_cost();
-        let serves = self.frozen.made && f64::from(self.frozen.excess) < cost;
+        let serves = self.frozen.made && f64::from(self.frozen.excess) < self.problem.factor_cost();
         if !serves && !self.freeze()? {
             return Ok(None);
         }
@@ -208,7 +207,7 @@ impl Iteration<'_> {
                 return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
             }
             let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
-            if leg.left(self.goal.tolerance).is_some_and(|left| left > cost + f64::from(needed)) {
+            if leg.left(self.goal.tolerance).is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed)) {
                 factors += 1;
                 if factors > MOST_FACTORS || !self.refreeze(z)? {
                     return Ok(None);
@@ -249,6 +248,7 @@ impl Iteration<'_> {
     /// One direction and the search along it. Returns the share of it that was taken.
     fn step(&mut self, z: &mut [f64]) -> Result<Option<f64>, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
+        self.problem.ask(forcing::kept(norm(r), self.goal.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
         self.pairs.apply(dz, |b| self.problem.solve(b))?;

@@ -178,6 +178,30 @@ fn cholesky_is_refused_for_a_tangent_that_is_not_symmetric() {
     }
 }
 
+/// Conjugate gradients need a symmetric tangent, or a strategy that makes one, and nodes.
+#[test]
+fn conjugate_gradients_are_refused_where_they_cannot_work() {
+    let bench = Bench::new();
+    let solver = "\"solver\": {\"linear\": \"cg\", \"newton\": {\"strategy\": \"full\"}},\n  \"output\"";
+    std::fs::write(bench.path("sail.json"), SAIL.replace("\"output\"", solver)).expect("a case");
+    let pendulum = r#"{"name": "pendulum", "system": {"pendulum": {"length": 1, "mass": 2, "angle": 0.5}},
+                       "time": {"end": 1, "step": 0.1, "method": "newmark"}, "solver": {"linear": "cg"}}"#;
+    std::fs::write(bench.path("pendulum.json"), pendulum).expect("a case");
+    for (case, words) in
+        [("sail.json", "use \"strategy\": \"auto\""), ("pendulum.json", "the symmetric blocks of a network's nodes")]
+    {
+        for command in ["check", "solve"] {
+            let ended = bench.run(&[command, case, "--method", "newmark"]);
+            assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{command} {case}");
+            assert!(
+                ended.stderr.contains("/solver/linear: \"cg\"") && ended.stderr.contains(words),
+                "{}",
+                ended.stderr
+            );
+        }
+    }
+}
+
 /// Small steps and masses are told in powers of ten.
 #[test]
 fn check_shows_small_numbers() {

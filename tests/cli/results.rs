@@ -4,6 +4,33 @@ use serde_json::json;
 
 use crate::bench::{Bench, Results, contents};
 
+/// Which linear solver worked, and why, is in the summary.
+#[test]
+fn the_summary_tells_the_linear_solver() {
+    let bench = Bench::new();
+    let solve = |more: &[&str]| {
+        let ended = bench.solve(&[&["--force", "--method", "newmark"], more].concat());
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        bench.results().summary()
+    };
+    let asked = solve(&["--set", "solver.linear=cg"]);
+    assert_eq!(
+        [&asked["linear_solver"], &asked["linear"]["solver"], &asked["linear"]["reason"], &asked["factor_nonzeros"]],
+        [&json!("cg"), &json!("cg"), &json!("the case asks for it"), &json!(null)]
+    );
+    assert!(asked["cg_iterations"].as_u64() > Some(0) && asked["factorizations"] == json!(0), "{asked}");
+    let full = solve(&["--set", "solver.newton.strategy=full"]);
+    assert_eq!([&full["linear"]["solver"], &full["linear"]["predicted"]], [&json!("lu"), &json!(null)]);
+    let chosen = solve(&["--set", "solver.newton.strategy=quasi"]);
+    let told = &chosen["linear"];
+    assert!(told["reason"].as_str().is_some_and(|reason| reason.starts_with("by counted work: ")), "{told}");
+    for key in ["cholesky_work", "cg_work", "cg_iterations", "factor_nonzeros", "factor_operations"] {
+        assert!(told["predicted"][key].as_f64() > Some(0.0), "{key} in {told}");
+    }
+    let explicit = bench.solve(&["--force"]);
+    assert_eq!((explicit.code, &bench.results().summary()["linear"]), (Some(0), &json!(null)));
+}
+
 /// The files of the contract, and status 0.
 #[test]
 fn solve_writes_the_files_of_the_contract() {
@@ -14,8 +41,8 @@ fn solve_writes_the_files_of_the_contract() {
     let results = bench.results();
     let summary = results.summary();
     for key in "status method steps rejected_steps t_end cpu_seconds wall_seconds peak_memory_bytes force_evaluations \
-                tangent_assemblies factorizations linear_solves newton_iterations unknowns matrix_nonzeros factor_nonzeros \
-                linear_solver critical_step energy_error failure case version"
+                tangent_assemblies factorizations linear_solves newton_iterations cg_iterations unknowns matrix_nonzeros factor_nonzeros \
+                linear_solver linear critical_step energy_error failure case version"
         .split_whitespace()
     {
         assert!(summary.get(key).is_some(), "summary.json has no {key}");

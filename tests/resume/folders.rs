@@ -10,7 +10,7 @@ use crate::bench::contents;
 use crate::read_vtu;
 
 /// What a run may cost, and where it was resumed: nothing else in a summary depends on interruptions.
-const MAY_DIFFER: [&str; 4] = ["cpu_seconds", "wall_seconds", "peak_memory_bytes", "resumed_from"];
+const MAY_DIFFER: [&str; 5] = ["cpu_seconds", "wall_seconds", "peak_memory_bytes", "startup", "resumed_from"];
 
 pub fn checkpoint(folder: &Path) -> Option<Checkpoint> {
     let bytes = std::fs::read(folder.join("checkpoint.bin")).ok()?;

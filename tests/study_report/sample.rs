@@ -101,6 +101,7 @@ fn row(law: &Law, job: Job, h: f64, status: RowStatus) -> Row {
         factorizations: if implicit { count } else { 0 },
         linear_solves: if implicit { 3 * count } else { 0 },
         newton_iterations: if implicit { 3 * count } else { 0 },
+        cg_iterations: 0,
     };
     let measured = Measured {
         status,

@@ -10,6 +10,7 @@ use crate::case::pointer::Pointer;
 use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;
 use crate::mesh::{Mesh, MeshError, Topology};
+use crate::startup::{Phase, timed};
 
 /// A mesh and its topology.
 #[derive(Debug)]
@@ -67,7 +68,8 @@ pub(super) fn geometry(
     if faults.count() > before || !faults.readable(at) {
         return None;
     }
-    match source.build_with_notes(base).and_then(|imported| Geometry::new(source, imported)) {
+    let made = timed(Phase::Mesh, || source.build_with_notes(base));
+    match made.and_then(|imported| timed(Phase::Topology, || Geometry::new(source, imported))) {
         Ok(geometry) => {
             tell_notes(at, &geometry, faults);
             Some(Arc::new(geometry))

@@ -141,11 +141,7 @@ pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> Solver
         Linear::Auto => LinearChoice::Auto,
         Linear::Cholesky => LinearChoice::Cholesky,
         Linear::Lu => LinearChoice::Lu,
-        Linear::Cg => {
-            let hint = "conjugate gradients are not available in this version; \"auto\" chooses between the others";
-            faults.add_hint(&at.key("linear"), "\"auto\", \"cholesky\" or \"lu\"", hint);
-            LinearChoice::Auto
-        }
+        Linear::Cg => LinearChoice::Cg,
     };
     let at = at.key("newton");
     let given = section.newton.unwrap_or_default();

@@ -52,13 +52,14 @@ pub enum Strategy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Linear {
-    /// Cholesky for a symmetric tangent, LU for another.
+    /// Where a matrix is kept over many steps, Cholesky or conjugate gradients of it, by counted work; else Cholesky for a symmetric tangent, LU for another.
     #[default]
     Auto,
     /// Sparse Cholesky; needs a symmetric tangent.
     Cholesky,
     /// Sparse LU.
     Lu,
-    /// Conjugate gradients. Not available in this version: use `auto`, `cholesky` or `lu`.
+    /// Conjugate gradients, preconditioned by symmetric block Gauss-Seidel: no factorisation, little memory, for small steps and large meshes. Of the
+    /// symmetric part where the tangent is not symmetric, for which the strategy must not be `full`.
     Cg,
 }

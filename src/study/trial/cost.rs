@@ -7,7 +7,7 @@ use crate::assembly::Assembler;
 use crate::integrate::implicit::{Factor, SolverSpec, kept_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::solve::{LinearSolver, solver_for};
+use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
@@ -17,6 +17,9 @@ const OPERATIONS: f64 = 6e9;
 const ASSEMBLY: f64 = 12e-9;
 const FACTOR: f64 = 2e-9;
 const SOLVE: f64 = 1.05e-9;
+/// [s] An entry of W in an iteration of conjugate gradients, and in making them ready (703 and 10,000 nodes).
+const CG_ITERATION: f64 = 1.3e-9;
+const CG_READY: f64 = 3.5e-9;
 /// [s] A factorisation expected to take longer is not tried.
 const DEAR: f64 = 1.0;
 /// [s] An LU factorisation of a net with n unknowns over n^1.5 (annuli of 2,500 to 40,000 nodes: 55 to 105 ns).
@@ -53,7 +56,7 @@ pub struct TangentCost {
     pub matrix_nonzeros: usize,
     /// entries stored of its factor; null where the library does not tell
     pub factor_nonzeros: Option<usize>,
-    /// `cholesky` or `lu`
+    /// `cholesky`, `lu` or `cg`
     pub linear_solver: &'static str,
     /// [s] ordering and analysis, once a run
     pub analysis_seconds: f64,
@@ -69,6 +72,10 @@ pub struct TangentCost {
     pub blocks: usize,
     /// [flop] of a factorisation; null where the library does not tell
     pub factor_operations: Option<f64>,
+    /// iterations of the measured solve, of conjugate gradients; 0 of a direct solver
+    pub cg_iterations: u64,
+    /// what the solver was chosen from; null where there was nothing to choose
+    pub prediction: Option<Prediction>,
 }
 
 impl TangentCost {
@@ -76,6 +83,11 @@ impl TangentCost {
     pub fn nominal(&self) -> [f64; 3] {
         let (n, entries) = (self.unknowns as f64, self.factor_nonzeros.unwrap_or(0) as f64);
         let assembly = ASSEMBLY * self.matrix_nonzeros as f64;
+        if self.cg_iterations > 0 {
+            // Nothing is factorised; beginning and ending a solve takes as long as an iteration.
+            let solve = CG_ITERATION * (self.cg_iterations + 1) as f64;
+            return [assembly + CG_READY * self.matrix_nonzeros as f64, 0.0, solve * self.matrix_nonzeros as f64];
+        }
         match self.factor_operations {
             Some(operations) => [assembly, operations / OPERATIONS + FACTOR * entries, SOLVE * entries],
             None => [assembly, LU * n.powf(1.5), LU * n],
@@ -135,13 +147,18 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         true => scene.assemble_symmetric(state.as_ref(), weights, false, black_box(&mut assembler)),
         false => scene.assemble(state.as_ref(), weights, black_box(&mut assembler)),
     });
+    // Which solver it is, and that of a matrix which is kept, shows when it has the values.
+    let prepared = kept.then(|| expected(&solver.stats(), assembler.pattern.n()) <= DEAR);
+    if prepared == Some(true) {
+        solver.prepare(assembler.values()).map_err(|e| e.to_string())?;
+    }
     let stats = solver.stats();
     let unknowns = assembler.pattern.n();
-    let expected = stats.factor_operations.map_or(LU * (unknowns as f64).powf(1.5), |work| work / OPERATIONS);
+    let expected = expected(&stats, unknowns);
     let measured = expected <= DEAR;
-    let [factorization_seconds, solve_seconds] = match measured {
-        true => factor(&mut *solver, &assembler),
-        false => [expected, expected / (unknowns as f64).sqrt()],
+    let ([factorization_seconds, solve_seconds], cg_iterations) = match measured {
+        true => factor(&mut *solver, &assembler, kept),
+        false => ([expected, expected / (unknowns as f64).sqrt()], 0),
     };
     Ok(TangentCost {
         symmetric: scene.symmetric(),
@@ -156,19 +173,34 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         measured,
         blocks: assembler.blocks(),
         factor_operations: stats.factor_operations,
+        cg_iterations,
+        prediction: stats.prediction,
     })
 }
 
-/// [s] of a factorisation and of a solve. A W that is singular at the start says nothing of a run; what was spent is what it costs.
-fn factor(solver: &mut dyn LinearSolver, assembler: &Assembler) -> [f64; 2] {
+/// [s] A factorisation by counts; nothing where there is none.
+fn expected(stats: &LinearStats, unknowns: usize) -> f64 {
+    match (stats.name, stats.factor_operations) {
+        ("cg", _) => 0.0,
+        (_, Some(operations)) => operations / OPERATIONS,
+        (_, None) => LU * (unknowns as f64).powf(1.5),
+    }
+}
+
+/// [s] of a factorisation and of a solve, and iterations of conjugate gradients in a solve. A W that is singular at the start says nothing of a run; what was spent is
+/// what it costs.
+fn factor(solver: &mut dyn LinearSolver, assembler: &Assembler, kept: bool) -> ([f64; 2], u64) {
     let values = assembler.values();
     let mut b = vec![1.0; assembler.pattern.n()];
     let factorization = median_seconds(BUDGET, || {
-        black_box(solver.factor(values).is_ok());
+        black_box(if kept { solver.prepare(values).is_ok() } else { solver.factor(values).is_ok() });
     });
+    solver.ask(Accuracy::kept());
+    let (mut solves, before) = (0, solver.work().iterations);
     let solve = median_seconds(BUDGET, || {
         b.fill(1.0);
+        solves += 1;
         black_box(solver.solve(values, &mut b).is_ok());
     });
-    [factorization, solve]
+    ([factorization, solve], (solver.work().iterations - before).div_ceil(solves.max(1)))
 }

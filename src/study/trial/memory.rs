@@ -87,8 +87,8 @@ impl MemorySpec<'_> {
     fn matrix(&self, needs: Needs) -> u64 {
         let Some(tangent) = self.tangent.filter(|_| needs.family == Family::Implicit) else { return 0 };
         let (entries, blocks) = (tangent.matrix_nonzeros as u64, tangent.blocks as u64);
-        match tangent.factor_nonzeros {
-            // Values and rows of W, slots of the blocks, the factor and a front of it, and what the last steps of an iteration take.
+        match tangent.factor_nonzeros.or((tangent.linear_solver == "cg").then_some(0)) {
+            // Values and rows of W (again in blocks, for conjugate gradients), slots of the blocks, the factor and a front of it, and what the last steps of an iteration take.
             Some(factor) => {
                 16 * entries + 4 * entries + 24 * blocks + 9 * factor as u64 + 8 * KEPT * tangent.unknowns as u64
             }

@@ -1,0 +1,194 @@
+//! How the cost of a step grows with the number of nodes: the sagging annulus of `assets/cases/big` from 1,000 nodes up.
+//!
+//! ```text
+//! cargo bench --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
+//! cargo bench --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
+//! ```
+//!
+//! Processor time of all threads, output and start-up apart. An exponent is that of the power law between a size and the one before it.
+//! Explicit steps are as short as the size demands, take two passes over the forces each (the dashpots), and are measured after a warm-up; implicit steps are the first ten of 1 ms, the first
+//! factorisation included.
+
+use canopy_fem::case::Case;
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::output::process::cpu_seconds;
+use canopy_fem::scene::Scene;
+use canopy_fem::simulation::{bind, build_scene};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
+/// Explicit steps that are not measured.
+const WARM_UP: u64 = 5;
+/// [s] of explicit steps that are measured, and the least number of them
+const MEASURED: (f64, u64) = (1.0, 20);
+/// Implicit steps.
+const IMPLICIT: u64 = 10;
+
+/// What the command line asks for.
+struct Wishes {
+    most: usize,
+    full: usize,
+}
+
+impl Wishes {
+    fn read() -> Self {
+        let words: Vec<String> = std::env::args().collect();
+        let after = |flag: &str| {
+            let value = words.iter().position(|word| word == flag).and_then(|at| words.get(at + 1))?;
+            Some(value.parse().unwrap_or_else(|_| panic!("{flag} wants a number of nodes, not {value}")))
+        };
+        Wishes { most: after("--most").unwrap_or(usize::MAX), full: after("--full").unwrap_or(10_000) }
+    }
+}
+
+/// Reads the processor clock at every step, and stops the run when enough was seen.
+struct Pacer<'a> {
+    stop: &'a AtomicBool,
+    warm_up: u64,
+    enough: (f64, u64),
+    began: f64,
+    steps: u64,
+    seconds: f64,
+    newton: u64,
+}
+
+impl Observer for Pacer<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        self.began = cpu();
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        let now = cpu();
+        if step.step == self.warm_up {
+            self.began = now;
+        }
+        if step.step > self.warm_up {
+            (self.steps, self.seconds) = (step.step - self.warm_up, now - self.began);
+            self.newton += u64::from(step.newton_iterations);
+        }
+        if self.steps >= self.enough.1 && self.seconds >= self.enough.0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+/// [s] processor time of this process
+fn cpu() -> f64 {
+    cpu_seconds().expect("a system that tells the processor time")
+}
+
+/// [s] a step, with its Newton iterations and its passes over the forces
+#[derive(Clone, Copy)]
+struct Cost {
+    step: f64,
+    newton: f64,
+    passes: f64,
+}
+
+fn run(case: &Case, scene: &dyn Scene, sets: &[(&str, String)], warm_up: u64, enough: (f64, u64)) -> Cost {
+    let sets: Vec<(String, String)> = sets.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
+    let mut problem = case.with(&sets).unwrap_or_else(|fault| panic!("{fault}")).into_problem();
+    drop(problem.take_system());
+    let stop = AtomicBool::new(false);
+    let mut pacer = Pacer { stop: &stop, warm_up, enough, began: 0.0, steps: 0, seconds: 0.0, newton: 0 };
+    let mut stepper = bind(&problem, scene).expect("the method fits a network");
+    let spec = problem.run_spec(false);
+    let outcome = canopy_fem::drive::run(scene, &mut stepper, spec, &mut [&mut pacer], &stop).expect("enough memory");
+    assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
+    let passes = outcome.counters.force_evaluations as f64 / outcome.steps as f64;
+    Cost { step: pacer.seconds / pacer.steps as f64, newton: pacer.newton as f64 / pacer.steps as f64, passes }
+}
+
+/// [s] a pass over the forces, and nothing else
+fn force_pass(scene: &dyn Scene) -> f64 {
+    let (state, mut forces) = (scene.initial_state(), scene.new_forces());
+    (0..WARM_UP).for_each(|_| scene.evaluate(state.as_ref(), &mut forces));
+    let (began, mut passes) = (cpu(), 0);
+    while passes < MEASURED.1 || cpu() - began < MEASURED.0 {
+        scene.evaluate(state.as_ref(), &mut forces);
+        passes += 1;
+    }
+    (cpu() - began) / passes as f64
+}
+
+impl Row {
+    /// [s] a step of velocity Verlet but for its passes over the forces
+    fn rest(&self) -> f64 {
+        self.verlet.step - self.verlet.passes.round() * self.pass
+    }
+}
+
+/// What was measured at one size.
+struct Row {
+    nodes: usize,
+    verlet: Cost,
+    /// [s]
+    pass: f64,
+    auto: Cost,
+    full: Option<Cost>,
+}
+
+fn measure(nodes: usize, full: usize) -> Row {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases/big/annulus-10k.json");
+    let size = ("system.network.mesh.annulus.nodes".to_owned(), nodes.to_string());
+    let case = Case::from_file(&path, &[size]).unwrap_or_else(|fault| panic!("{fault}"));
+    let scene = build_scene(case.problem().system.clone(), 1).expect("the case is good");
+    let scene = &*scene;
+    // A third of the critical step, which falls with the number of nodes: the dashpots set it.
+    let short = 0.5 / nodes as f64;
+    let verlet = [
+        ("time.method", "velocity-verlet".to_owned()),
+        ("time.step", format!("{short:e}")),
+        ("time.end", format!("{:e}", 1e6 * short)),
+    ];
+    let implicit = |strategy: &str, steps: u64| {
+        let sets = [("time.end", format!("{}", 1e-3 * steps as f64)), ("solver.newton.strategy", strategy.to_owned())];
+        run(&case, scene, &sets, 0, (0.0, steps))
+    };
+    Row {
+        nodes,
+        pass: force_pass(scene),
+        verlet: run(&case, scene, &verlet, WARM_UP, MEASURED),
+        auto: implicit("auto", IMPLICIT),
+        // Every step of it factorises several times, so two tell as much as ten.
+        full: (nodes <= full).then(|| implicit("full", 2)),
+    }
+}
+
+fn main() {
+    let wishes = Wishes::read();
+    println!(
+        "     nodes   velocity-verlet        a force pass           without its passes    newmark auto, iterations    newmark full, iterations"
+    );
+    let mut before: Option<Row> = None;
+    for nodes in SIZES.into_iter().filter(|&nodes| nodes <= wishes.most) {
+        let row = measure(nodes, wishes.full);
+        let exponent = |of: &dyn Fn(&Row) -> Option<f64>| {
+            let earlier = before.as_ref().and_then(|b| Some((of(b)?, b.nodes)));
+            let found = earlier.zip(of(&row)).map(|((was, n), is)| (is / was).ln() / (nodes as f64 / n as f64).ln());
+            found.map_or_else(|| "     ".to_owned(), |e| format!("^{e:<4.2}"))
+        };
+        let full = row.full.map_or_else(String::new, |c| format!("{:10.2} ms {:5.1}", 1e3 * c.step, c.newton));
+        println!(
+            "{nodes:>10}  {:10.1} us {}  {:10.1} us {}  {:10.1} us {}  {:10.2} ms {} {:5.1}   {full} {}",
+            1e6 * row.verlet.step,
+            exponent(&|r| Some(r.verlet.step)),
+            1e6 * row.pass,
+            exponent(&|r| Some(r.pass)),
+            1e6 * row.rest(),
+            exponent(&|r| Some(r.rest())),
+            1e3 * row.auto.step,
+            exponent(&|r| Some(r.auto.step)),
+            row.auto.newton,
+            exponent(&|r| r.full.map(|c| c.step)),
+        );
+        before = Some(row);
+    }
+}

@@ -1,0 +1,68 @@
+//! Sums over neighbours along springs: `out_i = sum_j k_ij u_j`, the second sweep of Kang's filter. Not a force term: no force of a scene
+//! has this form.
+
+use super::NodeState;
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::spring::Coefficient;
+use super::tile::{plus, times};
+use crate::model::forces::Tally;
+use glam::DVec3;
+use multiversion::multiversion;
+use std::sync::Arc;
+
+/// Springs by their ends and stiffness.
+#[derive(Clone, Debug)]
+pub struct Links {
+    /// end nodes
+    pub nodes: Arc<[[u32; 2]]>,
+    /// [N/m] k
+    pub stiffness: Coefficient,
+}
+
+/// A batch of links.
+#[derive(Debug)]
+pub struct Neighbours(Batch<Links, 2>);
+
+impl Neighbours {
+    /// Makes the batch.
+    pub fn new(links: Links) -> Self {
+        Neighbours(Batch::new(links))
+    }
+
+    /// out_i += sum_j k_ij u_j
+    pub fn add(&self, u: &[DVec3], threads: &Threads, out: &mut [DVec3]) {
+        self.0.add(NodeState { t: 0.0, x: u, v: &[] }, threads, out);
+    }
+}
+
+impl Kernel<2> for Links {
+    const WANTS: Wants = Wants { x: true, v: false };
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.nodes
+    }
+
+    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        add_links(self, tile, f);
+        Tally::default()
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn add_links(links: &Links, tile: Tile<'_, 2>, f: &mut [Padded]) {
+    match &links.stiffness {
+        Coefficient::Uniform(k) => tile.nodes.iter().for_each(|&nodes| add_link(nodes, *k, tile.x, f)),
+        Coefficient::Each(k) => {
+            for (&nodes, k) in tile.nodes.iter().zip(&k[tile.range()]) {
+                add_link(nodes, *k, tile.x, f);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_link([a, b]: [u16; 2], k: f64, u: &[Padded], f: &mut [Padded]) {
+    let (a, b) = (a as usize, b as usize);
+    f[a] = plus(f[a], times(k, u[b]));
+    f[b] = plus(f[b], times(k, u[a]));
+}

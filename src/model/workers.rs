@@ -1,0 +1,128 @@
+//! Loops over all degrees of freedom on several threads, with the same bits for every number of them.
+//!
+//! A loop is cut into pieces whose size depends on the length alone. What a piece yields is added in the order of the pieces, on one thread
+//! too; so the bits agree.
+
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Pieces at most.
+const PIECES: usize = 64;
+/// Entries a piece at least: enough to outweigh its hand-over. A multiple of every block that loops work in.
+const PIECE: usize = 3 * 8192;
+
+/// The threads that loops over a scene's nodes may use.
+#[derive(Debug, Default)]
+pub struct Workers(Option<rayon::ThreadPool>);
+
+/// The only thread there is.
+pub static ALONE: Workers = Workers(None);
+
+impl Workers {
+    /// `n` threads; 0 and 1 mean the caller's own, and no pool is made.
+    ///
+    /// # Errors
+    /// When the operating system gives no threads.
+    pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        if n <= 1 {
+            return Ok(Workers(None));
+        }
+        Ok(Workers(Some(rayon::ThreadPoolBuilder::new().num_threads(n).build()?)))
+    }
+
+    /// The pool, if there is more than one thread.
+    pub fn pool(&self) -> Option<&rayon::ThreadPool> {
+        self.0.as_ref()
+    }
+
+    /// Calls `work` for pieces of `out` with their ranges; returns the sum of what it returns.
+    pub fn each(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) -> f64 + Sync) -> f64 {
+        let size = piece(out.len());
+        if out.len() <= size {
+            return work(0..out.len(), out);
+        }
+        let mut parts = [0.0; PIECES];
+        let run = |(i, (out, part)): (usize, (&mut [f64], &mut f64))| {
+            *part = work(i * size..i * size + out.len(), out);
+        };
+        match self.pool() {
+            None => out.chunks_mut(size).zip(&mut parts).enumerate().for_each(run),
+            Some(pool) => pool.install(|| out.par_chunks_mut(size).zip(&mut parts).enumerate().for_each(run)),
+        }
+        parts.iter().sum()
+    }
+
+    /// The same for pieces of two vectors of one length.
+    pub fn both(&self, (a, b): (&mut [f64], &mut [f64]), work: impl Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync) {
+        let size = piece(a.len());
+        let run = |(i, (a, b)): (usize, (&mut [f64], &mut [f64]))| work(i * size..i * size + a.len(), a, b);
+        match self.pool().filter(|_| a.len() > size) {
+            None => a.chunks_mut(size).zip(b.chunks_mut(size)).enumerate().for_each(run),
+            Some(pool) => {
+                pool.install(|| a.par_chunks_mut(size).zip(b.par_chunks_mut(size)).enumerate().for_each(run));
+            }
+        }
+    }
+
+    /// What `part` makes of each piece of `0..n`, put together in their order.
+    pub fn fold<T: Copy + Send + Sync>(
+        &self,
+        n: usize,
+        none: T,
+        part: impl Fn(Range<usize>) -> T + Sync,
+        join: impl Fn(T, T) -> T,
+    ) -> T {
+        let size = piece(n);
+        if n <= size {
+            return join(none, part(0..n));
+        }
+        let count = n.div_ceil(size).min(PIECES);
+        let mut parts = [none; PIECES];
+        let run = |(i, out): (usize, &mut T)| *out = part(i * size..((i + 1) * size).min(n));
+        match self.pool() {
+            None => parts[..count].iter_mut().enumerate().for_each(run),
+            Some(pool) => pool.install(|| parts[..count].par_iter_mut().enumerate().for_each(run)),
+        }
+        parts[..count].iter().fold(none, |a, b| join(a, *b))
+    }
+
+    /// Sum of what `part` makes of each piece of `0..n`.
+    pub fn sum(&self, n: usize, part: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+        self.fold(n, 0.0, part, |a, b| a + b)
+    }
+}
+
+fn piece(n: usize) -> usize {
+    n.div_ceil(PIECES).next_multiple_of(PIECE).max(PIECE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_cover_everything_once_and_sums_do_not_depend_on_threads() {
+        for n in [0, 1, PIECE, PIECE + 1, 200_001, PIECES * PIECE + 7] {
+            let values: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+            let results = [1, 2, 3].map(|threads| {
+                let workers = Workers::new(threads).expect("threads");
+                let mut out = vec![0.0; n];
+                let sum = workers.each(&mut out, |range, out| {
+                    out.iter_mut().zip(&values[range]).for_each(|(out, v)| *out += v);
+                    out.iter().sum()
+                });
+                assert_eq!(out, values);
+                assert_eq!(sum.to_bits(), workers.sum(n, |range| values[range].iter().sum()).to_bits());
+                let (mut a, mut b) = (out.clone(), out);
+                workers.both((&mut a, &mut b), |range, a, b| {
+                    for ((a, b), v) in a.iter_mut().zip(b).zip(&values[range]) {
+                        (*a, *b) = (*a - v, *b + v);
+                    }
+                });
+                assert!(a.iter().all(|a| *a == 0.0) && b.iter().zip(&values).all(|(b, v)| *b == 2.0 * v));
+                sum.to_bits()
+            });
+            assert_eq!(results, [results[0]; 3]);
+        }
+    }
+}

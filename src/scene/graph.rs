@@ -1,0 +1,99 @@
+//! A network's springs as a graph, for schemes that filter along it.
+
+use super::network::{Network, SpringBatch, by_node};
+use crate::force::neighbours::{Links, Neighbours};
+use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
+use crate::force::spring::Coefficient;
+use crate::force::{ForceTerm, NodeState};
+use crate::model::forces::Role;
+use crate::model::system::{SpringGraph, Viscosity};
+use glam::DVec3;
+
+/// Passes over the springs that are not forces of the scene.
+#[derive(Debug)]
+pub(super) struct Graph {
+    sums: Vec<Neighbours>,
+    /// dashpots with c = k
+    differences: Vec<RelativeDashpots>,
+    /// dashpots with c = k h, as the scene has them
+    step_dashpots: Vec<RelativeDashpots>,
+}
+
+impl Graph {
+    fn new(springs: &[SpringBatch]) -> Self {
+        let dashpots = |b: &SpringBatch, coefficient: &Coefficient| {
+            RelativeDashpots::new(RelativeData { nodes: b.data.nodes.clone(), coefficient: coefficient.clone() })
+        };
+        let links = |b: &SpringBatch| Links { nodes: b.data.nodes.clone(), stiffness: b.data.stiffness.clone() };
+        Graph {
+            sums: springs.iter().map(|b| Neighbours::new(links(b))).collect(),
+            differences: springs.iter().map(|b| dashpots(b, &b.data.stiffness)).collect(),
+            step_dashpots: springs.iter().filter(|b| b.in_filter).map(|b| dashpots(b, &b.dashpot)).collect(),
+        }
+    }
+}
+
+/// c/k if it is the same for all springs.
+fn seconds(springs: &[SpringBatch]) -> Option<f64> {
+    let mut ratios = springs.iter().flat_map(|b| (0..b.edges.len()).map(|i| b.dashpot.at(i) / b.data.stiffness.at(i)));
+    let first = ratios.next().filter(|r| r.is_finite() && *r > 0.0)?;
+    ratios.all(|r| (r - first).abs() <= 4.0 * f64::EPSILON * first).then_some(first)
+}
+
+impl Network {
+    fn graph(&self) -> &Graph {
+        self.graph.get_or_init(|| Graph::new(&self.springs))
+    }
+
+    fn dashpot_pass(&self, dashpots: &[RelativeDashpots], v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for term in dashpots {
+            let at = NodeState { t: 0.0, x: &[], v: by_node(v) };
+            term.add(at, &self.threads, bytemuck::cast_slice_mut(out));
+        }
+    }
+}
+
+impl SpringGraph for Network {
+    fn stiffness_sums(&self) -> Vec<f64> {
+        let mut sums = vec![0.0; self.mass.len()];
+        for b in &self.springs {
+            for (i, ends) in b.data.nodes.iter().enumerate() {
+                for &node in ends {
+                    sums[node as usize] += b.data.stiffness.at(i);
+                }
+            }
+        }
+        sums
+    }
+
+    fn weight(&self) -> Vec<f64> {
+        let g = self.gravity.unwrap_or(DVec3::ZERO);
+        self.mass.iter().flat_map(|&m| (m * g).to_array()).collect()
+    }
+
+    fn viscosity(&self) -> Viscosity {
+        let dissipative = self.infos.iter().filter(|i| i.role == Role::Dissipative).count();
+        let inside = self.springs.iter().filter(|b| b.in_filter).count();
+        match (inside, seconds(&self.springs)) {
+            (0, _) => Viscosity::None,
+            (n, Some(seconds)) if n == dissipative && n == self.springs.len() => Viscosity::All { seconds },
+            _ => Viscosity::Some,
+        }
+    }
+
+    fn step_dashpots(&self, v: &[f64], out: &mut [f64]) {
+        self.dashpot_pass(&self.graph().step_dashpots, v, out);
+    }
+
+    fn neighbour_sums(&self, u: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for links in &self.graph().sums {
+            links.add(by_node(u), &self.threads, bytemuck::cast_slice_mut(out));
+        }
+    }
+
+    fn neighbour_differences(&self, u: &[f64], out: &mut [f64]) {
+        self.dashpot_pass(&self.graph().differences, u, out);
+    }
+}

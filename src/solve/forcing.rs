@@ -1,0 +1,69 @@
+//! How exactly a linear system need be solved within Newton's iteration.
+
+use super::{Accuracy, KEPT_RELATIVE};
+
+/// [-] Share of the residual that the first solve may leave.
+const FIRST: f64 = 1e-3;
+/// Of the squared reduction of the residual, and the share from which on the last forcing still binds the next.
+const GAMMA: f64 = 0.9;
+const BINDS: f64 = 0.1;
+/// A solve need not go below this share of the tolerance on the residual.
+const ENOUGH: f64 = 0.1;
+
+/// [-] No solve may leave more.
+const LOOSEST: f64 = 0.1;
+
+fn enough(residual: f64, tolerance: f64) -> f64 {
+    ENOUGH * tolerance / residual
+}
+
+/// What a solve with a kept matrix may leave of a residual [N], on the way to a tolerance [N].
+pub(super) fn kept(residual: f64, tolerance: f64) -> Accuracy {
+    let enough = enough(residual, tolerance).min(LOOSEST);
+    Accuracy { relative: KEPT_RELATIVE.max(enough), enough }
+}
+
+/// The forcing terms of Eisenstat & Walker (1996, choice 2 with its safeguard), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Forcing {
+    /// [-] the last term and [N] the residual it was for; nothing before the first
+    last: Option<(f64, f64)>,
+}
+
+impl Forcing {
+    /// [-] The share of a residual [N] that the next solve may leave, on the way to a tolerance [N].
+    pub fn next(&mut self, residual: f64, tolerance: f64) -> f64 {
+        let wanted = match self.last {
+            None => FIRST,
+            Some((last, before)) => {
+                let reduced = GAMMA * (residual / before).powi(2);
+                let bound = GAMMA * last * last;
+                if bound > BINDS { reduced.max(bound) } else { reduced }
+            }
+        };
+        let term = wanted.min(FIRST).max(enough(residual, tolerance)).clamp(f64::EPSILON, LOOSEST);
+        self.last = Some((term, residual));
+        term
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_are_as_exact_as_the_iteration_is_near() {
+        let mut forcing = Forcing::default();
+        assert_eq!(forcing.next(1.0, 1e-12), FIRST);
+        let near = forcing.next(1e-3, 1e-12);
+        assert!((near - GAMMA * 1e-6).abs() < 1e-18, "the square of the reduction: {near}");
+        assert_eq!(forcing.next(1e-10, 1e-12), 1e-3, "no more than the tolerance asks for");
+    }
+
+    #[test]
+    fn an_iteration_that_does_not_converge_is_not_solved_more_exactly() {
+        let mut forcing = Forcing::default();
+        forcing.next(1.0, 1e-12);
+        assert_eq!(forcing.next(2.0, 1e-12), FIRST);
+    }
+}

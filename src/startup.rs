@@ -1,0 +1,229 @@
+//! Where the time before the first step goes.
+//!
+//! Phases lie in many layers, and most of what they call has no business with clocks. So each is timed where it is called,
+//! into an account of the thread that makes a run ready; without an account nothing is measured. Seconds are told, they decide nothing.
+
+use std::cell::RefCell;
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+/// A part of the way to the first step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// reading the case file and checking its sections
+    Parse,
+    /// generating or reading the mesh
+    Mesh,
+    /// adjacency, boundary loops, lengths and areas
+    Topology,
+    /// renumbering the nodes
+    Numbering,
+    /// force terms and masses in the new numbering
+    Scene,
+    /// the largest stable step, and what else is looked at to warn
+    CriticalStep,
+    /// the folder and the files of the results
+    Files,
+    /// the first pass over the forces
+    Forces,
+    /// entries of the tangent matrix, and where every element adds to it
+    Pattern,
+    /// fill-reducing ordering
+    Ordering,
+    /// symbolic factorisation
+    Symbolic,
+    /// the first factorisation, which is part of the first step
+    Factorization,
+}
+
+/// [s] Time on the clock by phase, 0 for one that did not take place; each without the phases inside it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Startup {
+    /// [s] from the beginning to the first step, with what belongs to no phase
+    pub total: f64,
+    /// [s] reading and checking the case, its mesh apart
+    pub parse: f64,
+    /// [s] generating or reading the mesh
+    pub mesh: f64,
+    /// [s] adjacency, boundary loops, lengths and areas
+    pub topology: f64,
+    /// [s] renumbering the nodes
+    pub numbering: f64,
+    /// [s] force terms and masses
+    pub scene: f64,
+    /// [s] the largest stable step at the start
+    pub critical_step: f64,
+    /// [s] folder and files of the results
+    pub files: f64,
+    /// [s] the first pass over the forces
+    pub forces: f64,
+    /// [s] entries of the tangent matrix
+    pub pattern: f64,
+    /// [s] fill-reducing ordering
+    pub ordering: f64,
+    /// [s] symbolic factorisation
+    pub symbolic: f64,
+    /// [s] the first factorisation; part of the first step, not of `total`
+    pub factorization: f64,
+}
+
+impl Startup {
+    fn of(&mut self, phase: Phase) -> &mut f64 {
+        match phase {
+            Phase::Parse => &mut self.parse,
+            Phase::Mesh => &mut self.mesh,
+            Phase::Topology => &mut self.topology,
+            Phase::Numbering => &mut self.numbering,
+            Phase::Scene => &mut self.scene,
+            Phase::CriticalStep => &mut self.critical_step,
+            Phase::Files => &mut self.files,
+            Phase::Forces => &mut self.forces,
+            Phase::Pattern => &mut self.pattern,
+            Phase::Ordering => &mut self.ordering,
+            Phase::Symbolic => &mut self.symbolic,
+            Phase::Factorization => &mut self.factorization,
+        }
+    }
+
+    /// The phases of `total` by name, in the order they take place.
+    pub fn phases(&self) -> [(&'static str, f64); 11] {
+        [
+            ("parse", self.parse),
+            ("mesh", self.mesh),
+            ("topology", self.topology),
+            ("numbering", self.numbering),
+            ("scene", self.scene),
+            ("critical step", self.critical_step),
+            ("files", self.files),
+            ("forces", self.forces),
+            ("pattern", self.pattern),
+            ("ordering", self.ordering),
+            ("symbolic", self.symbolic),
+        ]
+    }
+
+    /// `3.42 s: mesh 2.15, ordering 0.81, …`, small phases together as `other`.
+    ///
+    /// ```
+    /// use canopy_fem::startup::Startup;
+    /// let startup = Startup { total: 4.0, mesh: 2.5, symbolic: 1.25, parse: 0.001, ..Startup::default() };
+    /// assert_eq!(startup.text(), "4.00 s: mesh 2.50, symbolic 1.25, other 0.25");
+    /// ```
+    pub fn text(&self) -> String {
+        let mut text = format!("{:.2} s", self.total);
+        let (mut rest, mut mark) = (self.total, ':');
+        let mut tell = |name: &str, seconds: f64| {
+            // Writing to a String cannot fail.
+            let _ = write!(text, "{mark} {name} {seconds:.2}");
+            mark = ',';
+        };
+        for (name, seconds) in self.phases() {
+            if seconds > 0.01 * self.total {
+                tell(name, seconds);
+                rest -= seconds;
+            }
+        }
+        if rest > 0.005 {
+            tell("other", rest);
+        }
+        text
+    }
+}
+
+/// What a thread has measured.
+#[derive(Clone, Copy, Debug)]
+struct Book {
+    began: Instant,
+    found: Startup,
+    /// [s] in phases inside the present one
+    inside: f64,
+}
+
+thread_local! {
+    static BOOK: RefCell<Option<Book>> = const { RefCell::new(None) };
+}
+
+/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked.
+pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
+    let outside = BOOK.with_borrow_mut(|book| {
+        let book = book.as_mut().filter(|b| phase != Phase::Factorization || b.found.factorization == 0.0)?;
+        Some(std::mem::take(&mut book.inside))
+    });
+    let Some(outside) = outside else { return work() };
+    let began = Instant::now();
+    let done = work();
+    let seconds = began.elapsed().as_secs_f64();
+    BOOK.with_borrow_mut(|book| {
+        if let Some(book) = book {
+            *book.found.of(phase) += (seconds - book.inside).max(0.0);
+            book.inside = outside + seconds;
+        }
+    });
+    done
+}
+
+/// The account of this thread while it makes a run ready; closed when dropped.
+#[derive(Debug)]
+pub struct Account(());
+
+impl Account {
+    /// Opens it; one that was open is given up.
+    pub fn open() -> Self {
+        let book = Book { began: Instant::now(), found: Startup::default(), inside: 0.0 };
+        BOOK.set(Some(book));
+        Account(())
+    }
+
+    /// What was measured so far.
+    pub fn read(&self) -> Startup {
+        BOOK.with_borrow(|book| book.map(|book| book.found)).unwrap_or_default()
+    }
+}
+
+impl Drop for Account {
+    fn drop(&mut self) {
+        BOOK.set(None);
+    }
+}
+
+/// The run is ready: fixes the total, and returns the account if this thread keeps one.
+pub fn ready() -> Option<Startup> {
+    BOOK.with_borrow_mut(|book| {
+        let book = book.as_mut()?;
+        book.found.total = book.began.elapsed().as_secs_f64();
+        Some(book.found)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    /// A phase inside another counts once, the first factorisation only, and nothing without an account.
+    #[test]
+    fn phases_are_counted_once() {
+        let pause = || std::thread::sleep(Duration::from_millis(20));
+        timed(Phase::Mesh, pause);
+        let account = Account::open();
+        assert_eq!(account.read(), Startup::default());
+        timed(Phase::Parse, || {
+            timed(Phase::Mesh, pause);
+            timed(Phase::Mesh, pause);
+        });
+        let first = account.read();
+        assert!(first.mesh >= 0.04 && first.parse < 0.02, "{first:?}");
+        timed(Phase::Factorization, pause);
+        let once = account.read().factorization;
+        timed(Phase::Factorization, pause);
+        assert!(once >= 0.02 && account.read().factorization == once);
+        let ready = ready().expect("an account");
+        let sum: f64 = ready.phases().iter().map(|(_, seconds)| seconds).sum();
+        assert!(ready.total >= sum + once, "{ready:?}");
+        drop(account);
+        assert_eq!(super::ready(), None);
+    }
+}

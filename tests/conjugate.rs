@@ -1,0 +1,284 @@
+//! Conjugate gradients: solutions, what they notice, the trajectories of runs that use them, and when `auto` takes them.
+
+mod common;
+
+use canopy_fem::assembly::Pattern;
+use canopy_fem::case::Case;
+use canopy_fem::drive::Status;
+use canopy_fem::force::batch::Threads;
+use canopy_fem::integrate::registry::{Family, methods};
+use canopy_fem::mesh::source::MeshSource;
+use canopy_fem::model::spec::*;
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::scene::{Network, build_network};
+use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
+use common::run::{Run, asset, changed, run, run_with};
+use common::{Random, spring_group};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A square sheet of plain springs; every fifth node is held in one or two directions.
+fn sheet(side: u32) -> Network {
+    let json = serde_json::json!({"rectangle": {
+        "width": 1.0, "height": 1.0, "columns": side, "rows": side, "pattern": "regular"
+    }});
+    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
+    let mesh = source.build(Path::new(".")).expect("a rectangle");
+    let n = mesh.nodes.len();
+    let mut spec = NetworkSpec { mesh, mass: vec![1e-3; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    spec.fixed[0] = [true; 3];
+    for (i, fixed) in spec.fixed.iter_mut().enumerate().skip(1).step_by(5) {
+        fixed[i % 3] = true;
+        fixed[2] |= i % 2 == 0;
+    }
+    spec.springs = vec![spring_group(&spec, Slack::None)];
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+fn cg(pattern: &Arc<Pattern>) -> Box<dyn LinearSolver> {
+    solver_for(Arc::clone(pattern), LinearChoice::Cg).expect("a symmetric pattern")
+}
+
+fn random_vector(n: usize, seed: u64) -> Vec<f64> {
+    let mut random = Random(seed);
+    (0..n).map(|_| random.next()).collect()
+}
+
+/// Random entries on a sheet's pattern, made positive definite by the diagonal.
+fn random_definite(pattern: &Pattern, seed: u64) -> Vec<f64> {
+    let mut values = random_vector(pattern.nonzeros(), seed);
+    let mut rows = vec![0.1; pattern.n()];
+    for j in 0..pattern.n() {
+        for (&i, value) in pattern.column(j).iter().zip(&values[pattern.col_ptr[j] as usize..]) {
+            rows[i as usize] += value.abs();
+            rows[j] += value.abs();
+        }
+    }
+    for (j, row) in rows.iter().enumerate() {
+        values[pattern.slot(j as u32, j as u32).expect("a diagonal entry") as usize] = *row;
+    }
+    values
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
+    norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
+}
+
+/// Solutions are those of Cholesky, to what was asked for, in fewer iterations where less was asked; nodes that are partly held included.
+#[test]
+fn solutions_are_those_of_cholesky() {
+    let pattern = sheet(12).assembler().expect("small").pattern;
+    assert!(pattern.node_start.windows(2).any(|w| w[1] - w[0] < 3), "some nodes are partly held");
+    let mut solver = cg(&pattern);
+    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric");
+    for seed in 0..20 {
+        let values = random_definite(&pattern, seed);
+        let b = random_vector(pattern.n(), 100 + seed);
+        let mut expected = b.clone();
+        direct.factor(&values).expect("definite");
+        direct.solve(&values, &mut expected).expect("definite");
+        assert_eq!(solver.factor(&values), Ok(Inertia::Unknown));
+        let mut before = 0;
+        for relative in [1e-2, 1e-6, 1e-12] {
+            solver.ask(Accuracy::to(relative));
+            let (mut x, made) = (b.clone(), solver.work().iterations);
+            solver.solve(&values, &mut x).expect("definite");
+            let (off, iterations) = (difference(&x, &expected), solver.work().iterations - made);
+            assert!(off < 30.0 * relative, "seed {seed}: {off:e} off where {relative:e} was asked for");
+            assert!(iterations > before && iterations < 100, "seed {seed}: {iterations} after {before}");
+            before = iterations;
+        }
+    }
+    solver.solve(&random_definite(&pattern, 0), &mut vec![0.0; pattern.n()]).expect("nothing to do");
+    assert_eq!(solver.work().factorizations, 0);
+}
+
+/// W of a sheet shrunk about the origin: springs in compression.
+fn compressed(scene: &Network, scale: f64) -> (Arc<Pattern>, Vec<f64>) {
+    let state = scene.initial_state();
+    let x: Vec<f64> = state.x.iter().map(|x| scale * x).collect();
+    let mut assembler = scene.assembler().expect("small");
+    let w = Weights { m: 10.0, c: 0.0, k: 1.0 };
+    scene.assemble(StateRef { t: 0.0, x: &x, v: &state.v }, w, &mut assembler);
+    (assembler.pattern.clone(), assembler.values().to_vec())
+}
+
+/// An indefinite matrix is an error that leaves the right-hand side, or found before any solve; whichever is chosen automatically says so.
+#[test]
+fn an_indefinite_matrix_is_noticed() {
+    for scale in [0.9, 0.7, 0.3] {
+        let (pattern, values) = compressed(&sheet(12), scale);
+        let mut solver = cg(&pattern);
+        let b = random_vector(pattern.n(), 3);
+        let mut x = b.clone();
+        let outcome = match solver.factor(&values).expect("finite") {
+            Inertia::Indefinite => Err(LinearError::Indefinite { iterations: 0 }),
+            _ => solver.solve(&values, &mut x),
+        };
+        assert!(matches!(outcome, Err(LinearError::Indefinite { .. })), "scale {scale}: {outcome:?}");
+        assert_eq!(x, b, "scale {scale}");
+        assert_eq!(solver.stats().indefinite, 1, "scale {scale}");
+        let mut weighed = kept_solver_for(pattern, LinearChoice::Auto).expect("symmetric");
+        assert_eq!(weighed.prepare(&values), Ok(Inertia::Indefinite), "scale {scale}");
+    }
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused_with_their_column() {
+    let pattern = sheet(4).assembler().expect("small").pattern;
+    let mut values = random_definite(&pattern, 1);
+    values[pattern.col_ptr[17] as usize + 1] = f64::NAN;
+    assert_eq!(cg(&pattern).factor(&values), Err(LinearError::NotFinite { unknown: 17 }));
+}
+
+/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate gradients from its solution. Their
+/// error has its numbers, and the solver that chooses gives the matrix to Cholesky.
+#[test]
+fn a_solve_that_does_not_converge_ends_with_its_numbers() {
+    let n = 600;
+    let pattern = Arc::new(Pattern {
+        col_ptr: (0..=n).map(|j| if j < n { 2 * j } else { 2 * n - 1 }).collect(),
+        row_idx: (0..n).flat_map(|j| [j, j + 1]).take(2 * n as usize - 1).collect(),
+        symmetric: true,
+        dof: (0..n).map(|i| 3 * i).collect(),
+        node_start: (0..=n).collect(),
+        position: (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect(),
+    });
+    let stiffness = |i: u32| 10_f64.powi((7 * i % 11) as i32);
+    let mut values = Vec::new();
+    for j in 0..n {
+        values.push(stiffness(j) + stiffness(j + 1));
+        values.extend((j + 1 < n).then(|| -stiffness(j + 1)));
+    }
+    let mut solver = cg(&pattern);
+    solver.factor(&values).expect("definite");
+    solver.ask(Accuracy::to(1e-10));
+    let b = random_vector(n as usize, 5);
+    match solver.solve(&values, &mut b.clone()) {
+        Err(error @ LinearError::Stalled { iterations, residual, asked }) => {
+            assert!(iterations >= n && residual > asked && asked == 1e-10, "{error:?}");
+            assert!(error.to_string().contains("\"cholesky\" or \"auto\", or a smaller step"), "{error}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let mut weighed = kept_solver_for(pattern.clone(), LinearChoice::Auto).expect("symmetric");
+    assert_eq!(weighed.prepare(&values), Ok(Inertia::Definite));
+    let mut x = b.clone();
+    weighed.solve(&values, &mut x).expect("definite");
+    let stats = weighed.stats();
+    assert!(stats.name == "cholesky" && stats.prediction.is_some_and(|p| !p.cg_converged), "{stats:?}");
+}
+
+const DEAD: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "dead", "direction": [0, 0, 1]}]"#;
+
+/// The 703-node cloth in the wind, whose tangent is not symmetric; and under a dead pressure, with springs that go slack.
+fn scenes() -> [(&'static str, Case); 2] {
+    let base = asset("cloth-k1000", &[("time.end", "0.05"), ("output", "{}")]);
+    let calm = [
+        ("system.network.aero", "null"),
+        ("system.network.loads", DEAD),
+        ("system.network.springs.0.slack", "tension-only"),
+    ];
+    [("air", base.clone()), ("calm", changed(&base, &calm))]
+}
+
+fn solved(case: &Case, sets: &[(&str, &str)]) -> Run {
+    let found = run(&changed(case, sets));
+    let outcome = &found.outcome;
+    assert_eq!(outcome.status, Status::Completed, "{sets:?}: {:?}", outcome.failure);
+    found
+}
+
+/// [-] Root mean square distance of the ends of two runs over that of the motion.
+fn apart(a: &Run, b: &Run) -> f64 {
+    let sum = |from: &Run, to: &[[f64; 3]]| -> f64 {
+        from.positions.iter().zip(to).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).powi(2))).sum()
+    };
+    (sum(a, &b.positions) / sum(a, &a.reference)).sqrt()
+}
+
+/// However the linear systems are solved, steps end at the same residual: trajectories agree to 1e-6 of the motion, as those of the strategies do, and
+/// nothing is factorised.
+#[test]
+fn trajectories_are_those_of_direct_solvers() {
+    for (scene, case) in scenes() {
+        for method in methods().iter().filter(|m| m.family == Family::Implicit) {
+            for step in ["1e-3", "1e-2"] {
+                let common = [("time.method", method.name), ("time.step", step)];
+                let with = |linear, strategy| {
+                    let own = [("solver.linear", linear), ("solver.newton.strategy", strategy)];
+                    solved(&case, &[&common[..], &own].concat())
+                };
+                let direct = with("auto", "full");
+                let strategies: &[&str] =
+                    if scene == "calm" { &["auto", "modified", "full"] } else { &["auto", "modified"] };
+                for strategy in strategies {
+                    let found = with("cg", strategy);
+                    let (off, counters) = (apart(&direct, &found), found.outcome.counters);
+                    let what = format!("{} at {step}, {scene}, {strategy}", method.name);
+                    assert!(off < 1e-6, "{what}: {off:e} apart");
+                    assert!(counters.factorizations == 0 && counters.cg_iterations > 0, "{what}: {counters:?}");
+                    assert_eq!(found.outcome.linear.map(|l| l.name), Some("cg"), "{what}");
+                }
+            }
+        }
+    }
+}
+
+/// Buckled springs make the tangent indefinite; the convex one takes over, and the end is that of Cholesky.
+#[test]
+fn compressed_springs_are_no_obstacle() {
+    let case = asset(
+        "cloth-k100",
+        &[
+            ("time.end", "0.06"),
+            ("time.step", "0.015"),
+            ("time.method", "backward-euler"),
+            ("output", "{}"),
+            ("system.network.aero", "null"),
+            ("system.network.springs.0.rest_scale", "1.2"),
+            ("system.network.loads", DEAD),
+        ],
+    );
+    let direct = solved(&case, &[("solver.linear", "cholesky"), ("solver.newton.strategy", "full")]);
+    for strategy in ["full", "auto"] {
+        let found = solved(&case, &[("solver.linear", "cg"), ("solver.newton.strategy", strategy)]);
+        let off = apart(&direct, &found);
+        assert!(off < 1e-5, "{strategy}: {off:e} apart");
+        let stats = found.outcome.linear.expect("an implicit run");
+        assert!(stats.indefinite > 0, "{strategy}: the case must have an indefinite tangent on its way: {stats:?}");
+    }
+}
+
+/// `auto` takes conjugate gradients in small steps of soft cloths and Cholesky in long ones of stiff cloths, and tells both prices.
+#[test]
+fn auto_takes_what_costs_less() {
+    let base = asset("cloth-k1000", &[("time.end", "0.01"), ("time.method", "newmark"), ("output", "{}")]);
+    for (stiffness, step, expected) in [("1e3", "1e-3", "cg"), ("1e5", "5e-3", "cholesky")] {
+        let found = solved(&base, &[("system.network.springs.0.stiffness", stiffness), ("time.step", step)]).outcome;
+        let stats = found.linear.expect("an implicit run");
+        let prediction = stats.prediction.expect("there was a choice");
+        assert_eq!(stats.name, expected, "K {stiffness} at {step}: {prediction:?}");
+        assert_eq!(prediction.cg_converged, expected == "cg");
+        assert_eq!(prediction.cg_work < prediction.cholesky_work, prediction.cg_converged, "{prediction:?}");
+        assert_eq!(stats.factor_nonzeros.is_some(), expected == "cholesky");
+        assert_eq!(found.counters.factorizations > 0, expected == "cholesky", "{:?}", found.counters);
+    }
+}
+
+/// Work repeats exactly, on any machine and with any number of threads; so do the bits.
+#[test]
+fn the_work_of_conjugate_gradients() {
+    let case = asset("cloth-k1000", &[("time.end", "0.1"), ("output", "{}"), ("solver.linear", "cg")]);
+    let case = changed(&case, &[("time.method", "newmark"), ("time.step", "1e-3")]);
+    let [one, two] = [1, 2].map(|threads| run_with(&case, threads));
+    assert!(one.state == two.state && one.outcome.counters == two.outcome.counters);
+    let c = one.outcome.counters;
+    assert_eq!(
+        [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.cg_iterations],
+        [321, 11, 0, 220, 440],
+        "{c:?}"
+    );
+}
