@@ -1,0 +1,128 @@
+//! canopy-fem as one of the programs that `benches/peers/run` compares, and the source of the scene they all share.
+//!
+//! ```text
+//! peer_canopy_fem export CASE [KEY=VALUE ...] > scene.txt      the scene, plainly: see benches/peers/README.md
+//! peer_canopy_fem serve CASE [KEY=VALUE ...]                   one run a line of standard input: METHOD step|tol VALUE FILE
+//! ```
+//! A run is what `canopy-fem tradeoff` times: the driver with its ledger and its watch for divergence, frames kept in memory,
+//! no files. FILE then receives the frames' positions as little-endian f64.
+
+use canopy_fem::case::Case;
+use canopy_fem::case::schema::Method;
+use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::drive::Status;
+use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
+use canopy_fem::output::process::cpu_seconds;
+use canopy_fem::solve::newton::Strategy;
+use canopy_fem::study::bench::{Bench, Try, choice};
+use canopy_fem::study::frames::{Frames, Sampler};
+use canopy_fem::study::row::Pace;
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::io::{BufRead, Write as _, stdin, stdout};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+type Any = Box<dyn Error>;
+
+fn main() -> Result<(), Any> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [verb, case, overrides @ ..] = &args[..] else {
+        return Err("usage: peer_canopy_fem export|serve CASE [KEY=VALUE ...]".into());
+    };
+    let pairs = overrides.iter().map(|pair| pair.split_once('=').ok_or("an override is KEY=VALUE"));
+    let overrides = pairs.map(|pair| pair.map(|(k, v)| (k.to_owned(), v.to_owned()))).collect::<Result<Vec<_>, _>>()?;
+    let case = Case::from_file(Path::new(case), &overrides)?;
+    match verb.as_str() {
+        "export" => {
+            let problem = case.problem();
+            let SystemSpec::Network(network) = &problem.system else { return Err("the case is no network".into()) };
+            let every = problem.output.frames_every.ok_or("the case has no output.frames.every")?;
+            print!("{}", scene(network, problem.time.end, every)?);
+            Ok(())
+        }
+        "serve" => serve(&Bench::of(case.problem().clone(), 1)?),
+        other => Err(format!("export or serve, not {other}").into()),
+    }
+}
+
+/// The scene as text that any program reads without a library; refuses what the others are not told of.
+fn scene(net: &NetworkSpec, end: f64, every: f64) -> Result<String, Any> {
+    let plain = net.pressures.is_empty() && net.forces.is_empty() && net.rayleigh.is_none();
+    let still = net.displacement.is_empty() && net.velocity.is_empty();
+    if !(plain && still && net.springs.iter().all(|group| group.slack == Slack::None)) {
+        return Err("only springs without slack, relative dashpots, gravity and air, from rest".into());
+    }
+    let mut text = format!("time {end:?} {every:?}\nnodes {}\n", net.mesh.nodes.len());
+    for (([x, y, z], m), fixed) in net.mesh.nodes.iter().zip(&net.mass).zip(&net.fixed) {
+        if fixed.iter().any(|f| *f != fixed[0]) {
+            return Err("a node is fixed in all directions or in none".into());
+        }
+        writeln!(text, "{x:?} {y:?} {z:?} {m:?} {}", u8::from(fixed[0]))?;
+    }
+    writeln!(text, "springs {}", net.springs.iter().map(|group| group.edges.len()).sum::<usize>())?;
+    for group in &net.springs {
+        let damping = match &group.dashpot {
+            Some(dashpot) if dashpot.kind == DashpotKind::Axial => return Err("axial dashpots".into()),
+            Some(dashpot) => dashpot.coefficient.clone(),
+            None => vec![0.0; group.edges.len()],
+        };
+        for (((&e, k), l), c) in group.edges.iter().zip(&group.stiffness).zip(&group.rest_length).zip(&damping) {
+            let [a, b] = net.mesh.edges[e as usize];
+            writeln!(text, "{a} {b} {k:?} {l:?} {c:?}")?;
+        }
+    }
+    let [gx, gy, gz] = net.gravity.unwrap_or_default();
+    writeln!(text, "gravity {gx:?} {gy:?} {gz:?}")?;
+    if let Some(air) = &net.air {
+        let [[wx, wy, wz]] = air.wind.value[..] else { return Err("the wind has a table".into()) };
+        writeln!(text, "air {:?} {:?} {wx:?} {wy:?} {wz:?}", air.linear, air.quadratic)?;
+        writeln!(text, "triangles {}", net.mesh.triangles.len())?;
+        for [a, b, c] in &net.mesh.triangles {
+            writeln!(text, "{a} {b} {c}")?;
+        }
+    }
+    Ok(text)
+}
+
+/// Answers every line with `done|diverged|refused SECONDS NOTE`.
+fn serve(bench: &Bench) -> Result<(), Any> {
+    println!("ready canopy-fem {}", env!("CARGO_PKG_VERSION"));
+    for line in stdin().lock().lines() {
+        let answer = run(bench, &line?).unwrap_or_else(|why| format!("refused 0 {why}"));
+        println!("{}", answer.replace('\n', " "));
+        stdout().flush()?;
+    }
+    Ok(())
+}
+
+fn run(bench: &Bench, line: &str) -> Result<String, Any> {
+    let [name, kind, value, file] = line.split_whitespace().collect::<Vec<_>>()[..] else {
+        return Err("a line is METHOD step|tol VALUE FILE".into());
+    };
+    // `newmark` solves as the program decides by itself, `newmark-full` with Newton's own tangent in every iteration.
+    let (name, full) = name.strip_suffix("-full").map_or((name, false), |name| (name, true));
+    let method = choice(&Method { name: name.to_owned(), parameters: BTreeMap::new() })?;
+    let value: f64 = value.parse()?;
+    let pace = if kind == "step" { Pace::Step(value) } else { Pace::Tolerance(value) };
+    let mut solver = bench.problem.solver;
+    if full {
+        solver.newton.strategy = Strategy::Full;
+    }
+    let mut sampler = Sampler::keeping(&*bench.scene, bench.every);
+    let before = cpu_seconds().ok_or("this system does not tell processor time")?;
+    let what = Try { method: &method, step: pace.step(), solver, from: None };
+    let outcome = bench.run(what, &mut [&mut sampler], &AtomicBool::new(false))?;
+    let seconds = cpu_seconds().ok_or("this system does not tell processor time")? - before;
+    keep(&sampler.into_frames(), Path::new(file))?;
+    let done = if outcome.status == Status::Completed { "done" } else { "diverged" };
+    let counters = outcome.counters;
+    let (forces, factors) = (counters.force_evaluations, counters.factorizations);
+    Ok(format!("{done} {seconds:e} {} steps, {forces} force passes, {factors} factorisations", outcome.steps))
+}
+
+fn keep(frames: &Frames, file: &Path) -> Result<(), Any> {
+    let bytes: Vec<u8> = frames.positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    Ok(std::fs::write(file, bytes)?)
+}

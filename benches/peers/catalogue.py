@@ -1,0 +1,137 @@
+"""Which scenes are run, which programs, and which of their methods with which steps and tolerances.
+
+A new peer is a program that speaks the line protocol of README.md and an entry in PEERS.
+"""
+from dataclasses import dataclass, field
+
+from setup import HERE, OURS, PYTHON, TARGET
+
+FRAME = 0.02  # [s] between the frames that are compared
+
+
+@dataclass
+class SceneSpec:
+    name: str
+    case: str
+    told: str
+    stiff: float  # how many times shorter the explicit steps are than at K = 1e3
+    overrides: list = field(default_factory=list)
+    air: bool = False
+    asked: bool = False  # run only if --scene names it
+
+
+STILL = ["system.network.aero=null", "system.network.springs.0.dashpot=null"]
+TIME = ["time.end=0.2", f"output.frames.every={FRAME}"]
+NET = "703 nodes, 1983 springs"
+STIFFEST = "system.network.springs.0.stiffness=1e7"
+SCENES = [
+    SceneSpec("cloth-k1000", "cloth-k1000.json", f"{NET} of 1e3 N/m fall under gravity, undamped", 1, STILL + TIME),
+    SceneSpec("cloth-k100000", "cloth-k100000.json", f"{NET} of 1e5 N/m fall under gravity, undamped", 10, STILL + TIME),
+    SceneSpec("cloth-k10000000", "cloth-k100000.json", f"{NET} of 1e7 N/m fall under gravity", 100, [*STILL, *TIME, STIFFEST], asked=True),
+    SceneSpec("cloth-k1000-air", "cloth-k1000.json", f"{NET} of 1e3 N/m with relative dashpots in a wind of 50 m/s", 1, TIME, True),
+]
+
+
+@dataclass
+class Peer:
+    name: str
+    command: list
+    needs: list  # names in missing.json without which it cannot run
+    runs: object  # scene -> [(method, kind, values)]
+    air: bool = False
+    environment: dict = field(default_factory=dict)
+
+
+def steps(scene, *fractions):
+    """Explicit steps: FRAME over a whole number, that number times what the scene's stiffness asks for."""
+    return ["step", [FRAME / round(n * scene.stiff) for n in fractions]]
+
+
+IMPLICIT = [2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4]
+VERLET = (8, 10, 12, 16, 20, 32, 40, 80, 160)
+RK4 = (6, 8, 10, 14, 20, 40)
+
+
+def ours(s):
+    tight = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8]
+    runs = [
+        ("velocity-verlet", *steps(s, *VERLET)),
+        ("rk4", *steps(s, *RK4)),
+        ("dormand-prince", *steps(s, 16, 20, 32)),
+        ("dop853", *steps(s, 4, 6, 8)),
+        ("dop853", "tol", tight),
+        ("dormand-prince", "tol", tight),
+        ("newmark", "step", [*IMPLICIT, 2e-4, 1e-4]),
+        ("newmark", "tol", [1e-1, 1e-2, 1e-3, 1e-4]),
+        ("newmark-full", "step", IMPLICIT),
+    ]
+    if not s.air:
+        runs.append(("kang", *steps(s, 20, 80)))
+    return runs
+
+
+def plain_cpp(s):
+    return [("leapfrog", *steps(s, *VERLET)), ("rk4", *steps(s, *RK4))]
+
+
+def sundials(s):
+    loose = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+    if s.stiff > 10:  # what is left out takes from a quarter of a minute to several
+        return [("erk5", "tol", [1e-3, 1e-4, 1e-6]), ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3])]
+    return [
+        ("erk5", "tol", [*loose, 1e-8]),
+        ("erk8", "tol", loose[::2]),
+        ("bdf", "tol", loose if s.stiff == 1 else loose[1:4]),
+        ("bdf-cholesky", "tol", [1e-1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+    ]
+
+
+def scipy(s):
+    if s.stiff > 10:  # minutes
+        return []
+    return [("DOP853", "tol", [1e-2, 1e-4, 1e-6]), ("RK45", "tol", [1e-3, 1e-4, 1e-6])]
+
+
+def numpy_loop(s):
+    # Its steps shrink with the stiffness, not its root: undamped oscillations grow by (w h)^2/2 a step.
+    euler = [("explicit-euler", *steps(s, 100, 200, 400))] if s.stiff == 1 else []
+    return [*euler, ("velocity-verlet", *steps(s, 16, 20, 40, 80, 160))]
+
+
+def opensees(s):
+    explicit = [("central-difference", *steps(s, 12, 16, 20, 40, 80, 160))]
+    return [("newmark", "step", IMPLICIT)] + (explicit if s.stiff <= 10 else [])
+
+
+def kratos(s):
+    explicit = [("central-difference", *steps(s, 12, 16, 20, 40, 80))]
+    return [("newmark-cg", "step", IMPLICIT), ("newmark-lu", "step", IMPLICIT[:3])] + (explicit if s.stiff <= 10 else [])
+
+
+KRATOS = ["KratosMultiphysics"] + [f"Kratos{part}Application" for part in ("LinearSolvers", "ConstitutiveLaws", "StructuralMechanics")]
+
+
+def python(script):
+    return [str(PYTHON), str(HERE / script)]
+
+
+def opensees_libraries():
+    """The wheel brings libraries along that it does not find by itself."""
+    found = sorted(PYTHON.parent.parent.glob("lib/python*/site-packages/openseespy*/lib"))
+    return {"LD_LIBRARY_PATH": ":".join(map(str, found))}
+
+
+PEERS = [
+    Peer("canopy-fem", [str(TARGET / OURS), "serve"], [OURS], ours, air=True),
+    Peer("cpp", [str(TARGET / "plain_cpp")], ["plain_cpp"], plain_cpp, air=True),
+    Peer("eigen", [str(TARGET / "plain_eigen")], ["plain_eigen"], lambda s: [("newmark", "step", [*IMPLICIT, 2e-4])]),
+    Peer("sundials", [str(TARGET / "plain_sundials")], ["plain_sundials"], sundials, air=True),
+    Peer("scipy", python("peer_scipy.py"), ["scipy"], scipy, air=True),
+    Peer("numpy", python("peer_numpy.py"), ["numpy"], numpy_loop, air=True),
+    Peer("opensees", python("peer_opensees.py"), ["openseespy"], opensees, environment=opensees_libraries()),
+    Peer("kratos", python("peer_kratos.py"), KRATOS, kratos),
+]
+
+
+def name_of_case(scene):
+    return str(HERE.parent.parent / "assets" / "cases" / scene.case)
