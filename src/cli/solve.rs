@@ -185,9 +185,13 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     }
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
+    let cg = match c.cg_iterations {
+        0 => String::new(),
+        made => format!(", {made} of conjugate gradients"),
+    };
     let _ = writeln!(
         text,
-        "  work            {} force passes, {} factorisations, {} Newton iterations",
+        "  work            {} force passes, {} factorisations, {} Newton iterations{cg}",
         c.force_evaluations, c.factorizations, c.newton_iterations
     );
     let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
