@@ -193,9 +193,13 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     if summary.startup.total > LONG_START {
         let _ = writeln!(text, "  start-up        {}", summary.startup.text());
     }
+    let cg = match c.cg_iterations {
+        0 => String::new(),
+        made => format!(", {made} of conjugate gradients"),
+    };
     let _ = writeln!(
         text,
-        "  work            {} force passes, {} factorisations, {} Newton iterations",
+        "  work            {} force passes, {} factorisations, {} Newton iterations{cg}",
         c.force_evaluations, c.factorizations, c.newton_iterations
     );
     let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);

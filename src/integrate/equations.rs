@@ -104,7 +104,7 @@ impl Equations<'_> {
 
     /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
-        let Some((at, w)) = self.kept.to_convex() else { return Ok(false) };
+        let Some((at, w)) = self.kept.turn_convex() else { return Ok(false) };
         Ok(self.tangents.freeze(self.system, at, w, true, self.counters)?.is_some())
     }
 

@@ -13,7 +13,7 @@ use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
-use crate::solve::{Accuracy, LinearChoice, LinearStats};
+use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 
 /// [-] What a solve for a filtered error may leave: it is only looked at.
 const FILTER_RELATIVE: f64 = 1e-3;
@@ -194,7 +194,11 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             *b = weight * s.inertia[dof as usize];
         }
         s.tangents.ask(Accuracy::to(FILTER_RELATIVE));
-        s.tangents.solve(&mut s.z, counters)?;
+        match s.tangents.solve(&mut s.z, counters) {
+            // Conjugate gradients that cannot: an estimate that is not filtered is too large, never too small.
+            Err(LinearError::Indefinite { .. } | LinearError::Stalled { .. }) => return Ok(()),
+            solved => solved?,
+        }
         for (&dof, b) in s.tangents.dof.iter().zip(&s.z) {
             e[dof as usize] = *b;
         }

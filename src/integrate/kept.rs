@@ -82,7 +82,7 @@ impl Kept {
     }
 
     /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing if it is of that already.
-    pub fn to_convex(&mut self) -> Option<(StateRef<'_>, Weights)> {
+    pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights)> {
         if self.tried.convex {
             return None;
         }

@@ -184,7 +184,7 @@ fn conjugate_gradients_are_refused_where_they_cannot_work() {
     let bench = Bench::new();
     let solver = "\"solver\": {\"linear\": \"cg\", \"newton\": {\"strategy\": \"full\"}},\n  \"output\"";
     std::fs::write(bench.path("sail.json"), SAIL.replace("\"output\"", solver)).expect("a case");
-    let pendulum = r#"{"name": "pendulum", "system": {"pendulum": {"length": 1, "mass": 2, "angle": 0.5}},
+    let pendulum = r#"{"name": "pendulum", "system": {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}},
                        "time": {"end": 1, "step": 0.1, "method": "newmark"}, "solver": {"linear": "cg"}}"#;
     std::fs::write(bench.path("pendulum.json"), pendulum).expect("a case");
     for (case, words) in

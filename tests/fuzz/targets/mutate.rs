@@ -10,7 +10,7 @@ const NUMBERS: [f64; 40] = [
     0.999_999_999, 1.000_000_001,
 ];
 
-const WORDS: [&str; 36] = [
+const WORDS: [&str; 37] = [
     "all", "boundary", "interior", "seams", "lines", "outer", "inner", "xyz", "z", "xy", "tension-only", "step", "corrected", "paper",
     "follower", "dead", "explicit-euler", "euler-cromer", "euler-richardson", "improved-euler", "improved-euler-pec",
     "velocity-verlet", "rk4", "newmark", "hht", "kang", "backward-euler", "generalized-alpha", "full", "auto", "lu", "cholesky", "cg",
