@@ -165,16 +165,21 @@ struct Book {
     found: Startup,
     /// [s] in phases inside the present one
     inside: f64,
+    /// whether the present one keeps all of its time
+    whole: bool,
 }
 
 thread_local! {
     static BOOK: RefCell<Option<Book>> = const { RefCell::new(None) };
 }
 
-/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked.
+/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked; the matrices that the search
+/// for the largest stable step makes are part of that search.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
-        let book = book.as_mut().filter(|b| phase != Phase::Factorization || b.found.factorization == 0.0)?;
+        let first = |b: &Book| phase != Phase::Factorization || b.found.factorization == 0.0;
+        let book = book.as_mut().filter(|b| !b.whole && first(b))?;
+        book.whole = phase == Phase::CriticalStep;
         Some(std::mem::take(&mut book.inside))
     });
     let Some(outside) = outside else { return work() };
@@ -185,6 +190,7 @@ pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
         if let Some(book) = book {
             *book.found.of(phase) += (seconds - book.inside).max(0.0);
             book.inside = outside + seconds;
+            book.whole = false;
         }
     });
     done
@@ -197,7 +203,7 @@ pub struct Account(());
 impl Account {
     /// Opens it; one that was open is given up.
     pub fn open() -> Self {
-        let book = Book { began: Clock::now(), found: Startup::default(), inside: 0.0 };
+        let book = Book { began: Clock::now(), found: Startup::default(), inside: 0.0, whole: false };
         BOOK.set(Some(book));
         Account(())
     }
@@ -244,6 +250,9 @@ mod tests {
         });
         let first = account.read();
         assert!(first.mesh >= 0.04 && first.parse < first.mesh, "{first:?}");
+        timed(Phase::CriticalStep, || timed(Phase::Pattern, work));
+        let searched = account.read();
+        assert!(searched.critical_step >= 0.02 && searched.pattern == 0.0, "{searched:?}");
         timed(Phase::Factorization, work);
         let once = account.read().factorization;
         timed(Phase::Factorization, work);

@@ -2,6 +2,7 @@
 
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, check_finite};
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -67,8 +68,8 @@ impl Lu {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
         let full = pattern.symmetric.then(|| mirror(&pattern));
         let analysed = full.as_ref().map_or(&*pattern, |(full, ..)| full);
-        let symbolic = factorize_symbolic_lu(symbolic_matrix(analysed), Default::default())
-            .map_err(|e| failed(format!("{e:?}")))?;
+        let symbolic =
+            timed(Phase::Symbolic, || factorize_symbolic_lu(symbolic_matrix(analysed), Default::default())).map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_lu_scratch::<f64>(PAR, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, PAR));
