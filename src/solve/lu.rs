@@ -68,8 +68,8 @@ impl Lu {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
         let full = pattern.symmetric.then(|| mirror(&pattern));
         let analysed = full.as_ref().map_or(&*pattern, |(full, ..)| full);
-        let symbolic =
-            timed(Phase::Symbolic, || factorize_symbolic_lu(symbolic_matrix(analysed), Default::default())).map_err(|e| failed(format!("{e:?}")))?;
+        let symbolic = timed(Phase::Symbolic, || factorize_symbolic_lu(symbolic_matrix(analysed), Default::default()))
+            .map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_lu_scratch::<f64>(PAR, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, PAR));
@@ -92,8 +92,12 @@ impl LinearSolver for Lu {
             }
         };
         let stack = MemStack::new(&mut self.memory);
-        match self.symbolic.factorize_numeric_lu(&mut self.numeric, w, PAR, stack, Default::default()) {
-            Ok(_) => self.factored = true,
+        let (symbolic, numeric) = (&self.symbolic, &mut self.numeric);
+        let made = timed(Phase::Factorization, || {
+            symbolic.factorize_numeric_lu(numeric, w, PAR, stack, Default::default()).map(|_| ())
+        });
+        match made {
+            Ok(()) => self.factored = true,
             Err(faer::sparse::linalg::LuError::SymbolicSingular { index }) => {
                 return Err(LinearError::Singular { unknown: Some(index) });
             }
