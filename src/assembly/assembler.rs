@@ -47,14 +47,12 @@ impl Assembler {
         }
         let pattern = build_pattern(nodes, &pairs, &unknown, symmetric);
         let spare = pattern.nonzeros() as u32;
-        let mut blocks = vec![[spare; 9]];
-        blocks.extend(pairs.iter().map(|&(j, i)| block_slots(&pattern, unknown[i as usize], unknown[j as usize])));
-        let mut emitted = Vec::new();
-        for &emission in &recorder.emissions {
-            emission.blocks(symmetric, |p, q| {
-                emitted.push(pairs.binary_search(&(q, p)).map_or(0, |at| at as u32 + 1));
-            });
+        let mut blocks = Vec::with_capacity(pairs.len() + 1);
+        blocks.push([spare; 9]);
+        for column in pairs.chunk_by(|a, b| a.0 == b.0) {
+            add_slots(&pattern, column, &unknown, &mut blocks);
         }
+        let emitted = blocks_of(recorder, &pairs, nodes.fixed.len(), symmetric);
         let diagonal = (0..pattern.n() as u32).map(|i| pattern.slot(i, i).unwrap_or(spare)).collect();
         let values = vec![0.0; pattern.nonzeros() + 1];
         Ok(Assembler { pattern: Arc::new(pattern), values, blocks, emitted, diagonal })
@@ -211,16 +209,43 @@ fn build_pattern(nodes: Nodes<'_>, pairs: &[(u32, u32)], unknown: &[[u32; 3]], s
     p
 }
 
-/// Slots of a block's entries, column by column; the spare slot for what is fixed or in the upper triangle.
-fn block_slots(pattern: &Pattern, rows: [u32; 3], columns: [u32; 3]) -> [u32; 9] {
-    let spare = pattern.nonzeros() as u32;
-    let mut slots = [spare; 9];
-    for (c, &j) in columns.iter().enumerate() {
-        for (r, &i) in rows.iter().enumerate() {
-            if i != FIXED && j != FIXED {
-                slots[3 * c + r] = pattern.slot(i, j).unwrap_or(spare);
+/// Appends the slots of the entries of every block in a column of blocks, column by column; the spare slot for what is fixed or in the
+/// upper triangle.
+fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blocks: &mut Vec<[u32; 9]>) {
+    let columns = unknown[column[0].0 as usize];
+    // The blocks' rows follow each other in a column, so the next free slot of each tells where a block's entries go.
+    let mut next = columns.map(|j| if j == FIXED { 0 } else { pattern.col_ptr[j as usize] });
+    for &(_, i) in column {
+        let mut slots = [pattern.nonzeros() as u32; 9];
+        for (c, (&j, next)) in columns.iter().zip(&mut next).enumerate().filter(|(_, (j, _))| **j != FIXED) {
+            for (r, &row) in unknown[i as usize].iter().enumerate() {
+                if row != FIXED && (!pattern.symmetric || row >= j) {
+                    slots[3 * c + r] = *next;
+                    *next += 1;
+                }
             }
         }
+        blocks.push(slots);
     }
-    slots
+}
+
+/// Number of the block of every emitted pair of nodes, in the order of emission: 0 for those that are eliminated.
+fn blocks_of(recorder: &Recorder, pairs: &[(u32, u32)], nodes: usize, symmetric: bool) -> Vec<u32> {
+    let mut start = vec![0_u32; nodes + 1];
+    for &(j, _) in pairs {
+        start[j as usize + 1] += 1;
+    }
+    for j in 0..nodes {
+        start[j + 1] += start[j];
+    }
+    let mut emitted = Vec::new();
+    for &emission in &recorder.emissions {
+        emission.blocks(symmetric, |i, j| {
+            let first = start[j as usize];
+            let column = &pairs[first as usize..start[j as usize + 1] as usize];
+            emitted.push(column.binary_search(&(j, i)).map_or(0, |at| first + at as u32 + 1));
+        });
+    }
+    emitted.shrink_to_fit();
+    emitted
 }

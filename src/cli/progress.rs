@@ -132,7 +132,7 @@ impl Progress {
 
 impl Observer for Progress {
     fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        let startup = crate::startup::ready().filter(|startup| startup.total > LONG_START);
+        let startup = crate::startup::ready().filter(|startup| startup.wall_seconds > LONG_START);
         if !self.bar.is_hidden() {
             if let Some(startup) = startup {
                 self.bar.suspend(|| complain(&format!("start-up {}", startup.text())));

@@ -190,7 +190,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     }
     let cpu = summary.cpu_seconds.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2} s"));
     let _ = writeln!(text, "  cost            {cpu} CPU, {:.2} s wall", summary.wall_seconds);
-    if summary.startup.total > LONG_START {
+    if summary.startup.wall_seconds > LONG_START {
         let _ = writeln!(text, "  start-up        {}", summary.startup.text());
     }
     let cg = match c.cg_iterations {

@@ -32,7 +32,8 @@ const REST: f64 = 1e-3;
 const CLEARANCE: f64 = 0.4;
 /// most iterations of an attempt
 const ITERATIONS: usize = 2000;
-/// iterations of a large mesh; the mean smallest angle of a triangle is 54.6 degrees then, and 55.5 at rest
+/// iterations of a large mesh; the mean smallest angle of a triangle is then 54.6 degrees with 100,000 nodes (55.5 at rest) and 52 with
+/// a million, the smallest of all 36 and 34
 const LARGE_ITERATIONS: usize = 100;
 /// attempts, each from other pseudo-random numbers
 const ATTEMPTS: u64 = 5;

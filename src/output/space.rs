@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::encode::Precision;
 use super::frame::Fields;
+use super::vtu::Width;
 use crate::model::picture::Picture;
 
 /// [byte] The XML around the arrays of a frame, about.
@@ -21,12 +22,13 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) 
     // Positions, displacements and velocities are always there.
     let vectors = 3 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain);
-    // Int64 corners and offsets, UInt8 types.
+    // Corners and offsets, UInt8 types.
+    let width = count(Width::of(picture.reference().len(), corners as usize).bytes());
     let number = match precision {
         Precision::F64 => 8,
         Precision::F32 => 4,
     };
-    HEAD + 3 * number * vectors * points + (number * scalars + 8 + 1) * cells + 8 * corners
+    HEAD + 3 * number * vectors * points + (number * scalars + width + 1) * cells + width * corners
 }
 
 /// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not tell.

@@ -10,6 +10,9 @@ use std::io::Write;
 use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
 use super::names::xml_attribute;
 
+/// Points above which cells are written as Int32 instead of Int64, as VTK itself does where it is built with short numbers: of a large frame
+/// they are most of the bytes.
+const MANY: usize = 20_000;
 /// VTK's cell types (vtkCellType.h).
 const VTK_VERTEX: u8 = 1;
 const VTK_LINE: u8 = 3;
@@ -97,6 +100,7 @@ pub struct VtuWriter {
     short: Vec<u8>,
     fixed_len: usize,
     fixed_offsets: [usize; 3],
+    width: Width,
 }
 
 impl VtuWriter {
@@ -124,6 +128,7 @@ impl VtuWriter {
             short: Vec::new(),
             fixed_len,
             fixed_offsets,
+            width: table.width,
         })
     }
 
@@ -203,7 +208,8 @@ impl VtuWriter {
 
     fn end(&mut self) {
         self.head.push_str("<Cells>\n");
-        let arrays = [("Int64", "connectivity"), ("Int64", "offsets"), ("UInt8", "types")];
+        let kind = self.width.kind();
+        let arrays = [(kind, "connectivity"), (kind, "offsets"), ("UInt8", "types")];
         for ((kind, name), offset) in arrays.into_iter().zip(self.fixed_offsets) {
             let _ = writeln!(
                 self.head,
@@ -218,16 +224,50 @@ impl VtuWriter {
     }
 }
 
-/// The cell arrays as bytes: Int64 connectivity and ends, UInt8 types.
+/// How the numbers of points and ends of cells are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    /// Int32
+    Short,
+    /// Int64
+    Long,
+}
+
+impl Width {
+    /// The one for a picture with so many points and corners of cells.
+    pub fn of(points: usize, corners: usize) -> Self {
+        if points > MANY && corners < i32::MAX as usize { Width::Short } else { Width::Long }
+    }
+
+    /// [byte] of a number
+    pub fn bytes(self) -> usize {
+        match self {
+            Width::Short => size_of::<i32>(),
+            Width::Long => size_of::<i64>(),
+        }
+    }
+
+    /// VTK's name.
+    fn kind(self) -> &'static str {
+        match self {
+            Width::Short => "Int32",
+            Width::Long => "Int64",
+        }
+    }
+}
+
+/// The cell arrays as bytes: connectivity and ends, UInt8 types.
 struct CellTable {
     connectivity: Vec<u8>,
     ends: Vec<u8>,
     types: Vec<u8>,
+    width: Width,
 }
 
 impl CellTable {
     fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
-        let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
+        let width = Width::of(cells.points, 3 * cells.triangles.len() + 2 * cells.edges.len());
+        let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {
             table.push(VTK_TRIANGLE, triangle, cells.points)?;
         }
@@ -251,9 +291,11 @@ impl CellTable {
     }
 
     fn put(&mut self, kind: u8, corners: impl Iterator<Item = u64>) {
-        corners.for_each(|p| self.connectivity.extend_from_slice(&p.to_le_bytes()));
-        let end = (self.connectivity.len() / size_of::<u64>()) as u64;
-        self.ends.extend_from_slice(&end.to_le_bytes());
+        // The low bytes come first.
+        let bytes = self.width.bytes();
+        corners.for_each(|p| self.connectivity.extend_from_slice(&p.to_le_bytes()[..bytes]));
+        let end = (self.connectivity.len() / bytes) as u64;
+        self.ends.extend_from_slice(&end.to_le_bytes()[..bytes]);
         self.types.push(kind);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use crate::assembly::Pattern;
+use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -68,7 +69,7 @@ impl Lu {
         let failed = |reason: String| LinearError::Analysis { unknowns: pattern.n(), reason };
         let full = pattern.symmetric.then(|| mirror(&pattern));
         let analysed = full.as_ref().map_or(&*pattern, |(full, ..)| full);
-        let symbolic = factorize_symbolic_lu(symbolic_matrix(analysed), Default::default())
+        let symbolic = timed(Phase::Symbolic, || factorize_symbolic_lu(symbolic_matrix(analysed), Default::default()))
             .map_err(|e| failed(format!("{e:?}")))?;
         let scratch = symbolic
             .factorize_numeric_lu_scratch::<f64>(PAR, Default::default())
@@ -93,8 +94,12 @@ impl LinearSolver for Lu {
             }
         };
         let stack = MemStack::new(&mut self.memory);
-        match self.symbolic.factorize_numeric_lu(&mut self.numeric, w, PAR, stack, Default::default()) {
-            Ok(_) => self.factored = true,
+        let (symbolic, numeric) = (&self.symbolic, &mut self.numeric);
+        let made = timed(Phase::Factorization, || {
+            symbolic.factorize_numeric_lu(numeric, w, PAR, stack, Default::default()).map(|_| ())
+        });
+        match made {
+            Ok(()) => self.factored = true,
             Err(faer::sparse::linalg::LuError::SymbolicSingular { index }) => {
                 return Err(LinearError::Singular { unknown: Some(index) });
             }

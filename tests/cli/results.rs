@@ -67,6 +67,25 @@ fn solve_writes_the_files_of_the_contract() {
     }
 }
 
+/// The summary tells where the time before the first step went; what does not take place takes no time.
+#[test]
+fn the_start_is_told_phase_by_phase() {
+    for (method, matrix) in [("velocity-verlet", false), ("newmark", true)] {
+        let bench = Bench::new();
+        assert_eq!(bench.solve(&["--method", method]).code, Some(0));
+        let summary = bench.results().summary();
+        let seconds = |key: &str| summary["startup"][key].as_f64().unwrap_or_else(|| panic!("no {key} in {summary}"));
+        let before = ["parse", "mesh", "topology", "numbering", "scene", "critical_step", "files", "forces"];
+        let analysis = ["pattern", "ordering", "symbolic"];
+        let phases: f64 = before.iter().chain(&analysis).map(|key| seconds(key)).sum();
+        assert!(before.iter().chain(&analysis).all(|key| seconds(key) >= 0.0));
+        assert!(seconds("cpu_seconds") >= 0.999 * phases && seconds("wall_seconds") > 0.0, "{summary}");
+        for key in analysis.iter().chain(&["factorization"]) {
+            assert_eq!(seconds(key) > 0.0, matrix, "{key} with {method}");
+        }
+    }
+}
+
 /// Without `--out` the results go to `out/<case name>`.
 #[test]
 fn the_default_folder_bears_the_name_of_the_case() {

@@ -13,7 +13,7 @@ pub struct Vtu {
     pub time: f64,
     order: Vec<String>,
     arrays: HashMap<String, Vec<u8>>,
-    /// arrays of seven digits
+    /// arrays of numbers of four bytes
     short: Vec<String>,
 }
 
@@ -37,6 +37,9 @@ impl Vtu {
         self.bytes(name).as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
     }
     pub fn integers(&self, name: &str) -> Vec<i64> {
+        if self.short.iter().any(|short| short == name) {
+            return self.bytes(name).as_chunks().0.iter().map(|chunk| i64::from(i32::from_le_bytes(*chunk))).collect();
+        }
         self.bytes(name).as_chunks().0.iter().map(|chunk| i64::from_le_bytes(*chunk)).collect()
     }
 }
@@ -73,7 +76,7 @@ pub fn parse(file: &[u8]) -> Vtu {
             vtu.time = text.parse().expect("a time");
         } else {
             let offset: usize = attribute(line, "offset").expect("an offset").parse().expect("a number");
-            if line.contains("type=\"Float32\"") {
+            if ["type=\"Float32\"", "type=\"Int32\""].iter().any(|kind| line.contains(kind)) {
                 vtu.short.push(name.clone());
             }
             vtu.arrays.insert(name.clone(), decode(&body[offset..], base64, zlib));
