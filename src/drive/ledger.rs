@@ -9,6 +9,7 @@
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
 use crate::model::forces::Role;
+use crate::model::lanes::{LANES, Lanes};
 use crate::model::point::Point;
 use crate::model::system::System;
 use multiversion::multiversion;
@@ -92,16 +93,20 @@ fn trapezoid(system: &dyn System, f: (&[f64], &[f64]), from: &Point, to: &Point)
 
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn half_sum_times_difference((a, b): (&[f64], &[f64]), (x, y): (&[f64], &[f64])) -> f64 {
-    let mut lanes = [0.0; 8];
-    let ((a, a_last), (b, b_last)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let ((x, x_last), (y, y_last)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
+    let mut sum = Lanes::default();
+    let ((a, a_last), (b, b_last)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let ((x, x_last), (y, y_last)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+    let mut work = [0.0; LANES];
     for (((a, b), x), y) in a.iter().zip(b).zip(x).zip(y) {
-        for i in 0..8 {
-            lanes[i] += 0.5 * (a[i] + b[i]) * (y[i] - x[i]);
+        for i in 0..LANES {
+            work[i] = 0.5 * (a[i] + b[i]) * (y[i] - x[i]);
         }
+        sum.add(&work);
     }
-    for ((((a, b), x), y), lane) in a_last.iter().zip(b_last).zip(x_last).zip(y_last).zip(&mut lanes) {
-        *lane += 0.5 * (a + b) * (y - x);
+    let mut work = [0.0; LANES];
+    for ((((a, b), x), y), work) in a_last.iter().zip(b_last).zip(x_last).zip(y_last).zip(&mut work) {
+        *work = 0.5 * (a + b) * (y - x);
     }
-    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    sum.add(&work);
+    sum.total()
 }

@@ -5,9 +5,10 @@
 //! a node in the same order, and tallies are added in the order of the tiles; so the bits agree.
 
 use super::NodeState;
-pub use super::tile::{LANES, Lanes, Padded, Tile};
+pub use super::tile::{Padded, Tile};
 use super::tile::{Plan, Tiles, WINDOW, Windows};
 use crate::model::forces::Tally;
+pub use crate::model::lanes::{LANES, Lanes};
 use crate::model::workers::Workers;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -199,17 +200,4 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         let tiles = self.tiles.plan().len();
         Parallel { start, entries, windows: vec![[0.0; 4]; tiles * WINDOW], tally: vec![Tally::default(); tiles] }
     }
-}
-
-/// Sum in eight fixed lanes: vectorises, and has the same bits everywhere.
-pub(crate) fn lane_sum(values: &[f64]) -> f64 {
-    let mut lanes = Lanes::default();
-    let (chunks, rest) = values.as_chunks::<LANES>();
-    for chunk in chunks {
-        lanes.add(chunk);
-    }
-    let mut last = [0.0; LANES];
-    last[..rest.len()].copy_from_slice(rest);
-    lanes.add(&last);
-    lanes.total()
 }

@@ -14,9 +14,6 @@ pub type Padded = [f64; 4];
 /// Nodes a tile touches at most. Three windows of this size fit into the second-level cache.
 pub(super) const WINDOW: usize = 2048;
 
-/// Elements that vectorised kernels take at once.
-pub const LANES: usize = 8;
-
 /// The elements of a tile as a kernel sees them.
 #[derive(Clone, Copy)]
 pub struct Tile<'a, const N: usize> {
@@ -50,26 +47,6 @@ impl<const N: usize> Tile<'_, N> {
             }
         }
         sum
-    }
-}
-
-/// A sum in fixed lanes: it vectorises, and has the same bits everywhere.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Lanes([f64; LANES]);
-
-impl Lanes {
-    /// Adds one value to each of the first lanes.
-    #[inline(always)]
-    pub fn add<const B: usize>(&mut self, values: &[f64; B]) {
-        for (lane, value) in self.0.iter_mut().zip(values) {
-            *lane += value;
-        }
-    }
-
-    /// The sum.
-    pub fn total(self) -> f64 {
-        let l = self.0;
-        ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
     }
 }
 

@@ -2,6 +2,7 @@
 //! and every output is written against.
 
 pub mod forces;
+pub mod lanes;
 pub mod picture;
 pub mod point;
 pub mod spec;

@@ -3,11 +3,12 @@
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
-use crate::force::batch::{Threads, lane_sum};
+use crate::force::batch::Threads;
 use crate::force::spring::{Coefficient, SpringData};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
+use crate::model::lanes::lane_sum;
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;

@@ -1,0 +1,38 @@
+//! Sums in fixed lanes: they vectorise, and have the same bits everywhere.
+
+/// Lanes of a sum, and elements that vectorised loops take at once.
+pub const LANES: usize = 8;
+
+/// A sum in lanes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lanes([f64; LANES]);
+
+impl Lanes {
+    /// Adds one value to each of the first lanes.
+    #[inline(always)]
+    pub fn add<const B: usize>(&mut self, values: &[f64; B]) {
+        for (lane, value) in self.0.iter_mut().zip(values) {
+            *lane += value;
+        }
+    }
+
+    /// The sum. Not inlined: its order would otherwise choose that of the lanes in the loop before it, which costs a quarter of the loop's speed.
+    #[inline(never)]
+    pub fn total(&self) -> f64 {
+        let l = &self.0;
+        ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
+    }
+}
+
+/// The sum of a list.
+pub fn lane_sum(values: &[f64]) -> f64 {
+    let mut lanes = Lanes::default();
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    for chunk in chunks {
+        lanes.add(chunk);
+    }
+    let mut last = [0.0; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    lanes.add(&last);
+    lanes.total()
+}
