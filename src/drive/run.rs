@@ -16,7 +16,6 @@ use crate::model::point::Point;
 use crate::model::state::State;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
-use multiversion::multiversion;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How many times its size a scene may spread before it counts as blown up.
@@ -296,7 +295,7 @@ impl<'a> Run<'a> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
         let before = (self.ledger, self.watch);
         let row = self.ledger.step(self.scene, &self.from, &self.to, report);
-        let finite = is_finite(&row) && all_finite(self.scene, &self.to.forces.total);
+        let finite = is_finite(&row) && self.scene.workers().all_finite(&self.to.forces.total);
         let extent = self.scene.extent(self.to.state.as_ref());
         let left = !finite || extent.is_nan() || extent > self.limit;
         match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
@@ -406,23 +405,6 @@ fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> usize {
 fn limit(scene: &dyn Scene) -> f64 {
     let size = scene.size();
     if size > 0.0 { BLOW_UP * size } else { f64::INFINITY }
-}
-
-/// Nothing times zero is zero but what is finite.
-fn all_finite(scene: &dyn Scene, f: &[f64]) -> bool {
-    scene.workers().sum(f.len(), |r| zero_times(&f[r])) == 0.0
-}
-
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn zero_times(f: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (rows, last) = f.as_chunks::<8>();
-    for row in rows {
-        for i in 0..8 {
-            lanes[i] += 0.0 * row[i];
-        }
-    }
-    lanes.iter().sum::<f64>() + last.iter().map(|f| 0.0 * f).sum::<f64>()
 }
 
 fn is_finite(row: &LedgerRow) -> bool {

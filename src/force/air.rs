@@ -89,6 +89,8 @@ impl Kernel<3> for AirData {
 /// Compiled for each vector width and chosen at run time; without fused operations all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn add_air(data: &AirData, wind: DVec3, tile: Tile<'_, 3>, f: &mut [Padded]) -> f64 {
+    // Of one length, so that a node is checked once for all three.
+    let tile = Tile { x: &tile.x[..f.len()], v: &tile.v[..f.len()], ..tile };
     let mut power = Lanes::default();
     let (blocks, rest) = tile.nodes.as_chunks::<LANES>();
     for nodes in blocks {

@@ -3,6 +3,8 @@
 //! A loop is cut into pieces whose size depends on the length alone. What a piece yields is added in the order of the pieces, on one thread
 //! too; so the bits agree.
 
+use super::lanes::{LANES, Lanes};
+use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -90,6 +92,22 @@ impl Workers {
     pub fn sum(&self, n: usize, part: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
         self.fold(n, 0.0, part, |a, b| a + b)
     }
+
+    /// Whether all values are finite.
+    pub fn all_finite(&self, values: &[f64]) -> bool {
+        self.sum(values.len(), |r| times_zero(&values[r])) == 0.0
+    }
+}
+
+/// Nothing times zero is zero but what is finite.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn times_zero(values: &[f64]) -> f64 {
+    let mut sum = Lanes::default();
+    let (rows, last) = values.as_chunks::<LANES>();
+    for row in rows {
+        sum.add(&row.map(|value| 0.0 * value));
+    }
+    sum.total() + last.iter().map(|value| 0.0 * value).sum::<f64>()
 }
 
 fn piece(n: usize) -> usize {
@@ -99,6 +117,23 @@ fn piece(n: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_value_that_is_not_finite_is_found_wherever_it_is() {
+        let workers = Workers::new(2).expect("threads");
+        for n in [1, 8, 9, PIECE + 3] {
+            let mut values = vec![-1e308; n];
+            assert!(workers.all_finite(&values));
+            for at in [0, n / 2, n - 1] {
+                for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    values[at] = wrong;
+                    assert!(!workers.all_finite(&values), "{wrong} at {at} of {n}");
+                }
+                values[at] = 0.0;
+            }
+        }
+        assert!(workers.all_finite(&[]));
+    }
 
     #[test]
     fn pieces_cover_everything_once_and_sums_do_not_depend_on_threads() {
