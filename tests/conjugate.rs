@@ -13,7 +13,7 @@ use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
-use common::run::{Run, asset, changed, run, run_with};
+use common::run::{Run, apart, asset, changed, run, run_with};
 use common::{Random, spring_group};
 use std::path::Path;
 use std::sync::Arc;
@@ -189,14 +189,6 @@ fn solved(case: &Case, sets: &[(&str, &str)]) -> Run {
     let outcome = &found.outcome;
     assert_eq!(outcome.status, Status::Completed, "{sets:?}: {:?}", outcome.failure);
     found
-}
-
-/// [-] Root mean square distance of the ends of two runs over that of the motion.
-fn apart(a: &Run, b: &Run) -> f64 {
-    let sum = |from: &Run, to: &[[f64; 3]]| -> f64 {
-        from.positions.iter().zip(to).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).powi(2))).sum()
-    };
-    (sum(a, &b.positions) / sum(a, &a.reference)).sqrt()
 }
 
 /// However the linear systems are solved, steps end at the same residual: trajectories agree to 1e-6 of the motion, as those of the strategies do, and

@@ -5,7 +5,7 @@ mod common;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::{Family, methods};
-use common::run::{Run, asset, changed, run, run_with};
+use common::run::{Run, apart, asset, changed, run, run_with};
 
 const DEAD: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "dead", "direction": [0, 0, 1]}]"#;
 const FOLLOWER: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "follower"}]"#;
@@ -33,14 +33,6 @@ fn with(case: &Case, method: &str, step: &str, strategy: &str) -> Run {
     let outcome = &found.outcome;
     assert_eq!(outcome.status, Status::Completed, "{method} at {step}, {strategy}: {:?}", outcome.failure);
     found
-}
-
-/// [-] Root mean square distance of the ends of two runs over that of the motion.
-fn apart(a: &Run, b: &Run) -> f64 {
-    let sum = |from: &Run, to: &[[f64; 3]]| -> f64 {
-        from.positions.iter().zip(to).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).powi(2))).sum()
-    };
-    (sum(a, &b.positions) / sum(a, &a.reference)).sqrt()
 }
 
 /// The tolerance on a step's residual is 1e-8 of the forces; what is left of a hundred steps stays below 1e-6 of the motion.

@@ -103,3 +103,11 @@ impl Observer for Last {
         Ok(())
     }
 }
+
+/// [-] Root mean square distance of the ends of two runs over that of the motion.
+pub fn apart(a: &Run, b: &Run) -> f64 {
+    let sum = |from: &Run, to: &[[f64; 3]]| -> f64 {
+        from.positions.iter().zip(to).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).powi(2))).sum()
+    };
+    (sum(a, &b.positions) / sum(a, &a.reference)).sqrt()
+}
