@@ -12,16 +12,16 @@
 //! ```
 //! A triangle of zero area has no normal: force and tangents are 0.
 
-use super::batch::{Batch, Kernel, LANES, Lanes, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::push::{Push, PushLaw, push};
 use super::series::interpolate;
-use super::tile::{minus, plus};
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::{Quad, VectorUnit};
 use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
-use multiversion::multiversion;
 use std::sync::Arc;
 
 /// The air on a batch of triangles.
@@ -82,62 +82,27 @@ impl Kernel<3> for AirData {
 
     fn add(&self, tile: Tile<'_, 3>, f: &mut [Padded]) -> Tally {
         let wind = interpolate(&self.wind, tile.at.t);
-        Tally { energy: 0.0, power: add_air(self, wind, tile, f) }
+        Tally { energy: 0.0, power: push(AirLaw { data: self, wind }, tile, f) }
     }
 }
 
-/// Compiled for each vector width and chosen at run time; without fused operations all give the same bits.
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn add_air(data: &AirData, wind: DVec3, tile: Tile<'_, 3>, f: &mut [Padded]) -> f64 {
-    // Of one length, so that a node is checked once for all three.
-    let tile = Tile { x: &tile.x[..f.len()], v: &tile.v[..f.len()], ..tile };
-    let mut power = Lanes::default();
-    let (blocks, rest) = tile.nodes.as_chunks::<LANES>();
-    for nodes in blocks {
-        add_block(data, wind, tile, nodes, f, &mut power);
-    }
-    for nodes in rest {
-        add_block(data, wind, tile, &[*nodes], f, &mut power);
-    }
-    power.total()
-}
-
-/// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
-#[inline(always)]
-fn add_block<const B: usize>(
-    data: &AirData,
+struct AirLaw<'a> {
+    data: &'a AirData,
     wind: DVec3,
-    tile: Tile<'_, 3>,
-    nodes: &[[u16; 3]; B],
-    f: &mut [Padded],
-    power: &mut Lanes,
-) {
-    let (x, v) = (tile.x, tile.v);
-    let (mut a, mut b, mut sum) = ([[0.0; 4]; B], [[0.0; 4]; B], [[0.0; 4]; B]);
-    let (mut given, mut share) = ([0.0; B], [[0.0; 4]; B]);
-    for t in 0..B {
-        let [i, j, k] = nodes[t].map(|i| i as usize);
-        (a[t], b[t]) = (minus(x[j], x[i]), minus(x[k], x[i]));
-        sum[t] = plus(plus(v[i], v[j]), v[k]);
-    }
-    for t in 0..B {
-        let (a, b, v) = (a[t], b[t], sum[t]);
-        let s =
-            [0.5 * (a[1] * b[2] - a[2] * b[1]), 0.5 * (a[2] * b[0] - a[0] * b[2]), 0.5 * (a[0] * b[1] - a[1] * b[0])];
-        let flow = THIRD * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
-        let flux = s[0] * wind.x + s[1] * wind.y + s[2] * wind.z - flow;
+}
+
+impl PushLaw for AirLaw<'_> {
+    /// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
+    #[inline(always)]
+    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
+        let (third, wind) = (unit.splat(THIRD), self.wind);
+        let (linear, quadratic) = (unit.splat(self.data.linear), unit.splat(self.data.quadratic));
+        let flow = third * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
+        let flux = s[0] * unit.splat(wind.x) + s[1] * unit.splat(wind.y) + s[2] * unit.splat(wind.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
-        let vn = if area > 0.0 { flux / area } else { 0.0 };
-        let dp = data.linear * vn + data.quadratic * vn * vn.abs();
-        given[t] = dp * flow;
-        let p = dp * THIRD;
-        share[t] = [p * s[0], p * s[1], p * s[2], 0.0];
-    }
-    power.add(&given);
-    for t in 0..B {
-        for node in nodes[t] {
-            f[node as usize] = plus(f[node as usize], share[t]);
-        }
+        let vn = (flux / area).where_positive(area);
+        let dp = linear * vn + quadratic * vn * vn.abs();
+        Push { share: dp * third, amount: dp * flow }
     }
 }
 

@@ -130,7 +130,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         for plan in self.tiles.plan() {
             let Windows { x, v, f: sums } = &mut *windows;
             sums.clear();
-            sums.resize(plan.window.len(), [0.0; 4]);
+            sums.resize(plan.window.len(), Padded::default());
             total += self.tile(plan, at, (x, v), sums);
             self.tiles.add(plan, sums, f);
         }
@@ -161,7 +161,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
             let mut own = threads.windows(rayon::current_thread_index().unwrap_or(0));
             let Windows { x, v, .. } = &mut *own;
             let sums = &mut sums[..plan.window.len()];
-            sums.fill([0.0; 4]);
+            sums.fill(Padded::default());
             *tally = self.tile(plan, at, (x, v), sums);
         });
         f.par_chunks_mut(NODES_PER_TASK).enumerate().for_each(|(task, f)| {
@@ -169,7 +169,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
             for (i, f) in f.iter_mut().enumerate() {
                 let list = start[first + i] as usize..start[first + i + 1] as usize;
                 for &entry in &entries[list] {
-                    let sum = windows[entry as usize];
+                    let Padded(sum) = windows[entry as usize];
                     *f += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }
@@ -198,6 +198,11 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
             next[node as usize] += 1;
         }
         let tiles = self.tiles.plan().len();
-        Parallel { start, entries, windows: vec![[0.0; 4]; tiles * WINDOW], tally: vec![Tally::default(); tiles] }
+        Parallel {
+            start,
+            entries,
+            windows: vec![Padded::default(); tiles * WINDOW],
+            tally: vec![Tally::default(); tiles],
+        }
     }
 }

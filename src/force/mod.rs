@@ -16,10 +16,14 @@
 pub mod air;
 pub mod axial_dashpot;
 pub mod batch;
+pub mod coefficient;
 pub mod follower_pressure;
 pub mod gravity;
 pub mod neighbours;
 pub mod nodal;
+mod phases;
+mod pull;
+mod push;
 pub mod rayleigh;
 pub mod relative_dashpot;
 pub mod series;

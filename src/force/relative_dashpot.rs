@@ -5,14 +5,14 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{Batch, Kernel, LANES, Lanes, Padded, Threads, Tile, Wants};
-use super::spring::Coefficient;
-use super::tile::{minus, plus, times};
+use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::coefficient::{Coefficient, Column, Place};
+use super::pull::{Pull, PullLaw, pull};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
-use multiversion::multiversion;
 use std::sync::Arc;
 
 /// A batch of relative dashpots.
@@ -43,55 +43,21 @@ impl Kernel<2> for RelativeData {
     }
 
     fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
-        Tally { energy: 0.0, power: add_dashpots(self, tile, f) }
+        let coefficient = self.coefficient.column(tile.range());
+        Tally { energy: 0.0, power: pull(DashpotLaw { coefficient }, tile.nodes, tile.v, f) }
     }
 }
 
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn add_dashpots(data: &RelativeData, tile: Tile<'_, 2>, f: &mut [Padded]) -> f64 {
-    match &data.coefficient {
-        Coefficient::Uniform(c) => add_blocks(tile, std::iter::repeat(&[*c; LANES]), std::iter::repeat(c), f),
-        Coefficient::Each(c) => {
-            let (c, last) = c[tile.range()].as_chunks();
-            add_blocks(tile, c.iter(), last.iter(), f)
-        }
-    }
+struct DashpotLaw<'a> {
+    coefficient: Column<'a>,
 }
 
-#[inline(always)]
-fn add_blocks<'a>(
-    tile: Tile<'_, 2>,
-    blocks: impl Iterator<Item = &'a [f64; LANES]>,
-    last: impl Iterator<Item = &'a f64>,
-    f: &mut [Padded],
-) -> f64 {
-    let mut power = Lanes::default();
-    let (nodes, rest) = tile.nodes.as_chunks::<LANES>();
-    for (nodes, c) in nodes.iter().zip(blocks) {
-        add_block(nodes, c, tile.v, f, &mut power);
-    }
-    for (nodes, c) in rest.iter().zip(last) {
-        add_block(&[*nodes], &[*c], tile.v, f, &mut power);
-    }
-    power.total()
-}
-
-#[inline(always)]
-fn add_block<const B: usize>(nodes: &[[u16; 2]; B], c: &[f64; B], v: &[Padded], f: &mut [Padded], power: &mut Lanes) {
-    let mut dv = [[0.0; 4]; B];
-    let mut given = [0.0; B];
-    for j in 0..B {
-        dv[j] = minus(v[nodes[j][1] as usize], v[nodes[j][0] as usize]);
-    }
-    for j in 0..B {
-        given[j] = -c[j] * (dv[j][0] * dv[j][0] + dv[j][1] * dv[j][1] + dv[j][2] * dv[j][2]);
-    }
-    power.add(&given);
-    for j in 0..B {
-        let [a, b] = nodes[j];
-        let force = times(c[j], dv[j]);
-        f[a as usize] = plus(f[a as usize], force);
-        f[b as usize] = minus(f[b as usize], force);
+impl PullLaw for DashpotLaw<'_> {
+    #[inline(always)]
+    fn pull<U: VectorUnit>(&self, unit: U, place: Place, dv: [U::Quad; 3]) -> Pull<U::Quad> {
+        let c = self.coefficient.quad(unit, place);
+        let square = dv[0] * dv[0] + dv[1] * dv[1] + dv[2] * dv[2];
+        Pull { scale: c, amount: unit.splat(-1.0) * c * square }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The three slack kinds and the plain spring as tension laws T(e), e = l - l0 (thesis Eq. 3, both readings).
 
+use crate::model::quad::{Quad, VectorUnit};
 use crate::model::spec::Slack;
 
 /// A spring's elastic tension at one elongation.
@@ -31,6 +32,15 @@ pub trait TensionLaw: Copy + Send + Sync {
         // Below the threshold the force is constant: its work is linear in the rest of the elongation.
         Tension { force, slope: if taut { k } else { 0.0 }, energy: 0.5 * force * (c - offset) + force * (e - c) }
     }
+
+    /// Tension and energy of four springs, with the bits of [`TensionLaw::at`].
+    #[inline(always)]
+    fn quad<U: VectorUnit>(&self, unit: U, k: U::Quad, e: U::Quad) -> (U::Quad, U::Quad) {
+        let c = e.at_least(unit.splat(self.threshold()));
+        let taut = c - unit.splat(self.offset());
+        let force = k * taut;
+        (force, unit.splat(0.5) * force * taut + force * (e - c))
+    }
 }
 
 /// T = k e.
@@ -50,6 +60,11 @@ impl TensionLaw for Plain {
     fn at(&self, k: f64, e: f64) -> Tension {
         let force = k * e;
         Tension { force, slope: k, energy: 0.5 * force * e }
+    }
+    #[inline(always)]
+    fn quad<U: VectorUnit>(&self, unit: U, k: U::Quad, e: U::Quad) -> (U::Quad, U::Quad) {
+        let force = k * e;
+        (force, unit.splat(0.5) * force * e)
     }
 }
 

@@ -6,44 +6,19 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use super::batch::{Batch, Kernel, LANES, Lanes, Padded, Threads, Tile, Wants};
-use super::slack::{Clamped, Plain, TensionLaw, clamped, tension};
-use super::tile::{minus, plus, times};
+use super::batch::{Batch, Kernel, LANES, Padded, Threads, Tile, Wants};
+pub use super::coefficient::Coefficient;
+use super::coefficient::{Column, Place};
+use super::pull::{Pull, PullLaw, pull};
+use super::slack::{Plain, TensionLaw, clamped, tension};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::{Quad, VectorUnit};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use multiversion::multiversion;
 use std::sync::Arc;
-
-/// One value for all elements, or one each; a uniform value is not read from memory again and again.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Coefficient {
-    /// the same for all
-    Uniform(f64),
-    /// one an element
-    Each(Arc<[f64]>),
-}
-
-impl Coefficient {
-    /// Chooses the compact form.
-    pub fn from_values(values: &[f64]) -> Self {
-        match values.first() {
-            Some(&first) if values.iter().all(|&v| v == first) => Coefficient::Uniform(first),
-            _ => Coefficient::Each(values.into()),
-        }
-    }
-
-    /// The value of element `i`.
-    #[inline]
-    pub fn at(&self, i: usize) -> f64 {
-        match self {
-            Coefficient::Uniform(c) => *c,
-            Coefficient::Each(values) => values[i],
-        }
-    }
-}
 
 /// Plain arrays of a batch of springs.
 #[derive(Clone, Debug)]
@@ -101,82 +76,20 @@ impl SpringData {
     }
 }
 
-/// Compiled for each vector width and chosen at run time; without fused operations all give the same bits.
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn add_plain(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded]) -> f64 {
-    add_springs(data, tile, f, Plain)
+/// Length, elongation and tension of springs side by side.
+struct SpringLaw<'a, T> {
+    tension: T,
+    stiffness: Column<'a>,
+    rest_length: Column<'a>,
 }
 
-/// The same for slack springs.
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn add_clamped(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded], law: Clamped) -> f64 {
-    add_springs(data, tile, f, law)
-}
-
-#[inline(always)]
-fn add_springs<L: TensionLaw>(data: &SpringData, tile: Tile<'_, 2>, f: &mut [Padded], law: L) -> f64 {
-    let (l0, last_l0) = data.rest_length[tile.range()].as_chunks();
-    match &data.stiffness {
-        Coefficient::Uniform(k) => {
-            let (blocks, last) = ([*k; LANES], [*k; LANES]);
-            let k = (std::iter::repeat(&blocks), last.iter());
-            add_blocks(tile, l0.iter().zip(k.0), last_l0.iter().zip(k.1), law, f)
-        }
-        Coefficient::Each(k) => {
-            let (k, last_k) = k[tile.range()].as_chunks();
-            add_blocks(tile, l0.iter().zip(k), last_l0.iter().zip(last_k), law, f)
-        }
-    }
-}
-
-/// Springs with their l0 and k: as many side by side as a register holds, and the last ones alone.
-#[inline(always)]
-fn add_blocks<'a, L: TensionLaw>(
-    tile: Tile<'_, 2>,
-    blocks: impl Iterator<Item = (&'a [f64; LANES], &'a [f64; LANES])>,
-    last: impl Iterator<Item = (&'a f64, &'a f64)>,
-    law: L,
-    f: &mut [Padded],
-) -> f64 {
-    let mut energy = Lanes::default();
-    let (nodes, rest) = tile.nodes.as_chunks::<LANES>();
-    for (nodes, (l0, k)) in nodes.iter().zip(blocks) {
-        add_block(nodes, (l0, k), law, tile.x, f, &mut energy);
-    }
-    for (nodes, (l0, k)) in rest.iter().zip(last) {
-        add_block(&[*nodes], (&[*l0], &[*k]), law, tile.x, f, &mut energy);
-    }
-    energy.total()
-}
-
-/// Loops by number instead of iterators and maps: only these become vector instructions.
-#[inline(always)]
-fn add_block<const B: usize, L: TensionLaw>(
-    nodes: &[[u16; 2]; B],
-    (l0, k): (&[f64; B], &[f64; B]),
-    law: L,
-    x: &[Padded],
-    f: &mut [Padded],
-    energy: &mut Lanes,
-) {
-    let mut d = [[0.0; 4]; B];
-    let mut scale = [0.0; B];
-    let mut stored = [0.0; B];
-    for j in 0..B {
-        d[j] = minus(x[nodes[j][1] as usize], x[nodes[j][0] as usize]);
-    }
-    for j in 0..B {
-        let l = (d[j][0] * d[j][0] + d[j][1] * d[j][1] + d[j][2] * d[j][2]).sqrt();
-        let t = law.at(k[j], l - l0[j]);
-        scale[j] = if l > 0.0 { t.force / l } else { 0.0 };
-        stored[j] = t.energy;
-    }
-    energy.add(&stored);
-    for j in 0..B {
-        let [a, b] = nodes[j];
-        let force = times(scale[j], d[j]);
-        f[a as usize] = plus(f[a as usize], force);
-        f[b as usize] = minus(f[b as usize], force);
+impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
+    #[inline(always)]
+    fn pull<U: VectorUnit>(&self, unit: U, place: Place, d: [U::Quad; 3]) -> Pull<U::Quad> {
+        let l = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+        let e = l - self.rest_length.quad(unit, place);
+        let (force, energy) = self.tension.quad(unit, self.stiffness.quad(unit, place), e);
+        Pull { scale: (force / l).where_positive(l), amount: energy }
     }
 }
 
@@ -230,9 +143,11 @@ impl Kernel<2> for SpringData {
     }
 
     fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+        let stiffness = self.stiffness.column(tile.range());
+        let rest_length = Column::each(&self.rest_length[tile.range()]);
         let energy = match clamped(self.slack) {
-            None => add_plain(self, tile, f),
-            Some(law) => add_clamped(self, tile, f, law),
+            None => pull(SpringLaw { tension: Plain, stiffness, rest_length }, tile.nodes, tile.x, f),
+            Some(tension) => pull(SpringLaw { tension, stiffness, rest_length }, tile.nodes, tile.x, f),
         };
         Tally { energy, power: 0.0 }
     }

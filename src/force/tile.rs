@@ -4,12 +4,10 @@
 //! numbers its elements' nodes within the window, and sums forces there. What it found is then added to the nodes, tile after tile.
 
 use super::NodeState;
+pub use crate::model::quad::Padded;
 use glam::DVec3;
 use multiversion::multiversion;
 use std::ops::Range;
-
-/// A vector and a number that means nothing.
-pub type Padded = [f64; 4];
 
 /// Nodes a tile touches at most. Three windows of this size fit into the second-level cache.
 pub(super) const WINDOW: usize = 2048;
@@ -43,7 +41,7 @@ impl<const N: usize> Tile<'_, N> {
             sum += amount;
             for (&node, sign) in nodes.iter().zip(signs) {
                 let f = &mut f[node as usize];
-                *f = plus(*f, times(sign, [force.x, force.y, force.z, 0.0]));
+                *f = plus(*f, times(sign, Padded([force.x, force.y, force.z, 0.0])));
             }
         }
         sum
@@ -52,20 +50,14 @@ impl<const N: usize> Tile<'_, N> {
 
 /// a + b
 #[inline(always)]
-pub(crate) fn plus(a: Padded, b: Padded) -> Padded {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
-}
-
-/// a - b
-#[inline(always)]
-pub(crate) fn minus(a: Padded, b: Padded) -> Padded {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+pub(crate) fn plus(Padded(a): Padded, Padded(b): Padded) -> Padded {
+    Padded([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
 }
 
 /// s a
 #[inline(always)]
-pub(crate) fn times(s: f64, a: Padded) -> Padded {
-    [s * a[0], s * a[1], s * a[2], s * a[3]]
+pub(crate) fn times(s: f64, Padded(a): Padded) -> Padded {
+    Padded([s * a[0], s * a[1], s * a[2], s * a[3]])
 }
 
 /// The tiles of a batch of elements.
@@ -146,7 +138,7 @@ impl<const N: usize> Tiles<N> {
     /// Copies a nodal vector into a tile's window.
     pub fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Vec<Padded>) {
         let nodes = &self.window[plan.window.clone()];
-        to.resize(nodes.len(), [0.0; 4]);
+        to.resize(nodes.len(), Padded::default());
         match nodes.first() {
             Some(&first) if plan.contiguous => {
                 pad(bytemuck::cast_slice(&from[first as usize..first as usize + nodes.len()]), to);
@@ -154,7 +146,7 @@ impl<const N: usize> Tiles<N> {
             _ => {
                 for (to, &node) in to.iter_mut().zip(nodes) {
                     let from = from[node as usize];
-                    *to = [from.x, from.y, from.z, 0.0];
+                    *to = Padded([from.x, from.y, from.z, 0.0]);
                 }
             }
         }
@@ -165,12 +157,12 @@ impl<const N: usize> Tiles<N> {
         let nodes = &self.window[plan.window.clone()];
         match nodes.first() {
             Some(&first) if plan.contiguous => {
-                for (f, sum) in f[first as usize..].iter_mut().zip(sums) {
+                for (f, Padded(sum)) in f[first as usize..].iter_mut().zip(sums) {
                     *f += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }
             _ => {
-                for (sum, &node) in sums.iter().zip(nodes) {
+                for (Padded(sum), &node) in sums.iter().zip(nodes) {
                     f[node as usize] += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }
@@ -184,10 +176,10 @@ fn pad(from: &[f64], to: &mut [Padded]) {
     let Some((last, to)) = to.split_last_mut() else { return };
     for (i, to) in to.iter_mut().enumerate() {
         let from = &from[3 * i..3 * i + 4];
-        *to = [from[0], from[1], from[2], 0.0];
+        *to = Padded([from[0], from[1], from[2], 0.0]);
     }
     let from = &from[3 * to.len()..];
-    *last = [from[0], from[1], from[2], 0.0];
+    *last = Padded([from[0], from[1], from[2], 0.0]);
 }
 
 /// A thread's room for the windows of one tile.

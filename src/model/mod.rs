@@ -5,6 +5,7 @@ pub mod forces;
 pub mod lanes;
 pub mod picture;
 pub mod point;
+pub mod quad;
 pub mod spec;
 pub mod state;
 pub mod system;

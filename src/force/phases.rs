@@ -1,0 +1,81 @@
+//! Kernels in vector registers: eight elements side by side, in two phases.
+//!
+//! First every element of a chunk is measured, side by side and independent of the others; then the chunk's forces go to their nodes, one
+//! after the other, because elements share nodes. Apart, neither waits for the other. All units and threads add the same numbers in the same
+//! order.
+
+use super::batch::{LANES, Lanes};
+use super::coefficient::Place;
+use super::tile::Padded;
+use crate::model::quad::{Pass, Quad, VectorUnit, run};
+
+/// Blocks of elements that are measured before their forces are added: what is kept of them fits into the first cache.
+const CHUNK: usize = 16;
+
+/// How elements with `N` nodes are measured, and how their forces go to the nodes. Its functions are `#[inline(always)]`.
+pub(super) trait Phases<const N: usize> {
+    /// What is kept of a block between the phases.
+    type Kept: Copy + Default;
+
+    /// Measures four elements; returns their energies or powers.
+    fn measure<U: VectorUnit>(
+        &self,
+        unit: U,
+        place: Place,
+        nodes: &[[u16; N]; LANES],
+        kept: &mut Self::Kept,
+    ) -> U::Quad;
+
+    /// Adds the forces [N] of a block's first elements to the window.
+    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; N]], kept: &Self::Kept, f: &mut [Padded]);
+}
+
+/// Adds the forces of a tile's elements to its window; returns the sum of their energies or powers.
+pub(super) fn add<P: Phases<N>, const N: usize>(phases: P, nodes: &[[u16; N]], f: &mut [Padded]) -> f64 {
+    run(Elements { phases, nodes, f })
+}
+
+struct Elements<'a, P, const N: usize> {
+    phases: P,
+    nodes: &'a [[u16; N]],
+    f: &'a mut [Padded],
+}
+
+impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> f64 {
+        let Elements { phases, nodes, f } = self;
+        let (blocks, rest) = nodes.as_chunks();
+        let mut kept = [P::Kept::default(); CHUNK];
+        let mut sums = [unit.splat(0.0); 2];
+        for (blocks, first) in blocks.chunks(CHUNK).zip((0..).step_by(CHUNK)) {
+            for ((nodes, kept), block) in blocks.iter().zip(&mut kept).zip(first..) {
+                sums[0] = sums[0] + phases.measure(unit, Place { block, half: 0 }, nodes, kept);
+                sums[1] = sums[1] + phases.measure(unit, Place { block, half: 1 }, nodes, kept);
+            }
+            for (nodes, kept) in blocks.iter().zip(&kept) {
+                phases.scatter(unit, nodes, kept, f);
+            }
+        }
+        let mut total = Lanes::default();
+        total.add(&flat(sums.map(Quad::numbers)));
+        if !rest.is_empty() {
+            let (mut nodes, mut kept) = ([[0; N]; LANES], P::Kept::default());
+            nodes[..rest.len()].copy_from_slice(rest);
+            let amounts = [0, 1].map(
+                #[inline(always)]
+                |half| phases.measure(unit, Place { block: blocks.len(), half }, &nodes, &mut kept).numbers(),
+            );
+            phases.scatter(unit, rest, &kept, f);
+            flat(amounts)[..rest.len()].iter().for_each(|&amount| total.add(&[amount]));
+        }
+        total.total()
+    }
+}
+
+#[inline(always)]
+fn flat([[a, b, c, d], [e, f, g, h]]: [[f64; 4]; 2]) -> [f64; LANES] {
+    [a, b, c, d, e, f, g, h]
+}

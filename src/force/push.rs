@@ -1,0 +1,84 @@
+//! Triangles that are pushed along their normal: the air.
+//!
+//! ```text
+//! S = 1/2 (x1 - x0) x (x2 - x0) = A N,      a vertex gets p S
+//! ```
+//! To add such a force, write a [`PushLaw`]: p and the energy or power from S and the vertex velocities, as equations on four numbers at once.
+
+use super::batch::LANES;
+use super::coefficient::Place;
+use super::phases::{Phases, add};
+use super::tile::{Padded, Tile};
+use crate::model::quad::{Quad, VectorUnit};
+
+/// How triangles are pushed.
+pub(super) trait PushLaw {
+    /// Four triangles with the components of S [m^2] and of the sums [m/s] of their vertices' velocities; `#[inline(always)]`.
+    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad>;
+}
+
+/// What happens to four triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Push<Q> {
+    /// [Pa] a vertex's share of the pressure
+    pub share: Q,
+    /// [W] power
+    pub amount: Q,
+}
+
+/// Adds the forces [N] of a tile's triangles to its window.
+pub(super) fn push<L: PushLaw>(law: L, tile: Tile<'_, 3>, f: &mut [Padded]) -> f64 {
+    // Of one length, so that a node is checked once for all three.
+    add(Pushing { law, x: &tile.x[..f.len()], v: &tile.v[..f.len()] }, tile.nodes, f)
+}
+
+struct Pushing<'a, L> {
+    law: L,
+    x: &'a [Padded],
+    v: &'a [Padded],
+}
+
+impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
+    /// the shares of the vertices
+    type Kept = [Padded; LANES];
+
+    #[inline(always)]
+    fn measure<U: VectorUnit>(
+        &self,
+        unit: U,
+        at: Place,
+        nodes: &[[u16; 3]; LANES],
+        kept: &mut [Padded; LANES],
+    ) -> U::Quad {
+        let zero = unit.splat(0.0);
+        let (mut a, mut b, mut v) = ([zero; 4], [zero; 4], [zero; 4]);
+        for t in 0..4 {
+            let [i, j, k] = nodes[4 * at.half + t].map(|i| i as usize);
+            let x = self.x[i].quad(unit);
+            (a[t], b[t]) = (self.x[j].quad(unit) - x, self.x[k].quad(unit) - x);
+            v[t] = self.v[i].quad(unit) + self.v[j].quad(unit) + self.v[k].quad(unit);
+        }
+        let (a, b, half) = (U::Quad::columns(a), U::Quad::columns(b), unit.splat(0.5));
+        let s = [
+            half * (a[1] * b[2] - a[2] * b[1]),
+            half * (a[2] * b[0] - a[0] * b[2]),
+            half * (a[0] * b[1] - a[1] * b[0]),
+        ];
+        let Push { share, amount } = self.law.push(unit, s, U::Quad::columns(v));
+        let rows = U::Quad::rows([share * s[0], share * s[1], share * s[2]]);
+        for t in 0..4 {
+            kept[4 * at.half + t] = Padded(rows[t].numbers());
+        }
+        amount
+    }
+
+    #[inline(always)]
+    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 3]], kept: &[Padded; LANES], f: &mut [Padded]) {
+        for (nodes, share) in nodes.iter().zip(kept) {
+            for &node in nodes {
+                let f = &mut f[node as usize];
+                *f = Padded((f.quad(unit) + share.quad(unit)).numbers());
+            }
+        }
+    }
+}
