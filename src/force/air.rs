@@ -12,7 +12,7 @@
 //! ```
 //! A triangle of zero area has no normal: force and tangents are 0.
 
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::push::{Push, PushLaw, push};
 use super::series::interpolate;
 use super::triangle::{AreaVector, THIRD, mean};
@@ -80,7 +80,7 @@ impl Kernel<3> for AirData {
         &self.triangles
     }
 
-    fn add(&self, tile: Tile<'_, 3>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 3>, f: &mut Records) -> Tally {
         let wind = interpolate(&self.wind, tile.at.t);
         Tally { energy: 0.0, power: push(AirLaw { data: self, wind }, tile, f) }
     }

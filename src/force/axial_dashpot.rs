@@ -10,7 +10,7 @@
 //! -df/dv = c n n^T
 //! ```
 
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::slack::{clamped, tension};
 use super::spring::{Coefficient, SpringData, Stretch};
 use super::{ForceTerm, NodeState, TangentSink, outer};
@@ -81,7 +81,7 @@ impl Kernel<2> for AxialData {
         &self.springs.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
         let power = tile.each([1.0, -1.0], f, |i| {
             let d = self.damping(tile.at, i);
             (d.force * d.stretch.n, -d.force * d.ldot)

@@ -5,8 +5,10 @@
 //! a node in the same order, and tallies are added in the order of the tiles; so the bits agree.
 
 use super::NodeState;
-pub use super::tile::{Padded, Tile};
-use super::tile::{Plan, Tiles, WINDOW, Windows};
+pub use super::tile::Tile;
+use super::tile::{Plan, Tiles, WINDOW};
+pub use super::window::Records;
+use super::window::{Padded, Window, rows};
 use crate::model::forces::Tally;
 pub use crate::model::lanes::{LANES, Lanes};
 use crate::model::workers::Workers;
@@ -15,6 +17,14 @@ use rayon::prelude::*;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 const NODES_PER_TASK: usize = 4096;
+
+/// A thread's windows for one tile.
+#[derive(Debug, Default)]
+struct Windows {
+    x: Window,
+    v: Window,
+    f: Window,
+}
 
 /// How many threads a force pass may use, and their windows.
 #[derive(Debug)]
@@ -73,7 +83,7 @@ pub trait Kernel<const N: usize>: Send + Sync {
     fn elements(&self) -> &[[u32; N]];
 
     /// Adds the forces [N] of a tile's elements to its window; returns their energy or power.
-    fn add(&self, tile: Tile<'_, N>, f: &mut [Padded]) -> Tally;
+    fn add(&self, tile: Tile<'_, N>, f: &mut Records) -> Tally;
 }
 
 /// A kernel with its tiles, and with what several threads need, made when first used.
@@ -128,30 +138,27 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     fn one_thread(&self, at: NodeState<'_>, windows: &mut Windows, f: &mut [DVec3]) -> Tally {
         let mut total = Tally::default();
         for plan in self.tiles.plan() {
-            let Windows { x, v, f: sums } = &mut *windows;
-            sums.clear();
-            sums.resize(plan.window.len(), Padded::default());
-            total += self.tile(plan, at, (x, v), sums);
+            let (tally, sums) = self.tile(plan, at, windows);
+            total += tally;
             self.tiles.add(plan, sums, f);
         }
         total
     }
 
-    fn tile(
-        &self,
-        plan: &Plan,
-        at: NodeState<'_>,
-        (x, v): (&mut Vec<Padded>, &mut Vec<Padded>),
-        f: &mut [Padded],
-    ) -> Tally {
+    /// Energy or power of a tile, and the forces [N] on the nodes of its window.
+    fn tile<'w>(&self, plan: &Plan, at: NodeState<'_>, windows: &'w mut Windows) -> (Tally, &'w [Padded]) {
+        let (x, v, f) = (windows.x.records(), windows.v.records(), windows.f.records());
+        let n = plan.window.len();
         if K::WANTS.x {
-            self.tiles.load(plan, at.x, x);
+            self.tiles.load(plan, at.x, rows(x, n));
         }
         if K::WANTS.v {
-            self.tiles.load(plan, at.v, v);
+            self.tiles.load(plan, at.v, rows(v, n));
         }
+        rows(f, n).as_flattened_mut().fill(0.0);
         let nodes = self.tiles.local(plan);
-        self.kernel.add(Tile { at, x, v, nodes, first: plan.elements.start }, f)
+        let tally = self.kernel.add(Tile { at, x, v, nodes, first: plan.elements.start }, f);
+        (tally, rows(f, n))
     }
 
     fn several_threads(&self, at: NodeState<'_>, threads: &Threads, p: &mut Parallel, f: &mut [DVec3]) -> Tally {
@@ -159,17 +166,16 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         let tiles = self.tiles.plan().par_iter().zip(windows.par_chunks_mut(WINDOW)).zip(tally.par_iter_mut());
         tiles.for_each(|((plan, sums), tally)| {
             let mut own = threads.windows(rayon::current_thread_index().unwrap_or(0));
-            let Windows { x, v, .. } = &mut *own;
-            let sums = &mut sums[..plan.window.len()];
-            sums.fill(Padded::default());
-            *tally = self.tile(plan, at, (x, v), sums);
+            let (found, own_sums) = self.tile(plan, at, &mut own);
+            sums[..own_sums.len()].copy_from_slice(own_sums);
+            *tally = found;
         });
         f.par_chunks_mut(NODES_PER_TASK).enumerate().for_each(|(task, f)| {
             let first = task * NODES_PER_TASK;
             for (i, f) in f.iter_mut().enumerate() {
                 let list = start[first + i] as usize..start[first + i + 1] as usize;
                 for &entry in &entries[list] {
-                    let Padded(sum) = windows[entry as usize];
+                    let sum = windows[entry as usize];
                     *f += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }

@@ -4,7 +4,7 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::series::factor;
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink};
@@ -43,7 +43,7 @@ impl Kernel<3> for FollowerData {
         &self.triangles
     }
 
-    fn add(&self, tile: Tile<'_, 3>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 3>, f: &mut Records) -> Tally {
         let p = self.pressure * factor(self.factor.as_ref(), tile.at.t);
         let power = tile.each([1.0; 3], f, |i| {
             let nodes = self.triangles[i];

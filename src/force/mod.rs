@@ -31,6 +31,7 @@ pub mod slack;
 pub mod spring;
 pub mod tile;
 pub mod triangle;
+pub mod window;
 
 use crate::model::forces::Tally;
 use crate::model::system::{TermInfo, Weights};

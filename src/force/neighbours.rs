@@ -2,9 +2,9 @@
 //! has this form.
 
 use super::NodeState;
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::spring::Coefficient;
-use super::tile::{plus, times};
+use super::window::{record, set_record};
 use crate::model::forces::Tally;
 use glam::DVec3;
 use multiversion::multiversion;
@@ -42,14 +42,14 @@ impl Kernel<2> for Links {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
         add_links(self, tile, f);
         Tally::default()
     }
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn add_links(links: &Links, tile: Tile<'_, 2>, f: &mut [Padded]) {
+fn add_links(links: &Links, tile: Tile<'_, 2>, f: &mut Records) {
     match &links.stiffness {
         Coefficient::Uniform(k) => tile.nodes.iter().for_each(|&nodes| add_link(nodes, *k, tile.x, f)),
         Coefficient::Each(k) => {
@@ -61,8 +61,13 @@ fn add_links(links: &Links, tile: Tile<'_, 2>, f: &mut [Padded]) {
 }
 
 #[inline(always)]
-fn add_link([a, b]: [u16; 2], k: f64, u: &[Padded], f: &mut [Padded]) {
-    let (a, b) = (a as usize, b as usize);
-    f[a] = plus(f[a], times(k, u[b]));
-    f[b] = plus(f[b], times(k, u[a]));
+fn add_link([a, b]: [u16; 2], k: f64, u: &Records, f: &mut Records) {
+    add_scaled(f, a, k, record(u, b));
+    add_scaled(f, b, k, record(u, a));
+}
+
+#[inline(always)]
+fn add_scaled(f: &mut Records, node: u16, k: f64, u: [f64; 4]) {
+    let sum = record(f, node);
+    set_record(f, node, [sum[0] + k * u[0], sum[1] + k * u[1], sum[2] + k * u[2], sum[3] + k * u[3]]);
 }

@@ -4,9 +4,9 @@
 //! after the other, because elements share nodes. Apart, neither waits for the other. All units and threads add the same numbers in the same
 //! order.
 
+use super::batch::Records;
 use super::batch::{LANES, Lanes};
 use super::coefficient::Place;
-use super::tile::Padded;
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
 /// Blocks of elements that are measured before their forces are added: what is kept of them fits into the first cache.
@@ -27,18 +27,18 @@ pub(super) trait Phases<const N: usize> {
     ) -> U::Quad;
 
     /// Adds the forces [N] of a block's first elements to the window.
-    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; N]], kept: &Self::Kept, f: &mut [Padded]);
+    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; N]], kept: &Self::Kept, f: &mut Records);
 }
 
 /// Adds the forces of a tile's elements to its window; returns the sum of their energies or powers.
-pub(super) fn add<P: Phases<N>, const N: usize>(phases: P, nodes: &[[u16; N]], f: &mut [Padded]) -> f64 {
+pub(super) fn add<P: Phases<N>, const N: usize>(phases: P, nodes: &[[u16; N]], f: &mut Records) -> f64 {
     run(Elements { phases, nodes, f })
 }
 
 struct Elements<'a, P, const N: usize> {
     phases: P,
     nodes: &'a [[u16; N]],
-    f: &'a mut [Padded],
+    f: &'a mut Records,
 }
 
 impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {

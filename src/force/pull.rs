@@ -8,7 +8,7 @@
 use super::batch::LANES;
 use super::coefficient::Place;
 use super::phases::{Phases, add};
-use super::tile::Padded;
+use super::window::{Padded, Records, record, set_record};
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How elements pull.
@@ -27,16 +27,17 @@ pub(super) struct Pull<Q> {
 }
 
 /// Adds the forces [N] of elements to a window; `u` is the nodal vector of the differences.
-pub(super) fn pull<L: PullLaw>(law: L, nodes: &[[u16; 2]], u: &[Padded], f: &mut [Padded]) -> f64 {
-    add(Pulling { law, u: &u[..f.len()] }, nodes, f)
+pub(super) fn pull<L: PullLaw>(law: L, nodes: &[[u16; 2]], u: &Records, f: &mut Records) -> f64 {
+    add(Pulling { law, u: u }, nodes, f)
 }
 
 struct Pulling<'a, L> {
     law: L,
-    u: &'a [Padded],
+    u: &'a Records,
 }
 
 #[derive(Clone, Copy, Default)]
+#[repr(align(32))]
 struct Kept {
     d: [Padded; LANES],
     scale: [Padded; 2],
@@ -50,22 +51,20 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
         let mut d = [unit.splat(0.0); 4];
         for j in 0..4 {
             let [a, b] = nodes[4 * at.half + j];
-            d[j] = self.u[b as usize].quad(unit) - self.u[a as usize].quad(unit);
-            kept.d[4 * at.half + j] = Padded(d[j].numbers());
+            d[j] = unit.quad(record(self.u, b)) - unit.quad(record(self.u, a));
+            kept.d[4 * at.half + j] = d[j].numbers();
         }
         let Pull { scale, amount } = self.law.pull(unit, at, U::Quad::columns(d));
-        kept.scale[at.half] = Padded(scale.numbers());
+        kept.scale[at.half] = scale.numbers();
         amount
     }
 
     #[inline(always)]
-    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 2]], kept: &Kept, f: &mut [Padded]) {
+    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 2]], kept: &Kept, f: &mut Records) {
         for (j, &[a, b]) in nodes.iter().enumerate().take(LANES) {
-            let force = unit.splat(kept.scale[j / 4].0[j % 4]) * kept.d[j].quad(unit);
-            let f_a = &mut f[a as usize];
-            *f_a = Padded((f_a.quad(unit) + force).numbers());
-            let f_b = &mut f[b as usize];
-            *f_b = Padded((f_b.quad(unit) - force).numbers());
+            let force = unit.splat(kept.scale[j / 4][j % 4]) * unit.quad(kept.d[j]);
+            set_record(f, a, (unit.quad(record(f, a)) + force).numbers());
+            set_record(f, b, (unit.quad(record(f, b)) - force).numbers());
         }
     }
 }

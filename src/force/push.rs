@@ -8,7 +8,8 @@
 use super::batch::LANES;
 use super::coefficient::Place;
 use super::phases::{Phases, add};
-use super::tile::{Padded, Tile};
+use super::tile::Tile;
+use super::window::{Padded, Records, record, set_record};
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How triangles are pushed.
@@ -27,36 +28,35 @@ pub(super) struct Push<Q> {
 }
 
 /// Adds the forces [N] of a tile's triangles to its window.
-pub(super) fn push<L: PushLaw>(law: L, tile: Tile<'_, 3>, f: &mut [Padded]) -> f64 {
-    // Of one length, so that a node is checked once for all three.
-    add(Pushing { law, x: &tile.x[..f.len()], v: &tile.v[..f.len()] }, tile.nodes, f)
+pub(super) fn push<L: PushLaw>(law: L, tile: Tile<'_, 3>, f: &mut Records) -> f64 {
+    add(Pushing { law, x: tile.x, v: tile.v }, tile.nodes, f)
 }
 
 struct Pushing<'a, L> {
     law: L,
-    x: &'a [Padded],
-    v: &'a [Padded],
+    x: &'a Records,
+    v: &'a Records,
+}
+
+/// The force on each vertex of a block's triangles.
+#[derive(Clone, Copy, Default)]
+#[repr(align(32))]
+struct Kept {
+    force: [Padded; LANES],
 }
 
 impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
-    /// the shares of the vertices
-    type Kept = [Padded; LANES];
+    type Kept = Kept;
 
     #[inline(always)]
-    fn measure<U: VectorUnit>(
-        &self,
-        unit: U,
-        at: Place,
-        nodes: &[[u16; 3]; LANES],
-        kept: &mut [Padded; LANES],
-    ) -> U::Quad {
+    fn measure<U: VectorUnit>(&self, unit: U, at: Place, nodes: &[[u16; 3]; LANES], kept: &mut Kept) -> U::Quad {
         let zero = unit.splat(0.0);
         let (mut a, mut b, mut v) = ([zero; 4], [zero; 4], [zero; 4]);
         for t in 0..4 {
-            let [i, j, k] = nodes[4 * at.half + t].map(|i| i as usize);
-            let x = self.x[i].quad(unit);
-            (a[t], b[t]) = (self.x[j].quad(unit) - x, self.x[k].quad(unit) - x);
-            v[t] = self.v[i].quad(unit) + self.v[j].quad(unit) + self.v[k].quad(unit);
+            let [i, j, k] = nodes[4 * at.half + t];
+            let x = unit.quad(record(self.x, i));
+            (a[t], b[t]) = (unit.quad(record(self.x, j)) - x, unit.quad(record(self.x, k)) - x);
+            v[t] = unit.quad(record(self.v, i)) + unit.quad(record(self.v, j)) + unit.quad(record(self.v, k));
         }
         let (a, b, half) = (U::Quad::columns(a), U::Quad::columns(b), unit.splat(0.5));
         let s = [
@@ -67,17 +67,16 @@ impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
         let Push { share, amount } = self.law.push(unit, s, U::Quad::columns(v));
         let rows = U::Quad::rows([share * s[0], share * s[1], share * s[2]]);
         for t in 0..4 {
-            kept[4 * at.half + t] = Padded(rows[t].numbers());
+            kept.force[4 * at.half + t] = rows[t].numbers();
         }
         amount
     }
 
     #[inline(always)]
-    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 3]], kept: &[Padded; LANES], f: &mut [Padded]) {
-        for (nodes, share) in nodes.iter().zip(kept) {
+    fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 3]], kept: &Kept, f: &mut Records) {
+        for (nodes, force) in nodes.iter().zip(&kept.force) {
             for &node in nodes {
-                let f = &mut f[node as usize];
-                *f = Padded((f.quad(unit) + share.quad(unit)).numbers());
+                set_record(f, node, (unit.quad(record(f, node)) + unit.quad(*force)).numbers());
             }
         }
     }

@@ -3,7 +3,7 @@
 //! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::spring::Coefficient;
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -83,7 +83,7 @@ impl Kernel<2> for RayleighData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
         let v = tile.at.v;
         let power = tile.each([1.0, -1.0], f, |i| {
             let ([a, b], n) = (self.nodes[i], self.direction[i]);

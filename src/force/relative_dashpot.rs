@@ -5,7 +5,7 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{Batch, Kernel, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
 use super::coefficient::{Coefficient, Column, Place};
 use super::pull::{Pull, PullLaw, pull};
 use super::{ForceTerm, NodeState, TangentSink};
@@ -42,7 +42,7 @@ impl Kernel<2> for RelativeData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
         let coefficient = self.coefficient.column(tile.range());
         Tally { energy: 0.0, power: pull(DashpotLaw { coefficient }, tile.nodes, tile.v, f) }
     }

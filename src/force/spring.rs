@@ -6,7 +6,7 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use super::batch::{Batch, Kernel, LANES, Padded, Threads, Tile, Wants};
+use super::batch::{Batch, Kernel, LANES, Records, Threads, Tile, Wants};
 pub use super::coefficient::Coefficient;
 use super::coefficient::{Column, Place};
 use super::pull::{Pull, PullLaw, pull};
@@ -142,7 +142,7 @@ impl Kernel<2> for SpringData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut [Padded]) -> Tally {
+    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
         let stiffness = self.stiffness.column(tile.range());
         let rest_length = Column::each(&self.rest_length[tile.range()]);
         let energy = match clamped(self.slack) {

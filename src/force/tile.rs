@@ -1,12 +1,11 @@
 //! Tiles: runs of elements that touch few nodes, so that a pass over them works in the first caches.
 //!
-//! A tile copies the positions and velocities of its nodes into a window of records of four numbers (one vector register each),
+//! A tile copies the positions and velocities of its nodes into windows of records of four numbers (`window`),
 //! numbers its elements' nodes within the window, and sums forces there. What it found is then added to the nodes, tile after tile.
 
 use super::NodeState;
-pub use crate::model::quad::Padded;
+use super::window::{Padded, RECORD, Records, add_rows, copy_rows, record, set_record};
 use glam::DVec3;
-use multiversion::multiversion;
 use std::ops::Range;
 
 /// Nodes a tile touches at most. Three windows of this size fit into the second-level cache.
@@ -18,10 +17,10 @@ pub struct Tile<'a, const N: usize> {
     /// the whole scene's state
     pub at: NodeState<'a>,
     /// [m] positions of the window's nodes, where the kernel wants them
-    pub x: &'a [Padded],
+    pub x: &'a Records,
     /// [m/s] their velocities, where the kernel wants them
-    pub v: &'a [Padded],
-    /// every element's nodes, by their place in the window
+    pub v: &'a Records,
+    /// every element's nodes, by where their records begin in the window
     pub nodes: &'a [[u16; N]],
     /// number of the first element
     pub first: usize,
@@ -34,36 +33,24 @@ impl<const N: usize> Tile<'_, N> {
     }
 
     /// Adds elements one by one: `element` tells force [N] and energy or power of each, `signs` how it acts on its nodes.
-    pub fn each(&self, signs: [f64; N], f: &mut [Padded], mut element: impl FnMut(usize) -> (DVec3, f64)) -> f64 {
+    pub fn each(&self, signs: [f64; N], f: &mut Records, mut element: impl FnMut(usize) -> (DVec3, f64)) -> f64 {
         let mut sum = 0.0;
         for (nodes, number) in self.nodes.iter().zip(self.range()) {
             let (force, amount) = element(number);
             sum += amount;
             for (&node, sign) in nodes.iter().zip(signs) {
-                let f = &mut f[node as usize];
-                *f = plus(*f, times(sign, Padded([force.x, force.y, force.z, 0.0])));
+                let [x, y, z, _] = record(f, node);
+                set_record(f, node, [x + sign * force.x, y + sign * force.y, z + sign * force.z, 0.0]);
             }
         }
         sum
     }
 }
 
-/// a + b
-#[inline(always)]
-pub(crate) fn plus(Padded(a): Padded, Padded(b): Padded) -> Padded {
-    Padded([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
-}
-
-/// s a
-#[inline(always)]
-pub(crate) fn times(s: f64, Padded(a): Padded) -> Padded {
-    Padded([s * a[0], s * a[1], s * a[2], s * a[3]])
-}
-
 /// The tiles of a batch of elements.
 #[derive(Debug)]
 pub(super) struct Tiles<const N: usize> {
-    /// every element's nodes by their place in the tile's window
+    /// every element's nodes by where their records begin in the tile's window
     local: Vec<[u16; N]>,
     /// the nodes of all windows, one tile after the other
     window: Vec<u32>,
@@ -108,7 +95,7 @@ impl<const N: usize> Tiles<N> {
     fn close(&mut self, elements: &[[u32; N]], range: Range<usize>, start: usize, place: &mut [u16]) {
         let window = &mut self.window[start..];
         window.sort_unstable();
-        for (at, &node) in (0u16..).zip(window.iter()) {
+        for (at, &node) in (0u16..).step_by(RECORD).zip(window.iter()) {
             place[node as usize] = at;
         }
         for (local, nodes) in self.local[range.clone()].iter_mut().zip(&elements[range.clone()]) {
@@ -130,23 +117,20 @@ impl<const N: usize> Tiles<N> {
         self.window[plan.window.clone()].iter().copied()
     }
 
-    /// Element nodes of a tile by their place in its window.
+    /// Element nodes of a tile by where their records begin in its window.
     pub fn local(&self, plan: &Plan) -> &[[u16; N]] {
         &self.local[plan.elements.clone()]
     }
 
     /// Copies a nodal vector into a tile's window.
-    pub fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Vec<Padded>) {
+    pub fn load(&self, plan: &Plan, from: &[DVec3], to: &mut [Padded]) {
         let nodes = &self.window[plan.window.clone()];
-        to.resize(nodes.len(), Padded::default());
         match nodes.first() {
-            Some(&first) if plan.contiguous => {
-                pad(bytemuck::cast_slice(&from[first as usize..first as usize + nodes.len()]), to);
-            }
+            Some(&first) if plan.contiguous => copy_rows(&from[first as usize..first as usize + nodes.len()], to),
             _ => {
                 for (to, &node) in to.iter_mut().zip(nodes) {
                     let from = from[node as usize];
-                    *to = Padded([from.x, from.y, from.z, 0.0]);
+                    *to = [from.x, from.y, from.z, 0.0];
                 }
             }
         }
@@ -156,38 +140,14 @@ impl<const N: usize> Tiles<N> {
     pub fn add(&self, plan: &Plan, sums: &[Padded], f: &mut [DVec3]) {
         let nodes = &self.window[plan.window.clone()];
         match nodes.first() {
-            Some(&first) if plan.contiguous => {
-                for (f, Padded(sum)) in f[first as usize..].iter_mut().zip(sums) {
-                    *f += DVec3::new(sum[0], sum[1], sum[2]);
-                }
-            }
+            Some(&first) if plan.contiguous => add_rows(sums, &mut f[first as usize..first as usize + nodes.len()]),
             _ => {
-                for (Padded(sum), &node) in sums.iter().zip(nodes) {
+                for (sum, &node) in sums.iter().zip(nodes) {
                     f[node as usize] += DVec3::new(sum[0], sum[1], sum[2]);
                 }
             }
         }
     }
-}
-
-/// Reads four numbers at once and drops the last, which belongs to the next node.
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn pad(from: &[f64], to: &mut [Padded]) {
-    let Some((last, to)) = to.split_last_mut() else { return };
-    for (i, to) in to.iter_mut().enumerate() {
-        let from = &from[3 * i..3 * i + 4];
-        *to = Padded([from[0], from[1], from[2], 0.0]);
-    }
-    let from = &from[3 * to.len()..];
-    *last = Padded([from[0], from[1], from[2], 0.0]);
-}
-
-/// A thread's room for the windows of one tile.
-#[derive(Debug, Default)]
-pub(super) struct Windows {
-    pub x: Vec<Padded>,
-    pub v: Vec<Padded>,
-    pub f: Vec<Padded>,
 }
 
 #[cfg(test)]
@@ -206,7 +166,7 @@ mod tests {
             let nodes: Vec<u32> = tiles.nodes(plan).collect();
             assert!(nodes.len() <= WINDOW && plan.contiguous);
             for (local, global) in tiles.local(plan).iter().zip(&chain[plan.elements.clone()]) {
-                assert_eq!(local.map(|i| nodes[i as usize]), *global);
+                assert_eq!(local.map(|i| nodes[i as usize / RECORD]), *global);
             }
         }
         assert_eq!(next, chain.len());

@@ -5,19 +5,6 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// A vector and a number that means nothing, where one load takes all four.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub struct Padded(pub [f64; 4]);
-
-impl Padded {
-    /// In a register.
-    #[inline(always)]
-    pub fn quad<U: VectorUnit>(&self, unit: U) -> U::Quad {
-        unit.quad(self.0)
-    }
-}
-
 /// What a kernel is compiled for; a proof that the machine has it.
 pub trait VectorUnit: Copy {
     /// its register of four numbers
@@ -55,6 +42,9 @@ pub trait Quad: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
     /// Four records of three columns, and zeros.
     fn rows(columns: [Self; 3]) -> [Self; 4];
+
+    /// First, second and third numbers of four records, record after record.
+    fn pack(rows: [Self; 4]) -> [Self; 3];
 }
 
 /// A loop that can be compiled for every unit.
@@ -158,6 +148,12 @@ impl Quad for Plain {
     fn rows(columns: [Self; 3]) -> [Self; 4] {
         let [x, y, z] = columns.map(Quad::numbers);
         [0, 1, 2, 3].map(|i| Plain([x[i], y[i], z[i], 0.0]))
+    }
+
+    #[inline(always)]
+    fn pack(rows: [Self; 4]) -> [Self; 3] {
+        let [a, b, c, d] = rows.map(Quad::numbers);
+        [[a[0], a[1], a[2], b[0]], [b[1], b[2], c[0], c[1]], [c[2], d[0], d[1], d[2]]].map(Plain)
     }
 }
 
@@ -280,5 +276,73 @@ mod avx2 {
             ]
             .map(|r| Register(x.0, r))
         }
+
+        #[inline(always)]
+        fn pack([a, b, c, d]: [Self; 4]) -> [Self; 3] {
+            let (avx, avx2) = (a.0.avx, a.0.avx2);
+            let (b0, b12) = (avx2._mm256_permute4x64_pd::<0x00>(b.1), avx2._mm256_permute4x64_pd::<0x09>(b.1));
+            let (c01, c2) = (avx2._mm256_permute4x64_pd::<0x40>(c.1), avx2._mm256_permute4x64_pd::<0x02>(c.1));
+            let d012 = avx2._mm256_permute4x64_pd::<0x90>(d.1);
+            [
+                avx._mm256_blend_pd::<0b1000>(a.1, b0),
+                avx._mm256_blend_pd::<0b1100>(b12, c01),
+                avx._mm256_blend_pd::<0b1110>(c2, d012),
+            ]
+            .map(|r| Register(a.0, r))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation on the same numbers.
+    struct Everything([[f64; 4]; 4]);
+
+    impl Pass for Everything {
+        type Output = Vec<[f64; 4]>;
+
+        #[inline(always)]
+        fn run<U: VectorUnit>(self, unit: U) -> Vec<[f64; 4]> {
+            let [a, b, c, d] = self.0.map(|numbers| unit.quad(numbers));
+            let single =
+                [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b), a.at_least(b)];
+            let (columns, pack) = (U::Quad::columns([a, b, c, d]), U::Quad::pack([a, b, c, d]));
+            let splat = unit.splat(c.numbers()[2]);
+            let all = single.into_iter().chain(columns).chain(U::Quad::rows(columns)).chain(pack).chain([splat]);
+            all.map(Quad::numbers).collect()
+        }
+    }
+
+    #[test]
+    fn all_units_give_the_same_bits() {
+        let special = [0.0, -0.0, 1.0, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 5e-324, 1e-310, f64::MAX];
+        let mut seed = 1u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let bits = seed >> 33;
+            if bits % 3 == 0 { special[bits as usize / 3 % special.len()] } else { bits as f64 * 1e-6 - 1e3 }
+        };
+        for _ in 0..10_000 {
+            let numbers = [[0.0; 4]; 4].map(|q| q.map(|_| next()));
+            // Which of two not-a-numbers comes out of a sum is not said anywhere.
+            let bits = |n: f64| if n.is_nan() { f64::NAN.to_bits() } else { n.to_bits() };
+            let best: Vec<_> = run(Everything(numbers)).into_iter().map(|q| q.map(bits)).collect();
+            let plain: Vec<_> = Everything(numbers).run(Portable).into_iter().map(|q| q.map(bits)).collect();
+            assert_eq!(best, plain, "{numbers:?}");
+        }
+    }
+
+    #[test]
+    fn records_become_columns_and_rows_again() {
+        let rows =
+            [[1.0, 2.0, 3.0, 9.0], [4.0, 5.0, 6.0, 9.0], [7.0, 8.0, 10.0, 9.0], [11.0, 12.0, 13.0, 9.0]].map(Plain);
+        let columns = Plain::columns(rows);
+        assert_eq!(columns.map(Quad::numbers), [[1.0, 4.0, 7.0, 11.0], [2.0, 5.0, 8.0, 12.0], [3.0, 6.0, 10.0, 13.0]]);
+        let again = Plain::rows(columns).map(Quad::numbers);
+        assert_eq!(again, rows.map(|r| [r.0[0], r.0[1], r.0[2], 0.0]));
+        let packed = Plain::pack(rows).map(Quad::numbers);
+        assert_eq!(packed, [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [10.0, 11.0, 12.0, 13.0]]);
     }
 }

@@ -1,0 +1,152 @@
+//! Windows: the few nodes of a tile as records of four numbers, one vector register each.
+//!
+//! An element's node is known by where its record begins. A window reaches as far as the 16 bits of such a number, so that no access needs a check;
+//! memory that no tile uses is never touched.
+
+use crate::model::quad::{Pass, Quad, VectorUnit, run};
+use glam::DVec3;
+
+/// A vector and a number that means nothing.
+pub type Padded = [f64; RECORD];
+
+/// Numbers of a record.
+pub(super) const RECORD: usize = 4;
+
+const REACH: usize = u16::MAX as usize + RECORD;
+
+/// A window's records, one after the other.
+pub type Records = [f64; REACH];
+
+/// Numbers of a cache line, where the first record begins.
+const LINE: usize = 8;
+
+/// The record that begins at a place.
+#[inline(always)]
+pub fn record(records: &Records, at: u16) -> Padded {
+    // `None` cannot be, and is compiled away.
+    records[at as usize..].first_chunk().copied().unwrap_or_default()
+}
+
+/// Replaces the record that begins at a place.
+#[inline(always)]
+pub fn set_record(records: &mut Records, at: u16, value: Padded) {
+    if let Some(record) = records[at as usize..].first_chunk_mut() {
+        *record = value;
+    }
+}
+
+/// Room for the records of one tile after the other.
+#[derive(Debug, Default)]
+pub(super) struct Window {
+    /// a line more than is used; empty until it is
+    room: Vec<f64>,
+    first: usize,
+}
+
+impl Window {
+    /// The records; whatever was there before.
+    pub fn records(&mut self) -> &mut Records {
+        if self.room.is_empty() {
+            // Zeroed by the operating system, page after page when they are used.
+            self.room = vec![0.0; REACH + LINE];
+            self.first = self.room.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+        }
+        &mut self.room[self.first..].as_chunks_mut().0[0]
+    }
+}
+
+/// The first records.
+pub(super) fn rows(records: &mut Records, n: usize) -> &mut [Padded] {
+    &mut records.as_chunks_mut().0[..n]
+}
+
+/// Copies a nodal vector into as many records.
+pub(super) fn copy_rows(from: &[DVec3], to: &mut [Padded]) {
+    run(CopyRows { from: bytemuck::cast_slice(from), to });
+}
+
+struct CopyRows<'a> {
+    from: &'a [f64],
+    to: &'a mut [Padded],
+}
+
+impl Pass for CopyRows<'_> {
+    type Output = ();
+
+    /// Four numbers at once: the last belongs to the next node.
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, _: U) {
+        let (from, last) = self.from.as_chunks::<12>();
+        let (to, last_to) = self.to.as_chunks_mut::<4>();
+        for (n, to) in from.iter().zip(to) {
+            to[0] = [n[0], n[1], n[2], n[3]];
+            to[1] = [n[3], n[4], n[5], n[6]];
+            to[2] = [n[6], n[7], n[8], n[9]];
+            to[3] = [n[9], n[10], n[11], n[11]];
+        }
+        for (from, to) in last.as_chunks::<3>().0.iter().zip(last_to) {
+            *to = [from[0], from[1], from[2], 0.0];
+        }
+    }
+}
+
+/// Adds records to as many nodes.
+pub(super) fn add_rows(records: &[Padded], to: &mut [DVec3]) {
+    run(AddRows { records, to: bytemuck::cast_slice_mut(to) });
+}
+
+struct AddRows<'a> {
+    records: &'a [Padded],
+    to: &'a mut [f64],
+}
+
+impl Pass for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) {
+        let (records, last) = self.records.as_chunks::<4>();
+        let (to, last_to) = self.to.as_chunks_mut::<12>();
+        for (records, to) in records.iter().zip(to) {
+            let [a, b, c, d] = *records;
+            let sums = U::Quad::pack([unit.quad(a), unit.quad(b), unit.quad(c), unit.quad(d)]);
+            for (to, sum) in to.as_chunks_mut().0.iter_mut().zip(sums) {
+                *to = (unit.quad(*to) + sum).numbers();
+            }
+        }
+        for (record, to) in last.iter().zip(last_to.as_chunks_mut::<3>().0) {
+            *to = [to[0] + record[0], to[1] + record[1], to[2] + record[2]];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_copied_and_added_for_every_length() {
+        for n in 0..23 {
+            let nodes: Vec<DVec3> = (0..n).map(|i| DVec3::new(1.0, 10.0, 100.0) * f64::from(i + 1)).collect();
+            let mut window = Window::default();
+            let records = rows(window.records(), nodes.len());
+            copy_rows(&nodes, records);
+            let mut sums = vec![DVec3::splat(0.5); nodes.len()];
+            add_rows(records, &mut sums);
+            for (i, (sum, node)) in sums.iter().zip(&nodes).enumerate() {
+                assert_eq!(*sum, *node + 0.5);
+                let [x, y, z, _] = record(window.records(), (i * RECORD) as u16);
+                assert_eq!(DVec3::new(x, y, z), *node);
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_place_has_a_whole_record() {
+        let mut window = Window::default();
+        set_record(window.records(), u16::MAX, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(record(window.records(), u16::MAX), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(record(window.records(), u16::MAX - 4), [0.0; 4]);
+        assert_eq!(window.records().as_ptr().align_offset(LINE * size_of::<f64>()), 0);
+    }
+}
