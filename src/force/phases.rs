@@ -1,8 +1,8 @@
-//! Kernels in vector registers: eight elements side by side, in two phases.
+//! Kernels in vector registers: eight elements side by side, a chunk of them phase by phase.
 //!
-//! First every element of a chunk is measured, side by side and independent of the others; then the chunk's forces go to their nodes, one
-//! after the other, because elements share nodes. Apart, neither waits for the other. All units and threads add the same numbers in the same
-//! order.
+//! First every element of a chunk is measured, side by side and independent of the others; where a long chain of roots and quotients follows,
+//! it has a phase of its own; then the chunk's forces go to their nodes, one after the other, because elements share nodes. Apart, none waits
+//! for the others. All units and threads add the same numbers in the same order.
 
 use super::batch::Records;
 use super::batch::{LANES, Lanes};
@@ -25,6 +25,13 @@ pub(super) trait Phases<const N: usize> {
         nodes: &[[u16; N]; LANES],
         kept: &mut Self::Kept,
     ) -> U::Quad;
+
+    /// Goes on with four elements; returns what comes to their energies or powers.
+    #[inline(always)]
+    fn finish<U: VectorUnit>(&self, unit: U, half: usize, kept: &mut Self::Kept) -> U::Quad {
+        let _ = (half, kept);
+        unit.splat(0.0)
+    }
 
     /// Adds the forces [N] of a block's first elements to the window.
     fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; N]], kept: &Self::Kept, f: &mut Records);
@@ -55,6 +62,10 @@ impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
                 sums[0] = sums[0] + phases.measure(unit, Place { block, half: 0 }, nodes, kept);
                 sums[1] = sums[1] + phases.measure(unit, Place { block, half: 1 }, nodes, kept);
             }
+            for (_, kept) in blocks.iter().zip(&mut kept) {
+                sums[0] = sums[0] + phases.finish(unit, 0, kept);
+                sums[1] = sums[1] + phases.finish(unit, 1, kept);
+            }
             for (nodes, kept) in blocks.iter().zip(&kept) {
                 phases.scatter(unit, nodes, kept, f);
             }
@@ -66,7 +77,10 @@ impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
             nodes[..rest.len()].copy_from_slice(rest);
             let amounts = [0, 1].map(
                 #[inline(always)]
-                |half| phases.measure(unit, Place { block: blocks.len(), half }, &nodes, &mut kept).numbers(),
+                |half| {
+                    let measured = phases.measure(unit, Place { block: blocks.len(), half }, &nodes, &mut kept);
+                    (measured + phases.finish(unit, half, &mut kept)).numbers()
+                },
             );
             phases.scatter(unit, rest, &kept, f);
             flat(amounts)[..rest.len()].iter().for_each(|&amount| total.add(&[amount]));

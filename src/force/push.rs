@@ -38,11 +38,14 @@ struct Pushing<'a, L> {
     v: &'a Records,
 }
 
-/// The force on each vertex of a block's triangles.
+/// Of both halves of a block, component by component.
 #[derive(Clone, Copy, Default)]
 #[repr(align(32))]
 struct Kept {
-    force: [Padded; LANES],
+    /// S, and at last the force on each vertex
+    s: [[Padded; 3]; 2],
+    /// sums of the vertices' velocities
+    v: [[Padded; 3]; 2],
 }
 
 impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
@@ -64,19 +67,29 @@ impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
             half * (a[2] * b[0] - a[0] * b[2]),
             half * (a[0] * b[1] - a[1] * b[0]),
         ];
-        let Push { share, amount } = self.law.push(unit, s, U::Quad::columns(v));
-        let rows = U::Quad::rows([share * s[0], share * s[1], share * s[2]]);
-        for t in 0..4 {
-            kept.force[4 * at.half + t] = rows[t].numbers();
-        }
+        kept.s[at.half] = s.map(Quad::numbers);
+        kept.v[at.half] = U::Quad::columns(v).map(Quad::numbers);
+        unit.splat(0.0)
+    }
+
+    #[inline(always)]
+    fn finish<U: VectorUnit>(&self, unit: U, half: usize, kept: &mut Kept) -> U::Quad {
+        let [x, y, z] = kept.s[half];
+        let s = [unit.quad(x), unit.quad(y), unit.quad(z)];
+        let [x, y, z] = kept.v[half];
+        let Push { share, amount } = self.law.push(unit, s, [unit.quad(x), unit.quad(y), unit.quad(z)]);
+        kept.s[half] = [(share * s[0]).numbers(), (share * s[1]).numbers(), (share * s[2]).numbers()];
         amount
     }
 
     #[inline(always)]
     fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; 3]], kept: &Kept, f: &mut Records) {
-        for (nodes, force) in nodes.iter().zip(&kept.force) {
-            for &node in nodes {
-                set_record(f, node, (unit.quad(record(f, node)) + unit.quad(*force)).numbers());
+        for (nodes, &[x, y, z]) in nodes.chunks(4).zip(&kept.s) {
+            let forces = U::Quad::rows([unit.quad(x), unit.quad(y), unit.quad(z)]);
+            for (nodes, force) in nodes.iter().zip(forces) {
+                for &node in nodes {
+                    set_record(f, node, (unit.quad(record(f, node)) + force).numbers());
+                }
             }
         }
     }
