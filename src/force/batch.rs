@@ -19,11 +19,17 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 const NODES_PER_TASK: usize = 4096;
 
 /// A thread's windows for one tile.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Windows {
     x: Window,
     v: Window,
     f: Window,
+}
+
+impl Default for Windows {
+    fn default() -> Self {
+        Windows { x: Window::new(0), v: Window::new(32), f: Window::new(16) }
+    }
 }
 
 /// How many threads a force pass may use, and their windows.

@@ -5,7 +5,9 @@
 //! # How to add a force
 //! 1. Write `force/<name>.rs` with a struct of plain arrays and `impl ForceTerm` for it. If it has elements (springs,
 //!    triangles), write a [`batch::Kernel`] and let [`batch::Batch`] do the sums: that is what keeps results the same for
-//!    every number of threads.
+//!    every number of threads. A kernel's `add` is [`batch::Tile::each`], an element after the other; or, where speed matters, equations on four
+//!    elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see
+//!    `air`), or `phases` for other shapes.
 //! 2. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
 //!    there and to [`crate::model::spec`].
 //! 3. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states.

@@ -93,3 +93,58 @@ impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
 fn flat([[a, b, c, d], [e, f, g, h]]: [[f64; 4]; 2]) -> [f64; LANES] {
     [a, b, c, d, e, f, g, h]
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::force::window::{RECORD, Window, rows};
+    use crate::model::quad::Portable;
+
+    /// What a force adds to the records of 50 nodes, and its energy or power, in bits.
+    pub type Found = (Vec<[u64; 3]>, u64);
+
+    pub const NODES: usize = 50;
+
+    /// Numbers between -1 and 1, always the same.
+    pub fn random(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed;
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        }
+    }
+
+    /// A window with vectors of [`NODES`] nodes; the last two are the same.
+    pub fn vectors(seed: u64) -> Window {
+        let (mut window, mut random) = (Window::new(0), random(seed));
+        let rows = rows(window.records(), NODES);
+        for row in rows.iter_mut() {
+            *row = [0; RECORD].map(|_| random());
+        }
+        rows[NODES - 1] = rows[NODES - 2];
+        window
+    }
+
+    /// `n` elements between these nodes, some with a node twice; the first is between the two nodes at the same place.
+    pub fn elements<const N: usize>(n: usize, seed: u64) -> Vec<[u16; N]> {
+        let mut random = random(seed);
+        let place = |node: usize| (RECORD * node) as u16;
+        let mut all: Vec<[u16; N]> =
+            (0..n).map(|_| [0; N].map(|_| place((random().abs() * (NODES - 1) as f64) as usize))).collect();
+        if let Some(first) = all.first_mut() {
+            *first = std::array::from_fn(|i| place(NODES - 1 - i % 2));
+        }
+        all
+    }
+
+    /// The same elements on this machine's best unit and on any.
+    pub fn on_both<P: Phases<N>, const N: usize>(phases: impl Fn() -> P, nodes: &[[u16; N]]) -> [Found; 2] {
+        let found = |pass: &dyn Fn(&mut Records) -> f64| {
+            let mut f = Window::new(0);
+            let sum = pass(f.records());
+            let bits = |r: &mut [f64; RECORD]| [r[0].to_bits(), r[1].to_bits(), r[2].to_bits()];
+            (rows(f.records(), NODES).iter_mut().map(bits).collect(), sum.to_bits())
+        };
+        [found(&|f| add(phases(), nodes, f)), found(&|f| Elements { phases: phases(), nodes, f }.run(Portable))]
+    }
+}

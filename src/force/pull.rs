@@ -68,3 +68,57 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::coefficient::Column;
+    use crate::force::phases::tests::{elements, on_both, random, vectors};
+
+    struct Law<'a>(Column<'a>);
+
+    impl PullLaw for Law<'_> {
+        #[inline(always)]
+        fn pull<U: VectorUnit>(&self, unit: U, place: Place, d: [U::Quad; 3]) -> Pull<U::Quad> {
+            let l = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+            let force = self.0.quad(unit, place);
+            Pull { scale: (force / l).where_positive(l), amount: force * l }
+        }
+    }
+
+    /// The same, written as one would: an element after the other, their amounts in eight lanes.
+    fn one_by_one(force: &[f64], nodes: &[[u16; 2]], u: &Records, f: &mut Records) -> [f64; LANES] {
+        let mut lanes = [0.0; LANES];
+        for (i, (&[a, b], force)) in nodes.iter().zip(force).enumerate() {
+            let (xa, xb) = (record(u, a), record(u, b));
+            let d = [xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]];
+            let l = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+            let scale = if l > 0.0 { force / l } else { 0.0 };
+            let (fa, w) = (record(f, a), d.map(|d| scale * d));
+            set_record(f, a, [fa[0] + w[0], fa[1] + w[1], fa[2] + w[2], 0.0]);
+            let fb = record(f, b);
+            set_record(f, b, [fb[0] - w[0], fb[1] - w[1], fb[2] - w[2], 0.0]);
+            lanes[if i < nodes.len() / LANES * LANES { i % LANES } else { 0 }] += force * l;
+        }
+        lanes
+    }
+
+    #[test]
+    fn all_units_add_what_a_plain_loop_adds_in_its_order() {
+        // Around a block, a chunk, and more than one chunk.
+        for n in (0..20).chain([127, 128, 129, 300]) {
+            let (nodes, mut window) = (elements::<2>(n, 1), vectors(2));
+            let force: Vec<f64> = std::iter::repeat_with(random(3)).take(n).collect();
+            let u = &*window.records();
+            let [best, portable] = on_both(|| Pulling { law: Law(Column::each(&force)), u }, &nodes);
+            assert_eq!(best, portable, "{n} elements");
+            let mut f = crate::force::window::Window::new(0);
+            let l = one_by_one(&force, &nodes, u, f.records());
+            let sums = crate::force::window::rows(f.records(), best.0.len());
+            let plain: Vec<_> = sums.iter().map(|r| [r[0], r[1], r[2]].map(f64::to_bits)).collect();
+            assert_eq!(best.0, plain, "{n} elements");
+            let sum = ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
+            assert_eq!(best.1, sum.to_bits(), "{n} elements");
+        }
+    }
+}

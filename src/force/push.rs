@@ -94,3 +94,49 @@ impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::phases::tests::{elements, on_both, vectors};
+
+    /// Pressure 2 Pa, a third to each vertex.
+    struct Law;
+
+    impl PushLaw for Law {
+        #[inline(always)]
+        fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
+            let share = unit.splat(2.0 / 3.0);
+            Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
+        }
+    }
+
+    fn vector(records: &Records, at: u16) -> glam::DVec3 {
+        let [x, y, z, _] = record(records, at);
+        glam::DVec3::new(x, y, z)
+    }
+
+    #[test]
+    fn all_units_push_along_the_area_vector() {
+        for n in (0..20).chain([127, 128, 129, 300]) {
+            let (nodes, mut x, mut v) = (elements::<3>(n, 4), vectors(5), vectors(6));
+            let (x, v) = (&*x.records(), &*v.records());
+            let [best, portable] = on_both(|| Pushing { law: Law, x, v }, &nodes);
+            assert_eq!(best, portable, "{n} triangles");
+            let (mut forces, mut power) = (vec![glam::DVec3::ZERO; best.0.len()], 0.0);
+            for nodes in &nodes {
+                let [a, b, c] = nodes.map(|i| vector(x, i));
+                let s = 0.5 * (b - a).cross(c - a);
+                for &node in nodes {
+                    forces[node as usize / 4] += 2.0 / 3.0 * s;
+                    power += 2.0 / 3.0 * s.dot(vector(v, node));
+                }
+            }
+            for (found, force) in best.0.iter().zip(&forces) {
+                let found = glam::DVec3::from_array(found.map(f64::from_bits));
+                assert!((found - *force).length() < 1e-13, "{n} triangles: {found} against {force}");
+            }
+            assert!((f64::from_bits(best.1) - power).abs() < 1e-12, "{n} triangles: {power}");
+        }
+    }
+}

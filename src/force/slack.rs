@@ -109,6 +109,7 @@ pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::quad::{Pass, run};
 
     const K: f64 = 7.0;
     const EPS: f64 = 0.2;
@@ -149,5 +150,33 @@ mod tests {
         assert_eq!(tension(Slack::DeadZone { eps: EPS }, K, EPS).slope, K);
         assert_eq!(tension(Slack::CompressionLimit { eps: EPS }, K, -EPS).slope, K);
         assert_eq!(tension(Slack::TensionOnly, K, -1e-9).slope, 0.0);
+    }
+
+    struct Four<L>(L, [f64; 4]);
+
+    impl<L: TensionLaw> Pass for Four<L> {
+        type Output = ([f64; 4], [f64; 4]);
+
+        #[inline(always)]
+        fn run<U: VectorUnit>(self, unit: U) -> Self::Output {
+            let (force, energy) = self.0.quad(unit, unit.splat(K), unit.quad(self.1));
+            (force.numbers(), energy.numbers())
+        }
+    }
+
+    #[test]
+    fn four_springs_side_by_side_have_the_bits_of_one() {
+        for i in -40..=40 {
+            let e = [0.0, 0.003, 0.01, 0.02].map(|d| 0.025 * f64::from(i) + d);
+            for slack in kinds() {
+                let (force, energy) = match clamped(slack) {
+                    None => run(Four(Plain, e)),
+                    Some(law) => run(Four(law, e)),
+                };
+                let one = e.map(|e| tension(slack, K, e));
+                assert_eq!(force.map(f64::to_bits), one.map(|t| t.force.to_bits()), "{slack:?} at {e:?}");
+                assert_eq!(energy.map(f64::to_bits), one.map(|t| t.energy.to_bits()), "{slack:?} at {e:?}");
+            }
+        }
     }
 }

@@ -17,8 +17,9 @@ const REACH: usize = u16::MAX as usize + RECORD;
 /// A window's records, one after the other.
 pub type Records = [f64; REACH];
 
-/// Numbers of a cache line, where the first record begins.
+/// Numbers of a cache line and of a page.
 const LINE: usize = 8;
+const PAGE: usize = 512;
 
 /// The record that begins at a place.
 #[inline(always)]
@@ -36,20 +37,28 @@ pub fn set_record(records: &mut Records, at: u16, value: Padded) {
 }
 
 /// Room for the records of one tile after the other.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Window {
-    /// a line more than is used; empty until it is
+    /// more than is used; empty until it is
     room: Vec<f64>,
+    /// [cache lines] where in a page the records begin
+    shift: usize,
     first: usize,
 }
 
 impl Window {
+    /// Windows that are used together begin at different lines of a page: a processor takes a load from where another window has just been
+    /// written for one of the same number, if it is as far from the beginning of its page.
+    pub fn new(shift: usize) -> Self {
+        Window { room: Vec::new(), shift, first: 0 }
+    }
+
     /// The records; whatever was there before.
     pub fn records(&mut self) -> &mut Records {
         if self.room.is_empty() {
             // Zeroed by the operating system, page after page when they are used.
-            self.room = vec![0.0; REACH + LINE];
-            self.first = self.room.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+            self.room = vec![0.0; REACH + 2 * PAGE];
+            self.first = self.room.as_ptr().align_offset(PAGE * size_of::<f64>()).min(PAGE) + self.shift * LINE;
         }
         &mut self.room[self.first..].as_chunks_mut().0[0]
     }
@@ -73,18 +82,17 @@ struct CopyRows<'a> {
 impl Pass for CopyRows<'_> {
     type Output = ();
 
-    /// Four numbers at once: the last belongs to the next node.
+    /// Four numbers at once; the last of them belongs to the next node.
     #[inline(always)]
     fn run<U: VectorUnit>(self, _: U) {
-        let (from, last) = self.from.as_chunks::<12>();
-        let (to, last_to) = self.to.as_chunks_mut::<4>();
-        for (n, to) in from.iter().zip(to) {
-            to[0] = [n[0], n[1], n[2], n[3]];
-            to[1] = [n[3], n[4], n[5], n[6]];
-            to[2] = [n[6], n[7], n[8], n[9]];
-            to[3] = [n[9], n[10], n[11], n[11]];
+        let (whole, last) = self.to.split_at_mut(self.to.len().saturating_sub(1) / 4 * 4);
+        let rest = &self.from[3 * whole.len()..];
+        for (four, to) in self.from.windows(13).step_by(12).zip(whole.as_chunks_mut::<4>().0) {
+            for (node, to) in to.iter_mut().enumerate() {
+                *to = four[3 * node..].first_chunk().copied().unwrap_or_default();
+            }
         }
-        for (from, to) in last.as_chunks::<3>().0.iter().zip(last_to) {
+        for (from, to) in rest.as_chunks::<3>().0.iter().zip(last) {
             *to = [from[0], from[1], from[2], 0.0];
         }
     }
@@ -128,7 +136,7 @@ mod tests {
     fn rows_are_copied_and_added_for_every_length() {
         for n in 0..23 {
             let nodes: Vec<DVec3> = (0..n).map(|i| DVec3::new(1.0, 10.0, 100.0) * f64::from(i + 1)).collect();
-            let mut window = Window::default();
+            let mut window = Window::new(3);
             let records = rows(window.records(), nodes.len());
             copy_rows(&nodes, records);
             let mut sums = vec![DVec3::splat(0.5); nodes.len()];
@@ -143,7 +151,7 @@ mod tests {
 
     #[test]
     fn the_last_place_has_a_whole_record() {
-        let mut window = Window::default();
+        let mut window = Window::new(3);
         set_record(window.records(), u16::MAX, [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(record(window.records(), u16::MAX), [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(record(window.records(), u16::MAX - 4), [0.0; 4]);
