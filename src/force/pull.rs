@@ -28,7 +28,7 @@ pub(super) struct Pull<Q> {
 
 /// Adds the forces [N] of elements to a window; `u` is the nodal vector of the differences.
 pub(super) fn pull<L: PullLaw>(law: L, nodes: &[[u16; 2]], u: &Records, f: &mut Records) -> f64 {
-    add(Pulling { law, u: u }, nodes, f)
+    add(Pulling { law, u }, nodes, f)
 }
 
 struct Pulling<'a, L> {

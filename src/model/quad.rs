@@ -322,7 +322,7 @@ mod tests {
         let mut next = || {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             let bits = seed >> 33;
-            if bits % 3 == 0 { special[bits as usize / 3 % special.len()] } else { bits as f64 * 1e-6 - 1e3 }
+            if bits.is_multiple_of(3) { special[bits as usize / 3 % special.len()] } else { bits as f64 * 1e-6 - 1e3 }
         };
         for _ in 0..10_000 {
             let numbers = [[0.0; 4]; 4].map(|q| q.map(|_| next()));
