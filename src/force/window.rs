@@ -47,8 +47,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Windows that are used together begin at different lines of a page: a processor takes a load from where another window has just been
-    /// written for one of the same number, if it is as far from the beginning of its page.
+    /// Windows that are used together begin at different lines of a page: where a load and an earlier store are equally far from the beginning of
+    /// their pages, a processor lets the load wait as if both were one place.
     pub fn new(shift: usize) -> Self {
         Window { room: Vec::new(), shift, first: 0 }
     }
