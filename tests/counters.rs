@@ -29,13 +29,13 @@ const FINE: [Work; 14] = [
     ("newmark", 41, 20),
     ("hht", 41, 20),
     ("kang", 21, 0),
-    ("backward-euler", 61, 40),
+    ("backward-euler", 42, 21),
     ("generalized-alpha", 41, 20),
 ];
 
-/// The same cloth in 20 steps of 10 ms, where Newton has work to do and first guesses are checked half way.
+/// The same cloth in 20 steps of 10 ms, where Newton has work to do.
 const COARSE: [Work; 4] =
-    [("newmark", 82, 41), ("hht", 82, 41), ("backward-euler", 96, 55), ("generalized-alpha", 82, 41)];
+    [("newmark", 63, 42), ("hht", 63, 42), ("backward-euler", 64, 43), ("generalized-alpha", 63, 42)];
 
 fn counters(force_evaluations: u64, newton: u64) -> Counters {
     Counters {

@@ -5,7 +5,12 @@ mod common;
 
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
+use canopy_fem::force::batch::Threads;
+use canopy_fem::model::spec::Slack;
+use canopy_fem::model::system::{System, TangentSystem};
+use canopy_fem::scene::build_network;
 use common::run::{asset, case_of, changed, run};
+use common::{patch, spring_group};
 use serde_json::json;
 
 /// [N/m]
@@ -109,4 +114,26 @@ fn a_stiff_chain_finds_its_catenary() {
         // y = a cosh(x/a) of length pi over a span of 2: a = 0.5816, sag a (cosh(1/a) - 1) = 1.0934; links of pi/40 are off by less than 1 %.
         assert!((lowest + 1.0934).abs() < 0.02, "step {step}: sag {lowest}");
     }
+}
+
+/// A first guess is looked at half way only where a spring points away from where it pointed, or has no direction: nodes of the patch are 1 m apart.
+#[test]
+fn a_spring_that_turns_over_is_seen() {
+    let mut spec = patch();
+    spec.springs = vec![spring_group(&spec, Slack::None)];
+    let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
+    let from = scene.initial_state().x;
+    for node in 0..from.len() / 3 {
+        for (distance, expected) in [(0.0, false), (0.4, false), (2.5, true)] {
+            for direction in 0..2 {
+                let mut to = from.clone();
+                // Away from the middle of the patch springs only get longer.
+                let outwards = if from[3 * node + direction] < 1.0 { -1.0 } else { 1.0 };
+                to[3 * node + direction] -= outwards * distance;
+                assert_eq!(scene.turns_over(&from, &to), expected, "node {node} moved by {distance} m");
+            }
+        }
+    }
+    let together = vec![0.5; from.len()];
+    assert!(scene.turns_over(&from, &together) && scene.turns_over(&together, &from));
 }

@@ -10,7 +10,7 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, build_network};
-use canopy_fem::solve::{LinearChoice, LinearError, fill_reducing, solver_for};
+use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};
 use common::{Random, patch, spring_group};
 use std::path::Path;
 use std::sync::Arc;
@@ -144,5 +144,33 @@ fn the_ordering_is_a_permutation_that_keeps_nodes_together_and_saves_fill() {
         let (counted, ratio) = (elimination.nonzeros, fill as f64 / elimination.nonzeros);
         assert!((1.0..1.6).contains(&ratio), "side {side}: {counted} entries counted, {fill} stored");
         assert!(fill < banded, "side {side}: {fill} entries, a band would have {banded}");
+    }
+}
+
+/// A factor that is kept solves in single precision where that is enough, and exactly where more is asked for or single precision is not enough.
+#[test]
+fn a_kept_factor_solves_as_exactly_as_it_is_asked_to() {
+    for (side, scale, soft) in [(3, 1.0, true), (12, 1e-12, true), (40, 1e12, true), (40, 1.0, false)] {
+        // A sheet without tension and almost without inertia is conditioned too badly for seven digits.
+        let (stretch, m) = if soft { (1.1, 1e5) } else { (1.0 + 1e-9, 1e-3) };
+        let w = tangent(&sheet(side), stretch, Weights { m, c: 0.0, k: 1.0 });
+        let (pattern, values) = (&w.pattern, w.values().iter().map(|v| scale * v).collect::<Vec<f64>>());
+        let [mut exact, mut kept] =
+            [0; 2].map(|_| solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric"));
+        assert_eq!(exact.factor(&values), Ok(Inertia::Definite));
+        assert_eq!(kept.prepare(&values), Ok(Inertia::Definite));
+        let b = right_hand_side(pattern.n());
+        let mut expected = b.clone();
+        exact.solve(&values, &mut expected).expect("definite");
+        let size = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        for asked in [1e-3, 1e-9] {
+            kept.ask(Accuracy::to(asked));
+            let mut x = b.clone();
+            kept.solve(&values, &mut x).expect("definite");
+            let off = x.iter().zip(&expected).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / size;
+            let single = soft && asked == 1e-3;
+            let expected = if single { 1e-9..1e-4 } else { 0.0..1e-12 };
+            assert!(expected.contains(&off), "{side} nodes wide, scale {scale}, asked for {asked}: {off:e} off");
+        }
     }
 }

@@ -146,7 +146,7 @@ fn step_map(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<Vec
         stepper.start(&from).ok()?;
         let mut carried: Vec<Vec<f64>> = shape.iter().map(|v| vec![0.0; v.len()]).collect();
         moving.iter().enumerate().for_each(|(m, &i)| carried[i][0] = unit(2 + m));
-        stepper.restore(&Carried { vectors: carried, made_with: 0.0, factor: None }).ok()?;
+        stepper.restore(&Carried { vectors: carried, ..Carried::default() }).ok()?;
         let mut to = from.clone();
         stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default()).ok()?;
         stepper.accept();

@@ -70,6 +70,11 @@ impl SpringData {
         largest_strain(self, x)
     }
 
+    /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].
+    pub fn turns_over(&self, from: &[DVec3], to: &[DVec3]) -> bool {
+        turns_over(self, from, to)
+    }
+
     /// [-] strain (l - l0)/l0 of spring `i`.
     pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
         self.stretch(x, i).elongation / self.rest_length[i]
@@ -111,6 +116,15 @@ fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
     }
     let last = data.nodes.len() - rest.len()..data.nodes.len();
     last.map(|i| data.strain(x, i)).chain(largest).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Without roots and divisions: a fraction of a force pass.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn turns_over(data: &SpringData, from: &[DVec3], to: &[DVec3]) -> bool {
+    let along = |x: &[DVec3], [a, b]: [u32; 2]| x[b as usize] - x[a as usize];
+    data.nodes.chunks(64).any(|chunk| {
+        chunk.iter().fold(false, |turned, &nodes| turned | (along(from, nodes).dot(along(to, nodes)) <= 0.0))
+    })
 }
 
 /// Direction, length and elongation of a spring.

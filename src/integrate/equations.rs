@@ -6,6 +6,7 @@
 //! ```
 
 use super::Counters;
+use super::balance::{End, Ends, Inertial, Sizes, Start, displace, rounding, unbalanced};
 use super::kept::Kept;
 use super::stage::StageMap;
 use super::tangents::{Tangents, Which};
@@ -20,17 +21,21 @@ pub(super) struct Equations<'a> {
     pub map: StageMap,
     pub from: &'a Point,
     pub a: &'a [f64],
+    /// [m/s^2] what they will be if they go on as they did
+    pub expected: &'a [f64],
     pub to: &'a mut Point,
     pub counters: &'a mut Counters,
     pub tangents: &'a mut Tangents,
     pub kept: &'a mut Kept,
     pub a_next: &'a mut [f64],
-    /// (1 - am) a_{n+1} + am a_n
-    pub weighted: &'a mut [f64],
-    /// M times that
-    pub inertia: &'a mut [f64],
+    /// [kg] by degree of freedom
+    pub mass: &'a [f64],
+    /// room for vectors over all degrees of freedom
+    pub wide: [&'a mut [f64]; 2],
     /// [N/m] by degree of freedom
     pub stiffness: &'a [f64],
+    /// [1/s^2] the largest of that over its mass
+    pub fastest: f64,
     /// [s]
     pub h: f64,
     /// [m] largest coordinate, which sets the rounding of positions
@@ -45,6 +50,8 @@ pub(super) struct Equations<'a> {
 /// First guesses for the step's displacement, from the best to the most cautious.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Guess {
+    /// what the scheme makes of accelerations that go on as they did
+    Trend,
     /// h v + h^2/2 a: of second order, saves an iteration in small steps
     ConstantAcceleration,
     /// h v
@@ -58,15 +65,17 @@ pub(super) enum Guess {
 const FORCE_CHANGE: f64 = 0.5;
 
 /// [-] (w h)^2, with the stiffness and mass of a single unknown, above which a step is long for a spring: a guess may then
-/// lie near the mirror image of its end, where the forces look right again. Half way there they do not.
+/// lie near the mirror image of its end, where the forces look right again. Half way there they do not. Looked at only where a spring
+/// has turned over: the mirror image lies behind it.
 const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {
     pub fn fill(&self, z: &mut [f64]) {
-        let (h, v) = (self.h, &self.from.state.v);
+        let (h, v, map) = (self.h, &self.from.state.v, self.map);
         for (&dof, z) in self.tangents.dof.iter().zip(z) {
             let i = dof as usize;
             *z = match self.guess {
+                Guess::Trend => (self.expected[i] - map.av * v[i] - map.aa * self.a[i]) / map.ca,
                 Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * self.a[i]),
                 Guess::ConstantVelocity => h * v[i],
                 Guess::Rest => 0.0,
@@ -87,8 +96,7 @@ impl Equations<'_> {
     }
 
     fn is_long(&self) -> bool {
-        let rates = self.stiffness.iter().zip(self.system.inverse_mass()).map(|(k, m)| k * m);
-        self.h * self.h * rates.fold(0.0, f64::max) > LONG_STEP
+        self.h * self.h * self.fastest > LONG_STEP
     }
 
     /// Makes the kept factor again where another has taken its place since the last accepted step.
@@ -121,27 +129,22 @@ impl Equations<'_> {
 
 impl NonlinearProblem for Equations<'_> {
     fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
-        let (n, map) = (&self.from.state, self.map);
+        let (map, n) = (self.map, &self.from.state);
+        let [wide, floors] = &mut self.wide;
+        wide.fill(0.0);
         for (&dof, z) in self.tangents.dof.iter().zip(z) {
-            let i = dof as usize;
-            self.to.state.x[i] = n.x[i] + z;
-            self.to.state.v[i] = map.cv * z + map.vv * n.v[i] + map.va * self.a[i];
-            self.a_next[i] = map.ca * z + map.av * n.v[i] + map.aa * self.a[i];
-            self.weighted[i] = (1.0 - map.am) * self.a_next[i] + map.am * self.a[i];
+            wide[dof as usize] = *z;
         }
+        let start = Start { x: &n.x, v: &n.v, a: self.a };
+        displace(map, wide, start, End { x: &mut self.to.state.x, v: &mut self.to.state.v, a: self.a_next });
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
-        self.system.mass_times(self.weighted, self.inertia);
-        let (f, f_n) = (&self.to.forces.total, &self.from.forces.total);
-        // Positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as
-        // M v/(beta h).
-        let moved = map.av.abs();
+        let ends = Ends { f_n: &self.from.forces.total, f: &self.to.forces.total };
+        let inertia = Inertial { mass: self.mass, a_n: self.a, a: self.a_next };
+        let sizes = Sizes { stiffness: self.stiffness, largest: self.largest, v_n: &n.v };
+        unbalanced(map, inertia, ends, wide);
+        rounding(map, inertia, ends, sizes, floors);
         for ((&dof, r), floor) in self.tangents.dof.iter().zip(r).zip(floor) {
-            let i = dof as usize;
-            let force = (1.0 - map.af) * f[i] + map.af * f_n[i];
-            *r = self.inertia[i] - force;
-            let mass = if self.weighted[i] != 0.0 { (self.inertia[i] / self.weighted[i]).abs() } else { 0.0 };
-            let inertia = self.inertia[i].abs() + mass * moved * n.v[i].abs();
-            *floor = 4.0 * f64::EPSILON * (self.stiffness[i] * self.largest + force.abs() + inertia);
+            (*r, *floor) = (wide[dof as usize], floors[dof as usize]);
         }
     }
 
@@ -150,11 +153,12 @@ impl NonlinearProblem for Equations<'_> {
             return false;
         }
         let mut too_far = self.is_far(&self.to.forces.total);
-        if !too_far && self.is_long() {
+        if !too_far && self.is_long() && self.system.turns_over(&self.from.state.x, &self.to.state.x) {
             self.evaluate_halfway();
             too_far = self.is_far(&self.halfway.forces.total);
         }
         self.guess = match self.guess {
+            Guess::Trend if too_far => Guess::ConstantAcceleration,
             Guess::ConstantAcceleration if too_far => Guess::ConstantVelocity,
             Guess::ConstantVelocity if too_far => Guess::Rest,
             _ => return false,

@@ -4,12 +4,13 @@
 //! on where the origin is. Per iteration: one force pass, W = cm M + cc C + ck K assembled into its slots, one
 //! factorisation, one solve.
 
+use super::balance::{came_as, go_on};
 use super::equations::{Equations, Guess, scales};
 use super::kept::Kept;
 use super::stage::StageMap;
 use super::tangents::Tangents;
 pub use super::tangents::{Factor, kept_factor, refusal};
-use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport};
+use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
@@ -39,6 +40,7 @@ pub struct Implicit<M> {
     spec: SolverSpec,
     /// a_n, what the scheme carries
     a: Vec<f64>,
+    trend: Trend,
     /// [s] the step that a_n was made with; 0 before the first
     made_with: f64,
     /// [s] the step attempted last
@@ -55,10 +57,18 @@ struct Solver {
     /// a_n as a step of another size would have left it
     a: Vec<f64>,
     a_next: Vec<f64>,
-    inertia: Vec<f64>,
-    weighted: Vec<f64>,
+    /// room for vectors over all degrees of freedom
+    wide: [Vec<f64>; 2],
+    /// [kg] by degree of freedom
+    mass: Vec<f64>,
     /// [N/m] by degree of freedom
     stiffness: Vec<f64>,
+    /// [1/s^2] the largest of that over its mass
+    fastest: f64,
+    /// [m/s^2] accelerations if they go on along a straight line
+    expected: Vec<f64>,
+    /// whether the last attempt began from its first guess
+    guessed_well: bool,
     /// half way to a first guess
     halfway: Point,
     /// [1/s^2] weight of the mass in the W that is factorised, if the last attempt made one
@@ -68,7 +78,7 @@ struct Solver {
 impl<M: ImplicitScheme> Implicit<M> {
     /// A scheme with its solver settings.
     pub fn new(scheme: M, spec: SolverSpec) -> Self {
-        Implicit { scheme, spec, a: Vec::new(), made_with: 0.0, attempted: 0.0, solver: None }
+        Implicit { scheme, spec, a: Vec::new(), trend: Trend::default(), made_with: 0.0, attempted: 0.0, solver: None }
     }
 }
 
@@ -80,6 +90,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         let zero = || vec![0.0; n];
         let z = vec![0.0; unknowns];
+        let mut mass = zero();
+        system.mass_times(&vec![1.0; n], &mut mass);
+        let stiffness = system.nodal_stiffness();
+        let fastest = stiffness.iter().zip(system.inverse_mass()).fold(0.0, |most: f64, (k, m)| most.max(k * m));
         self.solver = Some(Solver {
             tangents,
             newton,
@@ -87,12 +101,16 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             z,
             a: zero(),
             a_next: zero(),
-            inertia: zero(),
-            weighted: zero(),
-            stiffness: system.nodal_stiffness(),
+            wide: [zero(), zero()],
+            mass,
+            stiffness,
+            fastest,
+            expected: zero(),
+            guessed_well: true,
             halfway: at.clone(),
             mass_weight: None,
         });
+        self.trend = Trend { before: zero(), straight: false };
         (self.made_with, self.attempted) = (0.0, 0.0);
         Ok(())
     }
@@ -111,9 +129,14 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         to.state.t = t_next;
         let lag = Lag { h, made_with: self.made_with, a: &self.a };
         lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
+        if self.made_with > 0.0 {
+            go_on(h / self.made_with, &self.trend.before, &self.a, &mut s.expected);
+        }
+        let straight = self.made_with > 0.0 && self.trend.straight;
+        let guess = if straight { Guess::Trend } else { Guess::ConstantAcceleration };
         self.attempted = h;
         s.mass_weight = None;
-        let scales = scales(system, from, &s.a, map, &mut s.inertia);
+        let scales = scales(system, from, &s.a, map, &mut s.wide[0]);
         let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let mut stage = Equations {
             system,
@@ -125,13 +148,15 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             tangents: &mut s.tangents,
             kept: &mut s.kept,
             a_next: &mut s.a_next,
-            weighted: &mut s.weighted,
-            inertia: &mut s.inertia,
+            mass: &s.mass,
+            wide: s.wide.each_mut().map(|wide| &mut wide[..]),
             stiffness: &s.stiffness,
+            fastest: s.fastest,
+            expected: &s.expected,
             h,
             largest,
             force_scale: scales.residual,
-            guess: Guess::ConstantAcceleration,
+            guess,
             halfway: &mut s.halfway,
             mass_weight: &mut s.mass_weight,
         };
@@ -139,6 +164,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         stage.fill(&mut s.z);
         let mut frozen = stage.kept.usable(stage.weights());
         let solved = s.newton.solve(&mut stage, &mut s.z, scales, &mut frozen);
+        s.guessed_well = stage.guess == guess;
         s.kept.learn(frozen);
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
@@ -153,6 +179,10 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
+            // After the first step there is nothing yet to compare with.
+            let straight = self.made_with == 0.0 || came_as(&s.expected, &s.a, &s.a_next);
+            self.trend.straight = straight && s.guessed_well;
+            self.trend.before.copy_from_slice(&self.a);
             std::mem::swap(&mut self.a, &mut s.a_next);
             s.kept.accept();
             self.made_with = self.attempted;
@@ -162,11 +192,14 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn save(&self) -> Carried {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.kept.save(&mut vectors));
-        Carried { vectors, made_with: self.made_with, factor }
+        Carried { vectors, made_with: self.made_with, trend: self.trend.clone(), factor }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
         self.made_with = carried.made_with;
+        if carried.trend.before.len() == self.trend.before.len() {
+            self.trend.clone_from(&carried.trend);
+        }
         match (&mut self.solver, &carried.factor) {
             (Some(s), Some(factor)) => {
                 let [x, v] = s.kept.room();
@@ -178,20 +211,14 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         }
     }
 
-    fn filter_error(
-        &mut self,
-        e: &mut [f64],
-        system: &dyn TangentSystem,
-        counters: &mut Counters,
-    ) -> Result<(), StepError> {
+    fn filter_error(&mut self, e: &mut [f64], _: &dyn TangentSystem, counters: &mut Counters) -> Result<(), StepError> {
         let Some(s) = &mut self.solver else { return Ok(()) };
         let Some(weight) = s.mass_weight else { return Ok(()) };
         if !e.iter().all(|e| e.is_finite()) {
             return Ok(());
         }
-        system.mass_times(e, &mut s.inertia);
         for (&dof, b) in s.tangents.dof.iter().zip(&mut s.z) {
-            *b = weight * s.inertia[dof as usize];
+            *b = weight * (s.mass[dof as usize] * e[dof as usize]);
         }
         s.tangents.ask(Accuracy::to(FILTER_RELATIVE));
         match s.tangents.solve(&mut s.z, counters) {

@@ -71,7 +71,7 @@ impl Integrator<dyn System> for ImprovedEulerPec {
 
     fn save(&self) -> Carried {
         let power = vec![self.now.power.external, self.now.power.dissipated];
-        Carried { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], made_with: 0.0, factor: None }
+        Carried { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], ..Carried::default() }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {

@@ -14,6 +14,7 @@
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 
 pub mod backward_euler;
+mod balance;
 mod counters;
 pub mod dop853;
 pub mod dormand_prince;
@@ -88,8 +89,19 @@ pub struct Carried {
     pub vectors: Vec<Vec<f64>>,
     /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
     pub made_with: f64,
+    /// what only the first guess of the next step depends on
+    pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
     pub factor: Option<KeptFactor>,
+}
+
+/// How accelerations went on from step to step.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Trend {
+    /// [m/s^2] those before the last step; none before the first
+    pub before: Vec<f64>,
+    /// whether the last step went on nearer to a straight line through the two before than to a constant
+    pub straight: bool,
 }
 
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.

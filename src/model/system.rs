@@ -89,6 +89,13 @@ pub trait TangentSystem: System {
         let _ = (at, weights, convex, assembler);
     }
 
+    /// Whether a spring points away at `to` [m] from where it pointed at `from` [m]; `true` where nothing is known of it. Only then can a
+    /// first guess lie near the mirror image of a step's end.
+    fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
+        let _ = (from, to);
+        true
+    }
+
     /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual there.
     fn nodal_stiffness(&self) -> Vec<f64>;
 

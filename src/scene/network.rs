@@ -278,6 +278,10 @@ impl TangentSystem for Network {
         }
     }
 
+    fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
+        self.springs.iter().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
+    }
+
     fn nodal_stiffness(&self) -> Vec<f64> {
         let mut nodes = vec![0.0; self.mass.len()];
         self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));

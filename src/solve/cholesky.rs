@@ -3,8 +3,9 @@
 //! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
 //! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::linear::{Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use super::ordering::{Permutation, fill_reducing};
+use super::single::SingleFactor;
 use crate::assembly::Pattern;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -38,6 +39,12 @@ pub struct Cholesky {
     memory: MemBuffer,
     kind: Kind,
     pivoting: Option<Box<Pivoting>>,
+    /// the factor of a W that is kept, made when it is first called for
+    single: Option<Box<SingleFactor>>,
+    /// whether it serves for the W that was factorised last
+    single_serves: bool,
+    /// what further solves may leave
+    accuracy: Accuracy,
     refinement: Vec<f64>,
     product: Vec<f64>,
     indefinite: u64,
@@ -125,6 +132,9 @@ impl Cholesky {
             memory,
             kind: Kind::Llt,
             pivoting: None,
+            single: None,
+            single_serves: false,
+            accuracy: Accuracy::to(0.0),
             refinement,
             product,
             indefinite: 0,
@@ -202,9 +212,43 @@ impl Cholesky {
     }
 }
 
+impl Cholesky {
+    /// Takes the factor in single precision too, if a solve with it leaves little enough of a right-hand side that is rough and always the same.
+    fn try_single(&mut self, values: &[f64]) -> bool {
+        let single = match &mut self.single {
+            Some(single) => single,
+            none => match SingleFactor::new(&self.symbolic) {
+                Some(single) => none.insert(Box::new(single)),
+                None => return false,
+            },
+        };
+        if !single.take(&self.l) {
+            return false;
+        }
+        let (mut x, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
+        let rough = |i: usize| if i.wrapping_mul(0x9E37_79B9) >> 13 & 1 == 0 { 1.0 } else { -1.0 };
+        x.clear();
+        x.extend((0..self.pattern.n()).map(rough));
+        product.resize(x.len(), 0.0);
+        single.solve(&mut x);
+        self.pattern.multiply(values, &x, &mut product);
+        let left: f64 = product.iter().enumerate().map(|(i, p)| (p - rough(i)).powi(2)).sum();
+        let serves = left <= KEPT_RELATIVE * KEPT_RELATIVE * x.len() as f64;
+        (self.refinement, self.product) = (x, product);
+        serves
+    }
+}
+
 impl LinearSolver for Cholesky {
+    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        let made = self.factor_definite(values)?;
+        self.single_serves = made == Inertia::Definite && self.try_single(values);
+        Ok(made)
+    }
+
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         self.factorizations += 1;
+        self.single_serves = false;
         check_finite(&self.pattern, values)?;
         let llt = timed(Phase::Factorization, || {
             self.symbolic.factorize_numeric_llt(
@@ -249,7 +293,10 @@ impl LinearSolver for Cholesky {
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        if self.kind == Kind::Llt {
+        let single = self.single.as_mut().filter(|_| self.single_serves && self.accuracy.relative >= KEPT_RELATIVE);
+        if let Some(single) = single {
+            single.solve(b);
+        } else if self.kind == Kind::Llt {
             self.solve_once(b);
         } else {
             let too_large = |relative: f64| relative.is_nan() || relative > LDLT_RESIDUAL;
@@ -267,6 +314,10 @@ impl LinearSolver for Cholesky {
             None => Ok(()),
             unknown => Err(LinearError::Singular { unknown }),
         }
+    }
+
+    fn ask(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
     }
 
     fn work(&self) -> Work {

@@ -1,21 +1,28 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by symmetric block Gauss-Seidel, with Eisenstat's product (1981).
 //!
-//! Nothing is factorised: making the solver ready costs about three of its iterations, and its memory is that of W. Iterations grow like the
+//! Nothing is factorised: making the solver ready costs about three of its iterations, and its memory is half of W's. Iterations grow like the
 //! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
 //!
 //! ```text
 //! (I + L)^-1 (I + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
 //! ```
-//! and its residual is the one of this system: W's residual in the norm of the inverse preconditioner.
+//! in single precision, and its residual is the one of this system: W's residual in the norm of the inverse preconditioner. What single precision cannot
+//! give comes from repeated solves for the residual in double precision (iterative refinement: Higham 2002, chapter 12).
 
 use super::blocks::{NodeBlocks, Sweep};
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
 use crate::assembly::Pattern;
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use std::sync::Arc;
 
 /// [-] relative residual of a solve for which nobody has asked for another
 const RELATIVE: f64 = 1e-10;
+/// [-] what one round in single precision may leave at least: it has seven digits
+const SINGLE: f64 = 1e-6;
+/// [-] A round that leaves more than this of what it began with is the last: rounding has eaten the rest.
+const ROUND: f64 = 0.1;
+/// [-] p . W p over p . p, below which its sign is one of rounding
+const ROUNDING: f64 = 1e-5;
 /// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
 const FEW: u32 = 2;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
@@ -28,14 +35,16 @@ pub struct ConjugateGradients {
     /// what a solve may leave
     accuracy: Accuracy,
     /// x^
-    x: Vec<DVec3>,
-    r: Vec<DVec3>,
-    p: Vec<DVec3>,
-    t: Vec<DVec3>,
-    q: Vec<DVec3>,
+    x: Vec<Vec3A>,
+    r: Vec<Vec3A>,
+    p: Vec<Vec3A>,
+    t: Vec<Vec3A>,
+    q: Vec<Vec3A>,
+    /// b and the residual of refinement, made when first called for
+    refined: Option<[Vec<f64>; 2]>,
     /// the most of them in a solve
     most: u32,
-    /// of the last solve
+    /// of the present solve
     iterations: u32,
     /// of all solves
     all: u64,
@@ -61,13 +70,14 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let blocks = NodeBlocks::new(&pattern);
-        let zero = || vec![DVec3::ZERO; blocks.nodes()];
+        let blocks = NodeBlocks::new(Arc::clone(&pattern));
+        let zero = || vec![Vec3A::ZERO; blocks.nodes()];
         let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
         let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
-        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, most, iterations, all, indefinite })
+        let refined = None;
+        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, refined, most, iterations, all, indefinite })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
@@ -79,62 +89,123 @@ impl ConjugateGradients {
         let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
         let mut rough = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5
+            ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
         };
-        self.r.fill_with(|| DVec3::new(rough(), rough(), rough()));
-        let accuracy = Accuracy::to(relative);
-        let own = (std::mem::replace(&mut self.accuracy, accuracy), std::mem::replace(&mut self.most, most));
-        let found = self.iterate();
-        (self.accuracy, self.most) = own;
+        self.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+        let own = std::mem::replace(&mut self.most, most);
+        self.iterations = 0;
+        let first = squared(&self.r);
+        let found = self.iterate(first, Accuracy::to(relative));
+        self.most = own;
         found.map(|()| self.iterations)
     }
 
-    /// Iterates until x^ is found, with the right-hand side in r.
-    fn iterate(&mut self) -> Result<(), LinearError> {
-        self.x.fill(DVec3::ZERO);
-        self.p.fill(DVec3::ZERO);
-        self.iterations = 0;
-        let mut square = squared(&self.r);
-        let first = square;
+    /// Iterates until x^ is found, with the right-hand side and its square in r.
+    fn iterate(&mut self, first: f64, Accuracy { relative, enough }: Accuracy) -> Result<(), LinearError> {
+        self.x.fill(Vec3A::ZERO);
+        self.p.fill(Vec3A::ZERO);
+        let mut square = first;
         let left = |square: f64| (square / first).sqrt();
-        let Accuracy { relative, enough } = self.accuracy;
+        let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
         let mut beta = 0.0;
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
-                let (iterations, residual) = (self.iterations, left(square));
-                return Err(LinearError::Stalled { iterations, residual, asked: relative });
+                return Err(stalled(self.iterations, square));
             }
             self.iterations += 1;
             self.all += 1;
             let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
             let curvature = self.blocks.times(&self.r, beta, sweep);
-            if curvature.is_nan() {
+            if curvature.along.is_nan() {
                 return Err(LinearError::Singular { unknown: None });
             }
-            if curvature <= 0.0 {
+            if curvature.along <= -ROUNDING * curvature.squares {
                 self.indefinite += 1;
                 return Err(LinearError::Indefinite { iterations: self.iterations });
             }
-            let alpha = square / curvature;
+            if curvature.along <= 0.0 {
+                return Err(stalled(self.iterations, square));
+            }
+            let alpha = square / curvature.along;
             let before = square;
-            square = advance(alpha, [&mut self.x, &mut self.r], [&self.p, &self.q]);
-            beta = square / before;
+            square = advance(alpha as f32, [&mut self.x, &mut self.r], [&self.p, &self.q]);
+            beta = (square / before) as f32;
+        }
+        Ok(())
+    }
+
+    /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked for.
+    fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
+        let scale = self.blocks.gather(b, &mut self.r);
+        self.blocks.forward(&mut self.r);
+        let first = squared(&self.r);
+        let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE) };
+        self.iterate(first, possible)?;
+        self.blocks.backward(&mut self.x);
+        self.blocks.scatter(&self.x, scale, b);
+        Ok(())
+    }
+
+    /// [-] size of b in the norm of residuals
+    fn size(&mut self, b: &[f64]) -> f64 {
+        let scale = self.blocks.gather(b, &mut self.r);
+        self.blocks.forward(&mut self.r);
+        scale * squared(&self.r).sqrt()
+    }
+
+    /// Solves for what is left of the right-hand side in double precision, until that is no more than was asked for.
+    fn refine(&mut self, values: &[f64], x: &mut [f64], asked: f64) -> Result<(), LinearError> {
+        let n = x.len();
+        let [mut b, mut r] = self.refined.take().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
+        b.copy_from_slice(x);
+        r.copy_from_slice(x);
+        x.fill(0.0);
+        let found = self.rounds(values, &b, asked, [x, &mut r]);
+        if found.is_err() {
+            x.copy_from_slice(&b);
+        }
+        self.refined = Some([b, r]);
+        found
+    }
+
+    fn rounds(&mut self, values: &[f64], b: &[f64], asked: f64, [x, r]: [&mut [f64]; 2]) -> Result<(), LinearError> {
+        let first = self.size(b);
+        let mut left = 1.0;
+        while first > 0.0 && left > asked {
+            self.round(r, Accuracy::to(asked / left)).map_err(|error| match error {
+                LinearError::Stalled { iterations, residual, .. } => {
+                    LinearError::Stalled { iterations, residual: residual * left, asked }
+                }
+                other => other,
+            })?;
+            for (x, r) in x.iter_mut().zip(&*r) {
+                *x += r;
+            }
+            self.pattern.multiply(values, x, r);
+            for (r, b) in r.iter_mut().zip(b) {
+                *r = b - *r;
+            }
+            let now = self.size(r) / first;
+            if now > asked && (now.is_nan() || now > ROUND * left) {
+                return Err(LinearError::Stalled { iterations: self.iterations, residual: now, asked });
+            }
+            left = now;
         }
         Ok(())
     }
 }
 
-fn squared(v: &[DVec3]) -> f64 {
-    v.iter().fold(DVec3::ZERO, |sum, v| sum + *v * *v).element_sum()
+fn squared(v: &[Vec3A]) -> f64 {
+    v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
 }
 
 /// x += alpha p, r -= alpha q; returns r . r.
-fn advance(alpha: f64, [x, r]: [&mut [DVec3]; 2], [p, q]: [&[DVec3]; 2]) -> f64 {
+fn advance(alpha: f32, [x, r]: [&mut [Vec3A]; 2], [p, q]: [&[Vec3A]; 2]) -> f64 {
     let mut sum = DVec3::ZERO;
     for (((x, r), p), q) in x.iter_mut().zip(r).zip(p).zip(q) {
         *x += alpha * *p;
         *r -= alpha * *q;
-        sum += *r * *r;
+        sum += (*r * *r).as_dvec3();
     }
     sum.element_sum()
 }
@@ -150,12 +221,14 @@ impl LinearSolver for ConjugateGradients {
         Ok(Inertia::Indefinite)
     }
 
-    fn solve(&mut self, _values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        self.blocks.gather(b, &mut self.r);
-        self.blocks.forward(&mut self.r);
-        self.iterate()?;
-        self.blocks.backward(&mut self.x);
-        self.blocks.scatter(&mut self.x, b);
+    fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        self.iterations = 0;
+        let asked = self.accuracy;
+        if asked.relative < SINGLE {
+            self.refine(values, b, asked.relative)?
+        } else {
+            self.round(b, asked)?
+        }
         match b.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
             unknown => Err(LinearError::Singular { unknown }),

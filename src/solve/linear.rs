@@ -38,10 +38,10 @@ pub struct LinearStats {
 
 /// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
 pub(super) const SOLVE_FLOPS: f64 = 4.0;
-const ITERATION_FLOPS: f64 = 100.0;
-/// How many operations of a solve take the time of one of a factorisation: a solve goes through the factor at the speed of memory, a factorisation
-/// works on dense blocks.
-pub(super) const SOLVE_SLOWNESS: f64 = 4.0;
+const ITERATION_FLOPS: f64 = 350.0;
+/// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the factor at the speed of memory,
+/// a factorisation works on dense blocks.
+pub(super) const SOLVE_SLOWNESS: f64 = 1.6;
 /// [flop] an entry of W in an assembly
 pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
 

@@ -12,6 +12,7 @@ mod ordering;
 mod problem;
 pub mod quasi;
 mod search;
+mod single;
 mod weighed;
 
 pub use cholesky::Cholesky;

@@ -10,6 +10,8 @@ use super::forcing::Forcing;
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
 use super::{Accuracy, Inertia, LinearError, search};
+use crate::model::lanes::{LANES, Lanes};
+use multiversion::multiversion;
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,19 +110,18 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
 }
 
 /// v.w with sums in fixed lanes.
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (chunks, others) = (v.chunks_exact(8), w.chunks_exact(8));
-    let (rest, other) = (chunks.remainder(), others.remainder());
-    for (v, w) in chunks.zip(others) {
-        for ((lane, v), w) in lanes.iter_mut().zip(v).zip(w) {
-            *lane += v * w;
+    let mut lanes = Lanes::default();
+    let ((v, rest), (w, other)) = (v.as_chunks::<LANES>(), w.as_chunks::<LANES>());
+    for (v, w) in v.iter().zip(w) {
+        let mut products = [0.0; LANES];
+        for j in 0..LANES {
+            products[j] = v[j] * w[j];
         }
+        lanes.add(&products);
     }
-    for ((lane, v), w) in lanes.iter_mut().zip(rest).zip(other) {
-        *lane += v * w;
-    }
-    lanes.iter().sum()
+    lanes.total() + rest.iter().zip(other).map(|(v, w)| v * w).sum::<f64>()
 }
 
 /// What an iteration is to reach.
@@ -140,8 +141,25 @@ impl Goal {
 
 /// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
 /// nothing of a soft one.
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
-    r.iter().zip(floor).map(|(r, floor)| (r.abs() - floor).max(0.0).powi(2)).sum::<f64>().sqrt()
+    let mut lanes = Lanes::default();
+    let ((r, rest), (floor, other)) = (r.as_chunks::<LANES>(), floor.as_chunks::<LANES>());
+    for (r, floor) in r.iter().zip(floor) {
+        let mut squares = [0.0; LANES];
+        for j in 0..LANES {
+            squares[j] = beyond(r[j], floor[j]).powi(2);
+        }
+        lanes.add(&squares);
+    }
+    (lanes.total() + rest.iter().zip(other).map(|(r, floor)| beyond(*r, *floor).powi(2)).sum::<f64>()).sqrt()
+}
+
+#[inline(always)]
+fn beyond(r: f64, floor: f64) -> f64 {
+    let excess = r.abs() - floor;
+    // Not `max`: what is not a number must stay so.
+    if excess <= 0.0 { 0.0 } else { excess }
 }
 
 impl Newton {

@@ -19,12 +19,12 @@ use std::sync::Arc;
 const SERVED: [f64; 2] = [20.0, 16.0];
 /// Entries stored of L for one that is counted: supernodes have zeros.
 const PADDING: f64 = 1.3;
-/// Units of work, of which an entry of L takes 16 in a solve (1.6 to 2.7 ns, 703 to 100,000 nodes). By them an operation of a factorisation, on dense blocks, and
-/// besides an entry of L in it; an entry of W in an iteration of conjugate gradients (1.3 to 1.7 ns), and in making it ready.
+/// Units of work, of which an entry of L takes 6.4 in a solve (0.9 ns at 703 nodes). By them an operation of a factorisation, on dense blocks, and
+/// besides an entry of L in it; an entry of W in an iteration of conjugate gradients (1.0 to 1.5 ns), and in making it ready.
 const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
 const OPERATION: f64 = 0.25;
 const FACTOR: f64 = 68.0;
-const ITERATION: f64 = 10.0;
+const ITERATION: f64 = 7.0;
 const READY: f64 = 25.0;
 /// The same of an unknown in a force pass and in the vectors of an iteration around the solve.
 const AROUND: f64 = 250.0;
@@ -34,7 +34,7 @@ const MORE: f64 = 1.2;
 /// What a solve would cost each way, its share of making what it needs and the iteration around it included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prediction {
-    /// [-] by Cholesky; of these units an entry of L takes 16 in a solve
+    /// [-] by Cholesky; of these units an entry of L takes 6.4 in a solve
     pub cholesky_work: f64,
     /// [-] by conjugate gradients; where they were given up, with the one iteration more that made them dearer
     pub cg_work: f64,
@@ -144,7 +144,11 @@ impl LinearSolver for Weighed {
             weighed => self.prediction = weighed?,
         }
         self.iterates = self.prediction.is_some_and(|p| p.cg_converged);
-        if self.iterates { Ok(Inertia::Unknown) } else { self.factor_definite(values) }
+        if self.iterates {
+            return Ok(Inertia::Unknown);
+        }
+        self.factored = true;
+        self.direct()?.prepare(values)
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
@@ -155,12 +159,15 @@ impl LinearSolver for Weighed {
                 Err(LinearError::Stalled { .. }) => {}
                 solved => return solved,
             }
-            if !self.factored && self.direct()?.factor_definite(values)? == Inertia::Indefinite {
+            if !self.factored && self.direct()?.prepare(values)? == Inertia::Indefinite {
                 return Err(LinearError::Indefinite { iterations: 0 });
             }
             self.factored = true;
         }
-        self.direct()?.solve(values, b)
+        let accuracy = self.accuracy;
+        let direct = self.direct()?;
+        direct.ask(accuracy);
+        direct.solve(values, b)
     }
 
     fn ask(&mut self, accuracy: Accuracy) {

@@ -22,7 +22,7 @@ use crate::integrate::registry::{MethodChoice, methods};
 use crate::output::names::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 /// Longest identifier of a run made of its method.

@@ -94,7 +94,8 @@ struct Plan<'a> {
 
 fn track(spring: Spring, Plan { method, h, end }: Plan<'_>) -> Track {
     let sets = [("time.method", method), ("time.step", &h.to_string()), ("time.end", &end.to_string())];
-    let case = changed(&spring.case(), &sets);
+    // What a scheme keeps is compared to rounding, and Newton may not leave more.
+    let case = changed(&changed(&spring.case(), &sets), &[("solver.newton.relative", "1e-13")]);
     let mut t = Track {
         angle: 0.0,
         momentum: [1.0; 2],
@@ -133,7 +134,8 @@ fn invariants(claims: &mut Vec<Claim>) {
         let of_verlet = even(spring, h, l0, |p| (1.0 - (1.0 - 0.5 * p).powi(2)).sqrt(), |p| (1.0 - 0.5 * p).acos());
         let momentum = |p: f64| p.sqrt() * (1.0 + 0.25 * p);
         let of_newmark = even(spring, h, l0 * (1.0 + 0.25 * p0), momentum, |p| 2.0 * (0.5 * p.sqrt()).atan());
-        // Rounding of 25,000 steps, one by one at random; Newton leaves less than it is asked for.
+        // Rounding of 25,000 steps: one by one at random, or, where a first guess is so good that no more than rounding of positions is left to
+        // Newton, on one side.
         claims.push(Claim::below(
             format!("soft, velocity-verlet, h {h}: worst relative change of L in 100 turns"),
             verlet.momentum_off,
@@ -142,7 +144,7 @@ fn invariants(claims: &mut Vec<Claim>) {
         claims.push(Claim::below(
             format!("soft, newmark, h {h}: worst relative change of L + m h^2/4 v x a in 100 turns"),
             newmark.midpoint_off,
-            5e-13,
+            2e-11,
         ));
         // Starting off the scheme's own radius by h^2/4 of it leaves a swing along the spring: its square and end are seen.
         for (name, t, own) in [("velocity-verlet", verlet, of_verlet), ("newmark", newmark, of_newmark)] {

@@ -101,7 +101,7 @@ fn of_springs() -> Vec<Trial> {
             .recorded("2222222332"),
         Trial::new("axial dashpots on springs", 0.05, dashpot(axial())),
         Trial::new("axial dashpots on tension-only springs", 0.05, json!({"springs": clamped})),
-        Trial::new("relative dashpots on springs", 0.1, dashpot(relative())),
+        Trial::new("relative dashpots on springs", 0.1, dashpot(relative())).recorded("2222222221"),
         Trial::new("Rayleigh damping on springs", 0.05, json!({"springs": taut, "damping": rayleigh()})),
     ]
 }
@@ -122,7 +122,7 @@ fn of_the_surface() -> Vec<Trial> {
     let blown = |law: Value| json!({"springs": [], "aero": air(law)});
     let cp = json!({"pressure_coefficient": {"cp": 1.2, "air_density": 1.225}});
     vec![
-        Trial::new("Ergun air", 0.1, blown(ergun())),
+        Trial::new("Ergun air", 0.1, blown(ergun())).recorded("2111111111"),
         Trial::new("air by permeability", 0.05, blown(json!({"permeable": {"a": 2e4, "b": 5e2, "thickness": 1e-3}}))),
         Trial::new("air by pressure coefficient", 0.06, blown(cp)),
         Trial::new("follower pressure", 0.05, json!({"springs": [], "loads": follower()})),

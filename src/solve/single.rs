@@ -1,0 +1,256 @@
+//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes, twice the numbers in a register, and loops made for the few
+//! rows and columns that a supernode of a net has, where dense kernels of a library spend their time on beginning.
+//!
+//! Columns are taken in pieces, with the inverse of their own triangle and the rows below it in chunks:
+//!
+//! ```text
+//! L y = P b:      y1 = L11^-1 b1,   b2 -= L21 y1            L^T x = y:      x1 = L11^-T (y1 - L21^T x2)
+//! ```
+
+use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
+use multiversion::multiversion;
+use std::ops::Range;
+
+/// Sizes of numbers within which their products are told in single precision.
+const WITHIN: Range<f64> = 1e-16..1e16;
+/// Numbers side by side.
+const WIDE: usize = 8;
+/// Columns of a piece at most.
+const COLUMNS: usize = 32;
+/// Columns whose sums are under way at once: those of a node.
+const TOGETHER: usize = 3;
+
+/// A register.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+struct Eight([f32; WIDE]);
+
+const ZERO: Eight = Eight([0.0; WIDE]);
+
+/// L of W = P^T L L^T P.
+#[derive(Debug)]
+pub(super) struct SingleFactor {
+    pieces: Vec<Piece>,
+    /// rows of the pieces below their columns, one piece after the other; the last chunk is filled up with a row that is always zero
+    rows: Vec<[u32; WIDE]>,
+    /// of every piece: L11^-1, then L21; chunks of rows, in a chunk one register a column
+    l: Vec<Eight>,
+    /// place of every unknown in the order of elimination
+    order: Vec<u32>,
+    /// right-hand side and solution in the order of elimination, and a zero
+    x: Vec<f32>,
+    /// what a piece's rows have of the solution
+    gathered: Vec<Eight>,
+    /// [-] L11^-1 in double precision, by columns
+    inverse: Vec<f64>,
+}
+
+/// Columns with the same rows below them.
+#[derive(Clone, Debug)]
+struct Piece {
+    columns: Range<usize>,
+    /// rows below them
+    below: usize,
+    /// the chunks of these
+    rows: Range<usize>,
+    /// its registers
+    l: Range<usize>,
+    /// where its first column's diagonal is among the values of the library's factor, and how far from there the next column's entry of that row is
+    first: usize,
+    tall: usize,
+}
+
+impl SingleFactor {
+    /// Room for the factors of an analysis; `None` where it is not by supernodes.
+    pub fn new(symbolic: &SymbolicCholesky<u32>) -> Option<Self> {
+        let SymbolicCholeskyRaw::Supernodal(by_supernode) = symbolic.raw() else { return None };
+        let n = by_supernode.ncols();
+        let (mut pieces, mut rows, mut room) = (Vec::new(), Vec::new(), 0);
+        let ends = by_supernode.supernode_begin().iter().zip(by_supernode.supernode_end());
+        let places = by_supernode.col_ptr_for_row_idx().iter().zip(by_supernode.nnz_per_super());
+        for (((&begin, &end), (&first_row, &below)), &value) in ends.zip(places).zip(by_supernode.col_ptr_for_val()) {
+            let below = &by_supernode.row_idx()[first_row as usize..][..below as usize];
+            let tall = (end - begin) as usize + below.len();
+            for first in (begin..end).step_by(COLUMNS) {
+                let last = end.min(first + COLUMNS as u32);
+                let all: Vec<u32> = (last..end).chain(below.iter().copied()).collect();
+                let chunks = rows.len();
+                rows.extend(all.chunks(WIDE).map(|chunk| {
+                    let mut padded = [n as u32; WIDE];
+                    padded[..chunk.len()].copy_from_slice(chunk);
+                    padded
+                }));
+                let columns = first as usize..last as usize;
+                let own = columns.len().div_ceil(WIDE);
+                let l = room..room + (own + rows.len() - chunks) * columns.len();
+                room = l.end;
+                let first = value as usize + (first - begin) as usize * (tall + 1);
+                pieces.push(Piece { columns, below: all.len(), rows: chunks..rows.len(), l, first, tall });
+            }
+        }
+        let order = match symbolic.perm() {
+            Some(permutation) => permutation.arrays().0.to_vec(),
+            None => (0..n as u32).collect(),
+        };
+        let longest = pieces.iter().map(|piece: &Piece| piece.rows.len()).max().unwrap_or(0);
+        let (gathered, inverse) = (vec![ZERO; longest], vec![0.0; COLUMNS * COLUMNS]);
+        Some(SingleFactor { pieces, rows, l: vec![ZERO; room], order, x: vec![0.0; n + 1], gathered, inverse })
+    }
+
+    /// Takes the values of a factor; whether they can be told in single precision.
+    pub fn take(&mut self, values: &[f64]) -> bool {
+        let SingleFactor { pieces, l, inverse, .. } = self;
+        pieces.iter().all(|piece| {
+            let (wide, values) = (piece.columns.len(), &values[piece.first..]);
+            if !invert(values, piece, inverse) {
+                return false;
+            }
+            let (own, below) = l[piece.l.clone()].split_at_mut(wide.div_ceil(WIDE) * wide);
+            fill(own, wide, |row, k| if row < wide { inverse[k * wide + row] } else { 0.0 });
+            fill(below, wide, |row, k| if row < piece.below { values[k * piece.tall + wide + row] } else { 0.0 });
+            true
+        })
+    }
+
+    /// Replaces b by an approximation of W^-1 b.
+    pub fn solve(&mut self, b: &mut [f64]) {
+        let size = b.iter().fold(0.0_f64, |size, b| size.max(b.abs()));
+        let scale = if size > 0.0 { size.recip() } else { 0.0 };
+        for (x, &from) in self.x.iter_mut().zip(&self.order) {
+            *x = (b[from as usize] * scale) as f32;
+        }
+        eliminate(self);
+        substitute(self);
+        for (x, &to) in self.x.iter().zip(&self.order) {
+            b[to as usize] = f64::from(*x) * size;
+        }
+    }
+}
+
+/// L11^-1 by columns; whether its numbers can be told in single precision.
+fn invert(l: &[f64], piece: &Piece, inverse: &mut [f64]) -> bool {
+    let (wide, tall) = (piece.columns.len(), piece.tall);
+    for j in 0..wide {
+        let column = &mut inverse[j * wide..(j + 1) * wide];
+        column.fill(0.0);
+        for i in j..wide {
+            let sum: f64 = (j..i).map(|k| l[k * tall + i] * column[k]).sum();
+            column[i] = (if i == j { 1.0 } else { -sum }) / l[i * tall + i];
+        }
+        if !WITHIN.contains(&column[j]) || column.iter().any(|v| v.abs() >= WITHIN.end) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Chunks of rows, in a chunk one register a column.
+fn fill(registers: &mut [Eight], columns: usize, value: impl Fn(usize, usize) -> f64) {
+    for (chunk, registers) in registers.chunks_mut(columns).enumerate() {
+        for (k, register) in registers.iter_mut().enumerate() {
+            for (i, entry) in register.0.iter_mut().enumerate() {
+                *entry = value(WIDE * chunk + i, k) as f32;
+            }
+        }
+    }
+}
+
+/// L y = b
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn eliminate(factor: &mut SingleFactor) {
+    let SingleFactor { pieces, rows, l, x, .. } = factor;
+    for piece in pieces.iter() {
+        let wide = piece.columns.len();
+        let (own, below) = l[piece.l.clone()].split_at(wide.div_ceil(WIDE) * wide);
+        let mut y = [0.0; COLUMNS];
+        for (y, block) in y.as_chunks_mut::<WIDE>().0.iter_mut().zip(own.chunks_exact(wide)) {
+            *y = combined(block, &x[piece.columns.clone()]).0;
+        }
+        x[piece.columns.clone()].copy_from_slice(&y[..wide]);
+        for (block, rows) in below.chunks_exact(wide).zip(&rows[piece.rows.clone()]) {
+            let sums = combined(block, &y[..wide]);
+            for (&row, sum) in rows.iter().zip(sums.0) {
+                x[row as usize] -= sum;
+            }
+        }
+    }
+}
+
+/// Sum of y_k times register k.
+#[inline(always)]
+fn combined(registers: &[Eight], y: &[f32]) -> Eight {
+    let mut sums = ZERO;
+    for (l, y) in registers.iter().zip(y) {
+        for i in 0..WIDE {
+            sums.0[i] += l.0[i] * y;
+        }
+    }
+    sums
+}
+
+/// L^T x = y
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn substitute(factor: &mut SingleFactor) {
+    let SingleFactor { pieces, rows, l, x, gathered, .. } = factor;
+    let (mut sums, mut left) = ([ZERO; COLUMNS], [ZERO; COLUMNS / WIDE]);
+    for piece in pieces.iter().rev() {
+        let wide = piece.columns.len();
+        let (own, below) = l[piece.l.clone()].split_at(wide.div_ceil(WIDE) * wide);
+        let rows = &rows[piece.rows.clone()];
+        let gathered = &mut gathered[..rows.len()];
+        for (gathered, rows) in gathered.iter_mut().zip(rows) {
+            for (entry, &row) in gathered.0.iter_mut().zip(rows) {
+                *entry = x[row as usize];
+            }
+        }
+        let (x, sums) = (&mut x[piece.columns.clone()], &mut sums[..wide]);
+        products(below, gathered, sums);
+        take_totals(sums, x);
+        left.fill(ZERO);
+        for (left, x) in left.iter_mut().zip(x.chunks(WIDE)) {
+            left.0[..x.len()].copy_from_slice(x);
+        }
+        products(own, &left, sums);
+        x.fill(0.0);
+        take_totals(sums, x);
+        x.iter_mut().for_each(|x| *x = -*x);
+    }
+}
+
+/// Register k of every chunk times x, summed over the chunks.
+#[inline(always)]
+fn products(l: &[Eight], x: &[Eight], sums: &mut [Eight]) {
+    let wide = sums.len();
+    let mut k = 0;
+    while k + TOGETHER <= wide {
+        sums[k..k + TOGETHER].copy_from_slice(&together::<TOGETHER>(l, wide, k, x));
+        k += TOGETHER;
+    }
+    while k < wide {
+        sums[k..=k].copy_from_slice(&together::<1>(l, wide, k, x));
+        k += 1;
+    }
+}
+
+/// Of some columns side by side: their sums stay in registers and need not wait for each other.
+#[inline(always)]
+fn together<const N: usize>(l: &[Eight], wide: usize, k: usize, x: &[Eight]) -> [Eight; N] {
+    let mut sums = [ZERO; N];
+    for (chunk, x) in l.chunks_exact(wide).zip(x) {
+        for (sum, l) in sums.iter_mut().zip(&chunk[k..k + N]) {
+            for i in 0..WIDE {
+                sum.0[i] += l.0[i] * x.0[i];
+            }
+        }
+    }
+    sums
+}
+
+/// Subtracts the sum of every register. Not inlined: its order would otherwise choose that of the lanes in the loops before it, as in
+/// `Lanes::total`.
+#[inline(never)]
+fn take_totals(sums: &[Eight], from: &mut [f32]) {
+    for (from, Eight(l)) in from.iter_mut().zip(sums) {
+        *from -= ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
+    }
+}
