@@ -129,11 +129,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         to.state.t = t_next;
         let lag = Lag { h, made_with: self.made_with, a: &self.a };
         lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
-        if self.made_with > 0.0 {
-            go_on(h / self.made_with, &self.trend.before, &self.a, &mut s.expected);
-        }
-        let straight = self.made_with > 0.0 && self.trend.straight;
-        let guess = if straight { Guess::Trend } else { Guess::ConstantAcceleration };
+        let guess = first_guess(&self.trend, lag, &mut s.expected);
         self.attempted = h;
         s.mass_weight = None;
         let scales = scales(system, from, &s.a, map, &mut s.wide[0]);
@@ -242,7 +238,16 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     }
 }
 
+/// Where a step begins to look for its end; `expected` is what accelerations will be if they go on as they did.
+fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
+    if lag.made_with > 0.0 {
+        go_on(lag.h / lag.made_with, &trend.before, lag.a, expected);
+    }
+    if lag.made_with > 0.0 && trend.straight { Guess::Trend } else { Guess::ConstantAcceleration }
+}
+
 /// The acceleration a scheme carries, on its way into a step of `h` [s].
+#[derive(Clone, Copy)]
 struct Lag<'a> {
     h: f64,
     made_with: f64,
