@@ -12,7 +12,8 @@ use super::stage::StageMap;
 use super::tangents::{Tangents, Which};
 use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
-use crate::solve::newton::{Curvature, NonlinearProblem, Scales, norm};
+use crate::solve::newton::{Curvature, NonlinearProblem, Scales};
+use crate::solve::norms::norm;
 use crate::solve::{Accuracy, Inertia, LinearError};
 
 /// F(z) = 0 of one step.

@@ -3,7 +3,9 @@
 //! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
 //! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
 
-use super::linear::{Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::linear::{
+    Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution,
+};
 use super::ordering::{Permutation, fill_reducing};
 use super::single::SingleFactor;
 use crate::assembly::Pattern;
@@ -310,10 +312,7 @@ impl LinearSolver for Cholesky {
                 return Err(LinearError::Singular { unknown: None });
             }
         }
-        match b.iter().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            unknown => Err(LinearError::Singular { unknown }),
-        }
+        check_solution(b)
     }
 
     fn ask(&mut self, accuracy: Accuracy) {

@@ -10,7 +10,7 @@
 //! give comes from repeated solves for the residual in double precision (iterative refinement: Higham 2002, chapter 12).
 
 use super::blocks::{NodeBlocks, Sweep};
-use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use crate::assembly::Pattern;
 use glam::{DVec3, Vec3A};
 use std::sync::Arc;
@@ -229,10 +229,7 @@ impl LinearSolver for ConjugateGradients {
         } else {
             self.round(b, asked)?
         }
-        match b.iter().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            unknown => Err(LinearError::Singular { unknown }),
-        }
+        check_solution(b)
     }
 
     fn ask(&mut self, accuracy: Accuracy) {

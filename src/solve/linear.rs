@@ -233,3 +233,10 @@ pub(super) fn check_finite(pattern: &Pattern, values: &[f64]) -> Result<(), Line
     let slot = values.iter().position(|v| !v.is_finite()).unwrap_or(0) as u32;
     Err(LinearError::NotFinite { unknown: pattern.col_ptr.partition_point(|&p| p <= slot).saturating_sub(1) })
 }
+
+pub(super) fn check_solution(x: &[f64]) -> Result<(), LinearError> {
+    match x.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        unknown => Err(LinearError::Singular { unknown }),
+    }
+}

@@ -1,6 +1,6 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite};
+use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use crate::assembly::Pattern;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -119,10 +119,7 @@ impl LinearSolver for Lu {
             PAR,
             MemStack::new(&mut self.memory),
         );
-        match b.iter().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            unknown => Err(LinearError::Singular { unknown }),
-        }
+        check_solution(b)
     }
 
     fn work(&self) -> Work {

@@ -8,6 +8,7 @@ mod forcing;
 mod linear;
 mod lu;
 pub mod newton;
+pub(crate) mod norms;
 mod ordering;
 mod problem;
 pub mod quasi;

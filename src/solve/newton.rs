@@ -7,11 +7,10 @@
 
 pub use super::failure::NewtonFailure;
 use super::forcing::Forcing;
+use super::norms::{dot, excess, norm};
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
 use super::{Accuracy, Inertia, LinearError, search};
-use crate::model::lanes::{LANES, Lanes};
-use multiversion::multiversion;
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,25 +104,6 @@ pub struct Newton {
     pub(super) spent: u32,
 }
 
-pub(crate) fn norm(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
-}
-
-/// v.w with sums in fixed lanes.
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
-    let mut lanes = Lanes::default();
-    let ((v, rest), (w, other)) = (v.as_chunks::<LANES>(), w.as_chunks::<LANES>());
-    for (v, w) in v.iter().zip(w) {
-        let mut products = [0.0; LANES];
-        for j in 0..LANES {
-            products[j] = v[j] * w[j];
-        }
-        lanes.add(&products);
-    }
-    lanes.total() + rest.iter().zip(other).map(|(v, w)| v * w).sum::<f64>()
-}
-
 /// What an iteration is to reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
@@ -137,29 +117,6 @@ impl Goal {
     pub(super) fn over_scale(&self, residual: f64) -> f64 {
         if self.scales.residual > 0.0 { residual / self.scales.residual } else { 0.0 }
     }
-}
-
-/// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
-/// nothing of a soft one.
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
-    let mut lanes = Lanes::default();
-    let ((r, rest), (floor, other)) = (r.as_chunks::<LANES>(), floor.as_chunks::<LANES>());
-    for (r, floor) in r.iter().zip(floor) {
-        let mut squares = [0.0; LANES];
-        for j in 0..LANES {
-            squares[j] = beyond(r[j], floor[j]).powi(2);
-        }
-        lanes.add(&squares);
-    }
-    (lanes.total() + rest.iter().zip(other).map(|(r, floor)| beyond(*r, *floor).powi(2)).sum::<f64>()).sqrt()
-}
-
-#[inline(always)]
-fn beyond(r: f64, floor: f64) -> f64 {
-    let excess = r.abs() - floor;
-    // Not `max`: what is not a number must stay so.
-    if excess <= 0.0 { 0.0 } else { excess }
 }
 
 impl Newton {

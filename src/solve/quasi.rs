@@ -9,7 +9,8 @@
 //! as the iterations still to be made cost more than a new factor and what it needs itself; from step to step, as soon as the iterations that
 //! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
 
-use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem, dot, norm};
+use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem};
+use super::norms::{dot, norm};
 use super::{LinearError, forcing, search};
 
 /// Pairs kept.

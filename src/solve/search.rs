@@ -1,6 +1,7 @@
 //! How far to go along Newton's direction.
 
-use super::newton::{Newton, NonlinearProblem, dot, excess, norm};
+use super::newton::{Newton, NonlinearProblem};
+use super::norms::{dot, excess, norm};
 
 /// Trials after which a search gives up.
 const MAX_TRIALS: u32 = 13;
