@@ -1,8 +1,8 @@
 //! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear solver.
 //!
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend
-//! on where the origin is. Per iteration: one force pass, W = cm M + cc C + ck K assembled into its slots, one
-//! factorisation, one solve.
+//! on where the origin is. Per iteration: one force pass and one solve, with W = cm M + cc C + ck K of the iterate, assembled into its slots and
+//! factorised, or with one that is kept (`kept`).
 
 use super::balance::{came_as, go_on};
 use super::equations::{Equations, Guess, scales};
