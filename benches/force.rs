@@ -8,7 +8,7 @@
 mod fixture;
 
 use canopy_fem::force::NodeState;
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;
@@ -34,11 +34,10 @@ fn spring_pass(c: &mut Criterion) {
         .map(|p| DVec3::new(p.x, p.y, 0.3 * (1.0 - p.x * p.x - p.y * p.y)))
         .collect();
     let (mut f, mut g) = (vec![DVec3::ZERO; arrays.x.len()], vec![DVec3::ZERO; arrays.x.len()]);
-    let threads = Threads::one();
     let mut group = c.benchmark_group("spring pass, 703 nodes");
     group.throughput(Throughput::Elements(arrays.nodes.len() as u64));
     group.bench_function("canopy-fem, with energy", |b| {
-        b.iter(|| springs.add(NodeState { t: 0.0, x: black_box(&raised), v: &[] }, &threads, &mut f));
+        b.iter(|| scene.pass_of(springs, NodeState { t: 0.0, x: black_box(&raised), v: &[] }, &mut f));
     });
     match PlainC::compile() {
         Ok(plain) => {
@@ -47,7 +46,7 @@ fn spring_pass(c: &mut Criterion) {
             let ratio = median_ratio(
                 &mut || {
                     let at = NodeState { t: 0.0, x: black_box(&raised), v: &[] };
-                    black_box(springs.add(at, &threads, black_box(&mut f)));
+                    black_box(scene.pass_of(springs, at, black_box(&mut f)));
                 },
                 &mut || plain.spring_forces(black_box(&arrays), black_box(&mut g)),
             );
@@ -118,12 +117,12 @@ fn passes(_: &mut Criterion) {
         (*x, *v) = (*x + 0.01 * (i as f64).sin(), (i as f64).cos());
     }
     let at = NodeState { t: 0.0, x: bytemuck::cast_slice(&state.x), v: bytemuck::cast_slice(&state.v) };
-    let (mut f, threads) = (vec![DVec3::ZERO; 703], Threads::one());
+    let mut f = vec![DVec3::ZERO; 703];
     for term in scene.force_terms() {
         let mut ns: Vec<f64> = (0..200)
             .map(|_| {
                 let start = Instant::now();
-                (0..20).for_each(|_| _ = black_box(term.add(black_box(at), &threads, &mut f)));
+                (0..20).for_each(|_| _ = black_box(scene.pass_of(term, black_box(at), &mut f)));
                 start.elapsed().as_secs_f64() * 1e9 / (20 * term.elements()) as f64
             })
             .collect();

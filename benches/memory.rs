@@ -4,7 +4,7 @@
 //! cargo bench --bench memory
 //! ```
 
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;

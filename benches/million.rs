@@ -9,7 +9,7 @@
 //! kick and drift: read x, v, f, 1/m, write x, v        forces and kick: read x, v, 1/m, write f, v        springs: 4 bytes of nodes, 8 of l0
 //! ```
 
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;

@@ -5,7 +5,7 @@ mod common;
 use canopy_fem::assembly::Pattern;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::*;

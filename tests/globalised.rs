@@ -5,7 +5,7 @@ mod common;
 
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::model::spec::Slack;
 use canopy_fem::model::system::{System, TangentSystem};
 use canopy_fem::scene::build_network;

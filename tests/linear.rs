@@ -4,7 +4,7 @@
 mod common;
 
 use canopy_fem::assembly::{Assembler, Pattern};
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;

@@ -3,7 +3,7 @@
 
 mod common;
 
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use canopy_fem::force::batch::Threads;
+use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{MethodChoice, methods};
@@ -16,9 +16,9 @@ use common::spring_group;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A sheet with every kind of term, larger than one block of elements and one task of nodes.
+/// A sheet with every kind of term, of more than one strip of nodes.
 fn sheet() -> NetworkSpec {
-    let json = serde_json::json!({"rectangle": {"width": 1.0, "height": 1.0, "columns": 40, "rows": 40, "pattern": "regular"}});
+    let json = serde_json::json!({"rectangle": {"width": 1.0, "height": 1.0, "columns": 70, "rows": 70, "pattern": "regular"}});
     let source: MeshSource = serde_json::from_value(json).expect("a known generator");
     let mesh = source.build(Path::new(".")).expect("a rectangle");
     let n = mesh.nodes.len();

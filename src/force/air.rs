@@ -12,7 +12,7 @@
 //! ```
 //! A triangle of zero area has no normal: force and tangents are 0.
 
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::push::{Push, PushLaw, push};
 use super::series::interpolate;
 use super::triangle::{AreaVector, THIRD, mean};
@@ -25,8 +25,7 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// The air on a batch of triangles.
-#[derive(Debug)]
-pub struct Air(Batch<AirData, 3>);
+pub type Air = Batch<AirData, 3>;
 
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
@@ -53,13 +52,6 @@ struct Flow {
     slope: f64,
 }
 
-impl Air {
-    /// Makes the term.
-    pub fn new(data: AirData) -> Self {
-        Air(Batch::new(data))
-    }
-}
-
 impl AirData {
     #[inline]
     fn flow(&self, at: NodeState<'_>, wind: DVec3, nodes: [u32; 3]) -> Flow {
@@ -80,7 +72,7 @@ impl Kernel<3> for AirData {
         &self.triangles
     }
 
-    fn add(&self, tile: Tile<'_, 3>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
         let wind = interpolate(&self.wind, tile.at.t);
         Tally { energy: 0.0, power: push(AirLaw { data: self, wind }, tile, f) }
     }
@@ -112,7 +104,7 @@ impl ForceTerm for Air {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -123,12 +115,8 @@ impl ForceTerm for Air {
         false
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         let wind = interpolate(&data.wind, at.t);
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
@@ -147,7 +135,7 @@ impl ForceTerm for Air {
 
     /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth keeping.
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         let wind = interpolate(&data.wind, at.t);
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);

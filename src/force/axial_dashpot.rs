@@ -10,7 +10,7 @@
 //! -df/dv = c n n^T
 //! ```
 
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::slack::{clamped, tension};
 use super::spring::{Coefficient, SpringData, Stretch};
 use super::{ForceTerm, NodeState, TangentSink, outer};
@@ -19,8 +19,7 @@ use crate::model::system::{TermInfo, Weights};
 use glam::DVec3;
 
 /// Axial dashpots parallel to a batch of springs.
-#[derive(Debug)]
-pub struct AxialDashpots(Batch<AxialData, 2>);
+pub type AxialDashpots = Batch<AxialData, 2>;
 
 /// Plain arrays of the batch.
 #[derive(Clone, Debug)]
@@ -41,13 +40,6 @@ struct Damping {
     slope: f64,
     /// dT_d/dldot
     c: f64,
-}
-
-impl AxialDashpots {
-    /// Makes the term.
-    pub fn new(data: AxialData) -> Self {
-        AxialDashpots(Batch::new(data))
-    }
 }
 
 impl AxialData {
@@ -81,7 +73,7 @@ impl Kernel<2> for AxialData {
         &self.springs.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
         let power = tile.each([1.0, -1.0], f, |i| {
             let d = self.damping(tile.at, i);
             (d.force * d.stretch.n, -d.force * d.ldot)
@@ -96,7 +88,7 @@ impl ForceTerm for AxialDashpots {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -107,12 +99,8 @@ impl ForceTerm for AxialDashpots {
         false
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         for (i, &nodes) in data.springs.nodes.iter().enumerate() {
             let d = data.damping(at, i);
             let n = d.stretch.n;
@@ -126,7 +114,7 @@ impl ForceTerm for AxialDashpots {
 
     /// c n n^T, the part in the velocities.
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         for (i, &nodes) in data.springs.nodes.iter().enumerate() {
             let d = data.damping(at, i);
             sink.edge(nodes, outer(d.stretch.n, d.stretch.n) * (w.c * d.c));

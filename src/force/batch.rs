@@ -1,78 +1,13 @@
-//! Sums element forces into nodes, with the same bits for every number of threads.
-//!
-//! Elements are cut into tiles, each summed in a window of its own. One thread adds a tile's window to the nodes as soon as it is done;
-//! several threads fill all windows first, then every node adds its own entries in the order of the tiles. Both add the same numbers to
-//! a node in the same order, and tallies are added in the order of the tiles; so the bits agree.
+//! What a pass over the tiles sums into nodes, and batches of like elements.
 
-use super::NodeState;
-pub use super::tile::Tile;
-use super::tile::{Plan, Tiles, WINDOW};
+pub use super::tile::Elements;
+use super::tile::Tile;
 pub use super::window::Records;
-use super::window::{Padded, Window, rows};
 use crate::model::forces::Tally;
-pub use crate::model::lanes::{LANES, Lanes};
-use crate::model::workers::Workers;
-use glam::DVec3;
-use rayon::prelude::*;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::ops::Range;
 
-const NODES_PER_TASK: usize = 4096;
-
-/// A thread's windows for one tile.
-#[derive(Debug)]
-struct Windows {
-    x: Window,
-    v: Window,
-    f: Window,
-}
-
-impl Default for Windows {
-    fn default() -> Self {
-        Windows { x: Window::new(0), v: Window::new(32), f: Window::new(16) }
-    }
-}
-
-/// How many threads a force pass may use, and their windows.
-#[derive(Debug)]
-pub struct Threads {
-    workers: Workers,
-    /// one a thread
-    windows: Vec<Mutex<Windows>>,
-}
-
-impl Default for Threads {
-    fn default() -> Self {
-        Threads::one()
-    }
-}
-
-impl Threads {
-    /// One thread: no pool is made.
-    pub fn one() -> Self {
-        Threads { workers: Workers::default(), windows: vec![Mutex::default()] }
-    }
-
-    /// `n` threads (0 and 1 mean one).
-    ///
-    /// # Errors
-    /// When the operating system gives no threads.
-    pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        Ok(Threads { workers: Workers::new(n)?, windows: (0..n.max(1)).map(|_| Mutex::default()).collect() })
-    }
-
-    /// The threads, for loops over nodes.
-    pub fn workers(&self) -> &Workers {
-        &self.workers
-    }
-
-    /// The windows of a thread of the pool.
-    fn windows(&self, thread: usize) -> MutexGuard<'_, Windows> {
-        self.windows[thread % self.windows.len()].lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// What a kernel wants to find in the window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The windows of a tile that are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wants {
     /// positions
     pub x: bool,
@@ -80,141 +15,87 @@ pub struct Wants {
     pub v: bool,
 }
 
+/// Something that is summed into nodes, tile after tile: every force term, and sums over neighbours.
+pub trait Summand: Send + Sync {
+    /// What it reads of the windows; what nothing reads is not copied.
+    fn wants(&self) -> Wants {
+        Wants::default()
+    }
+
+    /// Nodes of an element; `None` beyond the last. Elements come in ascending order of their smallest node.
+    fn element(&self, number: usize) -> Option<&[u32]> {
+        let _ = number;
+        None
+    }
+
+    /// Hears which elements the next tile has, and where the records of their nodes begin in its windows. Called for one tile after the other, from
+    /// the first.
+    fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let _ = (elements, place);
+    }
+
+    /// Adds its forces [N] to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns their energy or power.
+    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
+}
+
 /// The forces of like elements with `N` nodes each.
 pub trait Kernel<const N: usize>: Send + Sync {
-    /// What it wants in the window; what it does not want is not copied.
+    /// What it reads of the windows.
     const WANTS: Wants;
 
-    /// Node numbers of every element.
+    /// Node numbers of every element, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; N]];
 
     /// Adds the forces [N] of a tile's elements to its window; returns their energy or power.
-    fn add(&self, tile: Tile<'_, N>, f: &mut Records) -> Tally;
+    fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
 }
 
-/// A kernel with its tiles, and with what several threads need, made when first used.
-#[derive(Debug)]
+/// A kernel, and its elements by tiles.
+#[derive(Clone, Debug)]
 pub struct Batch<K, const N: usize> {
     kernel: K,
-    tiles: Tiles<N>,
-    parallel: OnceLock<Mutex<Parallel>>,
-}
-
-#[derive(Debug)]
-struct Parallel {
-    /// per node: start of its list in `entries`
-    start: Vec<u32>,
-    /// places in the windows, ascending
-    entries: Vec<u32>,
-    /// room for one window a tile
-    windows: Vec<Padded>,
-    tally: Vec<Tally>,
+    /// every element's nodes by where their records begin in the tile's windows
+    local: Vec<[u16; N]>,
+    /// elements of every tile
+    tiles: Vec<Range<usize>>,
 }
 
 impl<K: Kernel<N>, const N: usize> Batch<K, N> {
-    /// Wraps a kernel.
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with.
     pub fn new(kernel: K) -> Self {
-        let tiles = Tiles::new(kernel.elements());
-        Batch { kernel, tiles, parallel: OnceLock::new() }
+        Batch { kernel, local: Vec::new(), tiles: Vec::new() }
     }
 
     /// The kernel.
     pub fn kernel(&self) -> &K {
         &self.kernel
     }
+}
 
-    /// Number of elements.
-    pub fn elements(&self) -> usize {
-        self.kernel.elements().len()
+impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
+    fn wants(&self) -> Wants {
+        K::WANTS
     }
 
-    /// f += element forces; returns the sum of energies or powers.
-    pub fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        match threads.workers.pool() {
-            None => self.one_thread(at, &mut threads.windows(0), f),
-            Some(pool) => {
-                let parallel = self.parallel.get_or_init(|| Mutex::new(self.prepare(f.len())));
-                let mut guard = parallel.lock().unwrap_or_else(PoisonError::into_inner);
-                let parallel = &mut *guard;
-                pool.install(|| self.several_threads(at, threads, parallel, f))
+    fn element(&self, number: usize) -> Option<&[u32]> {
+        self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
+    }
+
+    fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        if elements.start == 0 && self.tiles.iter().all(Range::is_empty) {
+            self.local.reserve_exact(self.kernel.elements().len());
+        }
+        self.local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));
+        self.tiles.push(elements);
+    }
+
+    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+        match self.tiles.get(tile.number) {
+            Some(elements) if !elements.is_empty() => {
+                let nodes = &self.local[elements.clone()];
+                self.kernel.add(Elements { at: tile.at, x: tile.x, v: tile.v, nodes, first: elements.start }, f)
             }
-        }
-    }
-
-    fn one_thread(&self, at: NodeState<'_>, windows: &mut Windows, f: &mut [DVec3]) -> Tally {
-        let mut total = Tally::default();
-        for plan in self.tiles.plan() {
-            let (tally, sums) = self.tile(plan, at, windows);
-            total += tally;
-            self.tiles.add(plan, sums, f);
-        }
-        total
-    }
-
-    /// Energy or power of a tile, and the forces [N] on the nodes of its window.
-    fn tile<'w>(&self, plan: &Plan, at: NodeState<'_>, windows: &'w mut Windows) -> (Tally, &'w [Padded]) {
-        let (x, v, f) = (windows.x.records(), windows.v.records(), windows.f.records());
-        let n = plan.window.len();
-        if K::WANTS.x {
-            self.tiles.load(plan, at.x, rows(x, n));
-        }
-        if K::WANTS.v {
-            self.tiles.load(plan, at.v, rows(v, n));
-        }
-        rows(f, n).as_flattened_mut().fill(0.0);
-        let nodes = self.tiles.local(plan);
-        let tally = self.kernel.add(Tile { at, x, v, nodes, first: plan.elements.start }, f);
-        (tally, rows(f, n))
-    }
-
-    fn several_threads(&self, at: NodeState<'_>, threads: &Threads, p: &mut Parallel, f: &mut [DVec3]) -> Tally {
-        let Parallel { start, entries, windows, tally } = p;
-        let tiles = self.tiles.plan().par_iter().zip(windows.par_chunks_mut(WINDOW)).zip(tally.par_iter_mut());
-        tiles.for_each(|((plan, sums), tally)| {
-            let mut own = threads.windows(rayon::current_thread_index().unwrap_or(0));
-            let (found, own_sums) = self.tile(plan, at, &mut own);
-            sums[..own_sums.len()].copy_from_slice(own_sums);
-            *tally = found;
-        });
-        f.par_chunks_mut(NODES_PER_TASK).enumerate().for_each(|(task, f)| {
-            let first = task * NODES_PER_TASK;
-            for (i, f) in f.iter_mut().enumerate() {
-                let list = start[first + i] as usize..start[first + i + 1] as usize;
-                for &entry in &entries[list] {
-                    let sum = windows[entry as usize];
-                    *f += DVec3::new(sum[0], sum[1], sum[2]);
-                }
-            }
-        });
-        let mut total = Tally::default();
-        for &t in tally.iter() {
-            total += t;
-        }
-        total
-    }
-
-    fn prepare(&self, n_nodes: usize) -> Parallel {
-        let places =
-            || self.tiles.plan().iter().enumerate().flat_map(|(t, plan)| self.tiles.nodes(plan).zip(t * WINDOW..));
-        let mut start = vec![0u32; n_nodes + 1];
-        for (node, _) in places() {
-            start[node as usize + 1] += 1;
-        }
-        for i in 0..n_nodes {
-            start[i + 1] += start[i];
-        }
-        let mut next = start.clone();
-        let mut entries = vec![0u32; start[n_nodes] as usize];
-        for (node, place) in places() {
-            entries[next[node as usize] as usize] = place as u32;
-            next[node as usize] += 1;
-        }
-        let tiles = self.tiles.plan().len();
-        Parallel {
-            start,
-            entries,
-            windows: vec![Padded::default(); tiles * WINDOW],
-            tally: vec![Tally::default(); tiles],
+            _ => Tally::default(),
         }
     }
 }

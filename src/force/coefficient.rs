@@ -1,6 +1,6 @@
 //! Numbers that belong to elements: one for all, or one each.
 
-use super::batch::LANES;
+use crate::model::lanes::LANES;
 use crate::model::quad::VectorUnit;
 use std::ops::Range;
 use std::sync::Arc;

@@ -4,19 +4,18 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::series::factor;
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use std::sync::Arc;
 
 /// A follower pressure on a batch of triangles.
-#[derive(Debug)]
-pub struct FollowerPressure(Batch<FollowerData, 3>);
+pub type FollowerPressure = Batch<FollowerData, 3>;
 
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
@@ -29,13 +28,6 @@ pub struct FollowerData {
     pub factor: Option<Series<f64>>,
 }
 
-impl FollowerPressure {
-    /// Makes the term.
-    pub fn new(data: FollowerData) -> Self {
-        FollowerPressure(Batch::new(data))
-    }
-}
-
 impl Kernel<3> for FollowerData {
     const WANTS: Wants = Wants { x: false, v: false };
 
@@ -43,7 +35,7 @@ impl Kernel<3> for FollowerData {
         &self.triangles
     }
 
-    fn add(&self, tile: Tile<'_, 3>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
         let p = self.pressure * factor(self.factor.as_ref(), tile.at.t);
         let power = tile.each([1.0; 3], f, |i| {
             let nodes = self.triangles[i];
@@ -60,7 +52,7 @@ impl ForceTerm for FollowerPressure {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -71,12 +63,8 @@ impl ForceTerm for FollowerPressure {
         false
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         let p = data.pressure * factor(data.factor.as_ref(), at.t);
         for &nodes in data.triangles.iter() {
             let area = AreaVector::new(at.x, nodes);
@@ -87,7 +75,7 @@ impl ForceTerm for FollowerPressure {
 
     /// None: over a closed or held surface the symmetric part is that of its edge alone, of either sign.
     fn symmetric_tangent(&self, _at: NodeState<'_>, _w: Weights, sink: &mut dyn TangentSink) {
-        for &nodes in self.0.kernel().triangles.iter() {
+        for &nodes in self.kernel().triangles.iter() {
             sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
         }
     }

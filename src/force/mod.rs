@@ -3,9 +3,9 @@
 //! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see the crate's first page).
 //!
 //! # How to add a force
-//! 1. Write `force/<name>.rs` with a struct of plain arrays and `impl ForceTerm` for it. If it has elements (springs,
-//!    triangles), write a [`batch::Kernel`] and let [`batch::Batch`] do the sums: that is what keeps results the same for
-//!    every number of threads. A kernel's `add` is [`batch::Tile::each`], an element after the other; or, where speed matters, equations on four
+//! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a [`batch::Kernel`] for it and
+//!    `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`] and [`ForceTerm`]. Either adds to one tile of the scene at a
+//!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element after the other; or, where speed matters, equations on four
 //!    elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see
 //!    `air`), or `phases` for other shapes.
 //! 2. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
@@ -31,11 +31,13 @@ pub mod relative_dashpot;
 pub mod series;
 pub mod slack;
 pub mod spring;
+pub mod sweep;
+pub mod threads;
 pub mod tile;
+pub mod tiling;
 pub mod triangle;
 pub mod window;
 
-use crate::model::forces::Tally;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 
@@ -63,7 +65,7 @@ pub trait TangentSink {
 }
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
-pub trait ForceTerm: Send + Sync {
+pub trait ForceTerm: batch::Summand {
     /// Name in reports and role in the ledger.
     fn info(&self) -> TermInfo;
 
@@ -75,9 +77,6 @@ pub trait ForceTerm: Send + Sync {
 
     /// Whether both tangents are symmetric at every state.
     fn symmetric(&self) -> bool;
-
-    /// f += this term's force [N] at every node; returns its energy [J] or power [W].
-    fn add(&self, at: NodeState<'_>, threads: &batch::Threads, f: &mut [DVec3]) -> Tally;
 
     /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);

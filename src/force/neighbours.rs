@@ -1,12 +1,10 @@
 //! Sums over neighbours along springs: `out_i = sum_j k_ij u_j`, the second sweep of Kang's filter. Not a force term: no force of a scene
 //! has this form.
 
-use super::NodeState;
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::spring::Coefficient;
 use super::window::{record, set_record};
 use crate::model::forces::Tally;
-use glam::DVec3;
 use multiversion::multiversion;
 use std::sync::Arc;
 
@@ -20,20 +18,7 @@ pub struct Links {
 }
 
 /// A batch of links.
-#[derive(Debug)]
-pub struct Neighbours(Batch<Links, 2>);
-
-impl Neighbours {
-    /// Makes the batch.
-    pub fn new(links: Links) -> Self {
-        Neighbours(Batch::new(links))
-    }
-
-    /// out_i += sum_j k_ij u_j
-    pub fn add(&self, u: &[DVec3], threads: &Threads, out: &mut [DVec3]) {
-        self.0.add(NodeState { t: 0.0, x: u, v: &[] }, threads, out);
-    }
-}
+pub type Neighbours = Batch<Links, 2>;
 
 impl Kernel<2> for Links {
     const WANTS: Wants = Wants { x: true, v: false };
@@ -42,14 +27,14 @@ impl Kernel<2> for Links {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
         add_links(self, tile, f);
         Tally::default()
     }
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn add_links(links: &Links, tile: Tile<'_, 2>, f: &mut Records) {
+fn add_links(links: &Links, tile: Elements<'_, 2>, f: &mut Records) {
     match &links.stiffness {
         Coefficient::Uniform(k) => tile.nodes.iter().for_each(|&nodes| add_link(nodes, *k, tile.x, f)),
         Coefficient::Each(k) => {

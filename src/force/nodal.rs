@@ -2,8 +2,9 @@
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
-use super::batch::Threads;
+use super::batch::{Records, Summand};
 use super::series::factor;
+use super::tile::{Tile, add, place};
 use super::triangle::AreaVector;
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -16,7 +17,7 @@ use glam::DVec3;
 pub struct NodalForces {
     /// `forces` or `dead pressure`
     pub name: &'static str,
-    /// the nodes
+    /// the nodes, ascending
     pub nodes: Vec<u32>,
     /// [N] force on each of them at factor 1
     pub force: Vec<DVec3>,
@@ -54,6 +55,21 @@ impl DeadPressure<'_> {
     }
 }
 
+impl Summand for NodalForces {
+    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+        let scale = factor(self.factor.as_ref(), tile.at.t);
+        let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
+        let here = before(tile.own.start)..before(tile.own.end);
+        let mut power = 0.0;
+        for (&i, &force) in self.nodes[here.clone()].iter().zip(&self.force[here]) {
+            let force = scale * force;
+            add(f, place(i as usize - tile.own.start), force);
+            power += force.dot(tile.at.v[i as usize]);
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
 impl ForceTerm for NodalForces {
     fn info(&self) -> TermInfo {
         TermInfo { name: self.name, role: Role::External }
@@ -69,17 +85,6 @@ impl ForceTerm for NodalForces {
 
     fn symmetric(&self) -> bool {
         true
-    }
-
-    fn add(&self, at: NodeState<'_>, _threads: &Threads, f: &mut [DVec3]) -> Tally {
-        let scale = factor(self.factor.as_ref(), at.t);
-        let mut power = 0.0;
-        for (&i, &force) in self.nodes.iter().zip(&self.force) {
-            let force = scale * force;
-            f[i as usize] += force;
-            power += force.dot(at.v[i as usize]);
-        }
-        Tally { energy: 0.0, power }
     }
 
     fn tangent(&self, _at: NodeState<'_>, _w: Weights, _sink: &mut dyn TangentSink) {}

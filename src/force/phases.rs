@@ -5,8 +5,8 @@
 //! for the others. All units and threads add the same numbers in the same order.
 
 use super::batch::Records;
-use super::batch::{LANES, Lanes};
 use super::coefficient::Place;
+use crate::model::lanes::{LANES, Lanes};
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
 /// Blocks of elements that are measured before their forces are added: what is kept of them fits into the first cache.

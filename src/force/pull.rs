@@ -5,10 +5,10 @@
 //! ```
 //! To add such a force, write a [`PullLaw`]: s and the energy or power from d, as equations on four numbers at once.
 
-use super::batch::LANES;
 use super::coefficient::Place;
 use super::phases::{Phases, add};
 use super::window::{Padded, Records, record, set_record};
+use crate::model::lanes::LANES;
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How elements pull.

@@ -5,11 +5,11 @@
 //! ```
 //! To add such a force, write a [`PushLaw`]: p and the energy or power from S and the vertex velocities, as equations on four numbers at once.
 
-use super::batch::LANES;
 use super::coefficient::Place;
 use super::phases::{Phases, add};
-use super::tile::Tile;
+use super::tile::Elements;
 use super::window::{Padded, Records, record, set_record};
+use crate::model::lanes::LANES;
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How triangles are pushed.
@@ -28,7 +28,7 @@ pub(super) struct Push<Q> {
 }
 
 /// Adds the forces [N] of a tile's triangles to its window.
-pub(super) fn push<L: PushLaw>(law: L, tile: Tile<'_, 3>, f: &mut Records) -> f64 {
+pub(super) fn push<L: PushLaw>(law: L, tile: Elements<'_, 3>, f: &mut Records) -> f64 {
     add(Pushing { law, x: tile.x, v: tile.v }, tile.nodes, f)
 }
 

@@ -3,8 +3,9 @@
 //! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Summand, Wants};
 use super::spring::Coefficient;
+use super::tile::{Tile, add, place};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
@@ -18,6 +19,19 @@ pub struct RayleighMass {
     pub factor: f64,
     /// [kg] lumped mass of every node
     pub mass: Arc<[f64]>,
+}
+
+impl Summand for RayleighMass {
+    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+        let mut power = 0.0;
+        for (i, node) in tile.own.clone().enumerate() {
+            let v = tile.at.v[node];
+            let force = -(self.factor * self.mass[node]) * v;
+            power += force.dot(v);
+            add(f, place(i), force);
+        }
+        Tally { energy: 0.0, power }
+    }
 }
 
 impl ForceTerm for RayleighMass {
@@ -37,16 +51,6 @@ impl ForceTerm for RayleighMass {
         true
     }
 
-    fn add(&self, at: NodeState<'_>, _threads: &Threads, f: &mut [DVec3]) -> Tally {
-        let mut power = 0.0;
-        for ((f, &v), m) in f.iter_mut().zip(at.v).zip(self.mass.iter()) {
-            let force = -(self.factor * m) * v;
-            power += force.dot(v);
-            *f += force;
-        }
-        Tally { energy: 0.0, power }
-    }
-
     fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         for (i, m) in self.mass.iter().enumerate() {
             sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
@@ -55,8 +59,7 @@ impl ForceTerm for RayleighMass {
 }
 
 /// The stiffness-proportional part.
-#[derive(Debug)]
-pub struct RayleighStiffness(Batch<RayleighData, 2>);
+pub type RayleighStiffness = Batch<RayleighData, 2>;
 
 /// Plain arrays of the stiffness-proportional part.
 #[derive(Clone, Debug)]
@@ -69,13 +72,6 @@ pub struct RayleighData {
     pub direction: Arc<[DVec3]>,
 }
 
-impl RayleighStiffness {
-    /// Makes the term.
-    pub fn new(data: RayleighData) -> Self {
-        RayleighStiffness(Batch::new(data))
-    }
-}
-
 impl Kernel<2> for RayleighData {
     const WANTS: Wants = Wants { x: false, v: false };
 
@@ -83,7 +79,7 @@ impl Kernel<2> for RayleighData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
         let v = tile.at.v;
         let power = tile.each([1.0, -1.0], f, |i| {
             let ([a, b], n) = (self.nodes[i], self.direction[i]);
@@ -101,7 +97,7 @@ impl ForceTerm for RayleighStiffness {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -112,12 +108,8 @@ impl ForceTerm for RayleighStiffness {
         true
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
             sink.edge(nodes, outer(n, n) * (w.c * data.coefficient.at(i)));
         }

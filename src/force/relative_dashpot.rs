@@ -5,7 +5,7 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{Batch, Kernel, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::coefficient::{Coefficient, Column, Place};
 use super::pull::{Pull, PullLaw, pull};
 use super::{ForceTerm, NodeState, TangentSink};
@@ -16,8 +16,7 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// A batch of relative dashpots.
-#[derive(Debug)]
-pub struct RelativeDashpots(Batch<RelativeData, 2>);
+pub type RelativeDashpots = Batch<RelativeData, 2>;
 
 /// Plain arrays of the batch.
 #[derive(Clone, Debug)]
@@ -28,13 +27,6 @@ pub struct RelativeData {
     pub coefficient: Coefficient,
 }
 
-impl RelativeDashpots {
-    /// Makes the term.
-    pub fn new(data: RelativeData) -> Self {
-        RelativeDashpots(Batch::new(data))
-    }
-}
-
 impl Kernel<2> for RelativeData {
     const WANTS: Wants = Wants { x: false, v: true };
 
@@ -42,7 +34,7 @@ impl Kernel<2> for RelativeData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
         let coefficient = self.coefficient.column(tile.range());
         Tally { energy: 0.0, power: pull(DashpotLaw { coefficient }, tile.nodes, tile.v, f) }
     }
@@ -67,7 +59,7 @@ impl ForceTerm for RelativeDashpots {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -78,12 +70,8 @@ impl ForceTerm for RelativeDashpots {
         true
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.0.kernel();
+        let data = self.kernel();
         for (i, &nodes) in data.nodes.iter().enumerate() {
             sink.edge(nodes, DMat3::from_diagonal(DVec3::splat(w.c * data.coefficient.at(i))));
         }

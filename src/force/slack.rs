@@ -36,7 +36,7 @@ pub trait TensionLaw: Copy + Send + Sync {
     /// Tension and energy of four springs, with the bits of [`TensionLaw::at`].
     #[inline(always)]
     fn quad<U: VectorUnit>(&self, unit: U, k: U::Quad, e: U::Quad) -> (U::Quad, U::Quad) {
-        let c = e.at_least(unit.splat(self.threshold()));
+        let c = e.larger(unit.splat(self.threshold()));
         let taut = c - unit.splat(self.offset());
         let force = k * taut;
         (force, unit.splat(0.5) * force * taut + force * (e - c))

@@ -6,14 +6,14 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use super::batch::{Batch, Kernel, LANES, Records, Threads, Tile, Wants};
+use super::batch::{Batch, Elements, Kernel, Records, Wants};
 pub use super::coefficient::Coefficient;
 use super::coefficient::{Column, Place};
 use super::pull::{Pull, PullLaw, pull};
 use super::slack::{Plain, TensionLaw, clamped, tension};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
-use crate::model::quad::{Quad, VectorUnit};
+use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -34,20 +34,7 @@ pub struct SpringData {
 }
 
 /// A batch of springs as a force term.
-#[derive(Debug)]
-pub struct Springs(Batch<SpringData, 2>);
-
-impl Springs {
-    /// Makes the term; node numbers must be below the number of nodes it will be used with.
-    pub fn new(data: SpringData) -> Self {
-        Springs(Batch::new(data))
-    }
-
-    /// The arrays.
-    pub fn data(&self) -> &SpringData {
-        self.0.kernel()
-    }
-}
+pub type Springs = Batch<SpringData, 2>;
 
 impl SpringData {
     /// Vector from a to b, length, and elongation of spring `i`.
@@ -98,24 +85,50 @@ impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
     }
 }
 
-/// Without directions, which cost a division each.
-#[multiversion(targets("x86_64+avx+avx2"))]
+/// sqrt(max |d|^2/l0^2) - 1: one root for all.
 fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
-    let mut largest = [f64::NEG_INFINITY; LANES];
-    let (nodes, rest) = data.nodes.as_chunks::<LANES>();
-    let (l0, _) = data.rest_length.as_chunks::<LANES>();
-    for (nodes, l0) in nodes.iter().zip(l0) {
-        let mut square = [0.0; LANES];
-        for j in 0..LANES {
-            let [a, b] = nodes[j];
-            square[j] = (x[b as usize] - x[a as usize]).length_squared();
-        }
-        for j in 0..LANES {
-            largest[j] = f64::max(largest[j], (square[j].sqrt() - l0[j]) / l0[j]);
-        }
-    }
+    let (nodes, rest) = data.nodes.as_chunks::<4>();
+    let (l0, _) = data.rest_length.as_chunks::<4>();
+    let largest =
+        quad::run(Ratios { nodes, l0, x: bytemuck::cast_slice(x) }).into_iter().fold(f64::NEG_INFINITY, f64::max);
     let last = data.nodes.len() - rest.len()..data.nodes.len();
-    last.map(|i| data.strain(x, i)).chain(largest).fold(f64::NEG_INFINITY, f64::max)
+    last.map(|i| data.strain(x, i)).fold(if largest < 0.0 { largest } else { largest.sqrt() - 1.0 }, f64::max)
+}
+
+/// Largest |d|^2/l0^2 of springs side by side, -inf without any.
+struct Ratios<'a> {
+    nodes: &'a [[[u32; 2]; 4]],
+    l0: &'a [[f64; 4]],
+    x: &'a [f64],
+}
+
+impl quad::Pass for Ratios<'_> {
+    type Output = [f64; 4];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [f64; 4] {
+        let mut largest = unit.splat(f64::NEG_INFINITY);
+        for (nodes, l0) in self.nodes.iter().zip(self.l0) {
+            let mut d = [largest; 4];
+            for (d, &[a, b]) in d.iter_mut().zip(nodes) {
+                *d = unit.quad(position(self.x, b)) - unit.quad(position(self.x, a));
+            }
+            let (d, l0) = (U::Quad::columns(d), unit.quad(*l0));
+            let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            largest = (square / (l0 * l0)).larger(largest);
+        }
+        largest.numbers()
+    }
+}
+
+/// A node's coordinates, and a number that means nothing.
+#[inline(always)]
+fn position(x: &[f64], node: u32) -> [f64; 4] {
+    let from = &x[3 * node as usize..];
+    match from.first_chunk() {
+        Some(four) => *four,
+        None => [from[0], from[1], from[2], 0.0],
+    }
 }
 
 /// Without roots and divisions: a fraction of a force pass.
@@ -156,7 +169,7 @@ impl Kernel<2> for SpringData {
         &self.nodes
     }
 
-    fn add(&self, tile: Tile<'_, 2>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
         let stiffness = self.stiffness.column(tile.range());
         let rest_length = Column::each(&self.rest_length[tile.range()]);
         let energy = match clamped(self.slack) {
@@ -173,7 +186,7 @@ impl ForceTerm for Springs {
     }
 
     fn elements(&self) -> usize {
-        self.0.elements()
+        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -184,12 +197,8 @@ impl ForceTerm for Springs {
         true
     }
 
-    fn add(&self, at: NodeState<'_>, threads: &Threads, f: &mut [DVec3]) -> Tally {
-        self.0.add(at, threads, f)
-    }
-
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.data();
+        let data = self.kernel();
         for (i, &nodes) in data.nodes.iter().enumerate() {
             let s = data.stretch(at.x, i);
             let t = tension(data.slack, data.stiffness.at(i), s.elongation);
@@ -199,7 +208,7 @@ impl ForceTerm for Springs {
 
     /// B = max(T, 0)/l (I - n n^T) + (dT/dl) n n^T: the geometric part of a compressed spring is dropped.
     fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.data();
+        let data = self.kernel();
         for (i, &nodes) in data.nodes.iter().enumerate() {
             let s = data.stretch(at.x, i);
             let t = tension(data.slack, data.stiffness.at(i), s.elongation);
@@ -208,7 +217,7 @@ impl ForceTerm for Springs {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
-        let data = self.data();
+        let data = self.kernel();
         for (i, pair) in data.nodes.iter().enumerate() {
             for &node in pair {
                 nodes[node as usize] += data.stiffness.at(i);

@@ -100,15 +100,20 @@ impl Pass for CopyRows<'_> {
 
 /// Adds records to as many nodes.
 pub(super) fn add_rows(records: &[Padded], to: &mut [DVec3]) {
-    run(AddRows { records, to: bytemuck::cast_slice_mut(to) });
+    run(Give::<true> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
-struct AddRows<'a> {
+/// Overwrites as many nodes with records.
+pub(super) fn store_rows(records: &[Padded], to: &mut [DVec3]) {
+    run(Give::<false> { records, to: bytemuck::cast_slice_mut(to) });
+}
+
+struct Give<'a, const ADD: bool> {
     records: &'a [Padded],
     to: &'a mut [f64],
 }
 
-impl Pass for AddRows<'_> {
+impl<const ADD: bool> Pass for Give<'_, ADD> {
     type Output = ();
 
     #[inline(always)]
@@ -119,11 +124,32 @@ impl Pass for AddRows<'_> {
             let [a, b, c, d] = *records;
             let sums = U::Quad::pack([unit.quad(a), unit.quad(b), unit.quad(c), unit.quad(d)]);
             for (to, sum) in to.as_chunks_mut().0.iter_mut().zip(sums) {
-                *to = (unit.quad(*to) + sum).numbers();
+                *to = if ADD { (unit.quad(*to) + sum).numbers() } else { sum.numbers() };
             }
         }
-        for (record, to) in last.iter().zip(last_to.as_chunks_mut::<3>().0) {
-            *to = [to[0] + record[0], to[1] + record[1], to[2] + record[2]];
+        for (&[x, y, z, _], to) in last.iter().zip(last_to.as_chunks_mut::<3>().0) {
+            *to = if ADD { [to[0] + x, to[1] + y, to[2] + z] } else { [x, y, z] };
+        }
+    }
+}
+
+/// Adds records to as many others.
+pub(super) fn plus_rows(records: &[Padded], to: &mut [Padded]) {
+    run(Plus { records, to });
+}
+
+struct Plus<'a> {
+    records: &'a [Padded],
+    to: &'a mut [Padded],
+}
+
+impl Pass for Plus<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) {
+        for (record, to) in self.records.iter().zip(self.to) {
+            *to = (unit.quad(*to) + unit.quad(*record)).numbers();
         }
     }
 }
@@ -141,6 +167,9 @@ mod tests {
             copy_rows(&nodes, records);
             let mut sums = vec![DVec3::splat(0.5); nodes.len()];
             add_rows(records, &mut sums);
+            let mut stored = vec![DVec3::NAN; nodes.len()];
+            store_rows(records, &mut stored);
+            assert_eq!(stored, nodes);
             for (i, (sum, node)) in sums.iter().zip(&nodes).enumerate() {
                 assert_eq!(*sum, *node + 0.5);
                 let [x, y, z, _] = record(window.records(), (i * RECORD) as u16);

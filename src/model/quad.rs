@@ -34,8 +34,11 @@ pub trait Quad: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// `self` where `sign` is above zero, else 0.
     fn where_positive(self, sign: Self) -> Self;
 
-    /// `self` where it is at least `least`, else `least`.
-    fn at_least(self, least: Self) -> Self;
+    /// `self` where it is above `other`, else `other`.
+    fn larger(self, other: Self) -> Self;
+
+    /// `self` where it is below `other`, else `other`.
+    fn smaller(self, other: Self) -> Self;
 
     /// First, second and third numbers of four records.
     fn columns(rows: [Self; 4]) -> [Self; 3];
@@ -134,8 +137,13 @@ impl Quad for Plain {
     }
 
     #[inline(always)]
-    fn at_least(self, least: Self) -> Self {
-        self.zip(least, |a, least| if a >= least { a } else { least })
+    fn larger(self, other: Self) -> Self {
+        self.zip(other, |a, other| if a > other { a } else { other })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.zip(other, |a, other| if a < other { a } else { other })
     }
 
     #[inline(always)]
@@ -174,11 +182,11 @@ mod tests {
         #[inline(always)]
         fn run<U: VectorUnit>(self, unit: U) -> Vec<[f64; 4]> {
             let [a, b, c, d] = self.0.map(|numbers| unit.quad(numbers));
-            let single =
-                [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b), a.at_least(b)];
+            let single = [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b)];
+            let single = single.into_iter().chain([a.larger(b), a.smaller(b)]);
             let (columns, pack) = (U::Quad::columns([a, b, c, d]), U::Quad::pack([a, b, c, d]));
             let splat = unit.splat(c.numbers()[2]);
-            let all = single.into_iter().chain(columns).chain(U::Quad::rows(columns)).chain(pack).chain([splat]);
+            let all = single.chain(columns).chain(U::Quad::rows(columns)).chain(pack).chain([splat]);
             all.map(Quad::numbers).collect()
         }
     }

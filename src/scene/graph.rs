@@ -1,10 +1,12 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
 use super::network::{Network, SpringBatch, by_node};
+use crate::force::NodeState;
+use crate::force::batch::Summand;
 use crate::force::neighbours::{Links, Neighbours};
 use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::spring::Coefficient;
-use crate::force::{ForceTerm, NodeState};
+use crate::force::sweep::Sweep;
 use crate::model::forces::Role;
 use crate::model::system::{SpringGraph, Viscosity};
 use glam::DVec3;
@@ -12,23 +14,40 @@ use glam::DVec3;
 /// Passes over the springs that are not forces of the scene.
 #[derive(Debug)]
 pub(super) struct Graph {
-    sums: Vec<Neighbours>,
+    sums: Pass<Neighbours>,
     /// dashpots with c = k
-    differences: Vec<RelativeDashpots>,
+    differences: Pass<RelativeDashpots>,
     /// dashpots with c = k h, as the scene has them
-    step_dashpots: Vec<RelativeDashpots>,
+    step_dashpots: Pass<RelativeDashpots>,
+}
+
+/// Batches that are summed together.
+#[derive(Debug)]
+struct Pass<S> {
+    batches: Vec<S>,
+    sweep: Sweep,
+}
+
+impl<S: Summand> Pass<S> {
+    fn new(nodes: usize, batches: impl Iterator<Item = S>) -> Self {
+        let mut batches: Vec<S> = batches.collect();
+        let mut summands: Vec<&mut dyn Summand> = batches.iter_mut().map(|b| b as &mut dyn Summand).collect();
+        let sweep = Sweep::new(nodes, &mut summands);
+        Pass { batches, sweep }
+    }
 }
 
 impl Graph {
-    fn new(springs: &[SpringBatch]) -> Self {
+    fn new(nodes: usize, springs: &[SpringBatch]) -> Self {
         let dashpots = |b: &SpringBatch, coefficient: &Coefficient| {
             RelativeDashpots::new(RelativeData { nodes: b.data.nodes.clone(), coefficient: coefficient.clone() })
         };
         let links = |b: &SpringBatch| Links { nodes: b.data.nodes.clone(), stiffness: b.data.stiffness.clone() };
+        let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| dashpots(b, &b.dashpot));
         Graph {
-            sums: springs.iter().map(|b| Neighbours::new(links(b))).collect(),
-            differences: springs.iter().map(|b| dashpots(b, &b.data.stiffness)).collect(),
-            step_dashpots: springs.iter().filter(|b| b.in_filter).map(|b| dashpots(b, &b.dashpot)).collect(),
+            sums: Pass::new(nodes, springs.iter().map(|b| Neighbours::new(links(b)))),
+            differences: Pass::new(nodes, springs.iter().map(|b| dashpots(b, &b.data.stiffness))),
+            step_dashpots: Pass::new(nodes, in_filter),
         }
     }
 }
@@ -42,15 +61,14 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 
 impl Network {
     fn graph(&self) -> &Graph {
-        self.graph.get_or_init(|| Graph::new(&self.springs))
+        self.graph.get_or_init(|| Graph::new(self.mass.len(), &self.springs))
     }
 
-    fn dashpot_pass(&self, dashpots: &[RelativeDashpots], v: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for term in dashpots {
-            let at = NodeState { t: 0.0, x: &[], v: by_node(v) };
-            term.add(at, &self.threads, bytemuck::cast_slice_mut(out));
-        }
+    /// `out =` what a pass gives at x = v = u.
+    fn graph_pass<S: Summand>(&self, pass: &Pass<S>, u: &[f64], out: &mut [f64]) {
+        let at = NodeState { t: 0.0, x: by_node(u), v: by_node(u) };
+        let out = [bytemuck::cast_slice_mut(out), &mut [], &mut []];
+        pass.sweep.pass((pass.batches.as_slice(), at), &self.threads, out, &mut []);
     }
 }
 
@@ -83,17 +101,14 @@ impl SpringGraph for Network {
     }
 
     fn step_dashpots(&self, v: &[f64], out: &mut [f64]) {
-        self.dashpot_pass(&self.graph().step_dashpots, v, out);
+        self.graph_pass(&self.graph().step_dashpots, v, out);
     }
 
     fn neighbour_sums(&self, u: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for links in &self.graph().sums {
-            links.add(by_node(u), &self.threads, bytemuck::cast_slice_mut(out));
-        }
+        self.graph_pass(&self.graph().sums, u, out);
     }
 
     fn neighbour_differences(&self, u: &[f64], out: &mut [f64]) {
-        self.dashpot_pass(&self.graph().differences, u, out);
+        self.graph_pass(&self.graph().differences, u, out);
     }
 }

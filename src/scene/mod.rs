@@ -62,7 +62,7 @@ pub trait Scene: TangentSystem + Picture {
         f.copy_from_slice(&forces.total);
     }
 
-    /// Adds the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom included, and says over
+    /// `f =` the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom included, and says over
     /// how many elements it went; `None` where terms cannot be told apart.
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
         let _ = (term, at, f);

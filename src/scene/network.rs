@@ -3,8 +3,10 @@
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
-use crate::force::batch::Threads;
+use crate::force::batch::Summand;
 use crate::force::spring::{Coefficient, SpringData};
+use crate::force::sweep::{Sweep, Terms};
+use crate::force::threads::Threads;
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
@@ -32,6 +34,7 @@ pub struct Network {
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
+    sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
@@ -77,7 +80,9 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 }
 
 impl Network {
-    pub(super) fn assemble_parts(p: Parts) -> Self {
+    pub(super) fn assemble_parts(mut p: Parts) -> Self {
+        let mut summands: Vec<&mut dyn Summand> = p.terms.iter_mut().map(|t| &mut **t as &mut dyn Summand).collect();
+        let sweep = Sweep::new(p.mass.len(), &mut summands);
         let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let inverse_mass =
             p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
@@ -95,6 +100,7 @@ impl Network {
             corners: p.corners,
             terms: p.terms,
             springs: p.springs,
+            sweep,
             threads: p.threads,
             mesh: p.mesh,
             graph: OnceLock::new(),
@@ -109,6 +115,18 @@ impl Network {
     /// The terms, for benchmarks and tests of one force at a time.
     pub fn force_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
         self.terms.iter().map(|t| &**t)
+    }
+
+    /// `f =` the forces [N] of one of the terms; returns its energy [J] or power [W].
+    pub fn pass_of(&self, term: &dyn ForceTerm, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
+        let mut tally = Tally::default();
+        self.sum_of(&[term], at, f, std::slice::from_mut(&mut tally));
+        tally
+    }
+
+    /// `f =` the forces [N] of some of the terms.
+    pub(super) fn sum_of(&self, terms: &[&dyn ForceTerm], at: NodeState<'_>, f: &mut [DVec3], tallies: &mut [Tally]) {
+        self.sweep.pass((&Chosen(terms), at), &self.threads, [f, &mut [], &mut []], tallies);
     }
 
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
@@ -130,14 +148,6 @@ impl Network {
     }
 }
 
-/// a += b
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn plus(a: &mut [f64], b: &[f64]) {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a += b;
-    }
-}
-
 /// [J] sum of 1/2 m v^2
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
@@ -151,6 +161,35 @@ fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
         sum += lane_sum(buffer);
     }
     sum
+}
+
+/// The terms, each with the sum of its role.
+impl Terms for Network {
+    fn count(&self) -> usize {
+        self.terms.len()
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        let sum = match self.infos[i].role {
+            Role::Elastic | Role::Gravity => 0,
+            Role::External => 1,
+            Role::Dissipative => 2,
+        };
+        (&*self.terms[i], sum)
+    }
+}
+
+/// Some of the terms, in one sum.
+struct Chosen<'a>(&'a [&'a dyn ForceTerm]);
+
+impl Terms for Chosen<'_> {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        (self.0[i], 0)
+    }
 }
 
 impl System for Network {
@@ -183,29 +222,9 @@ impl System for Network {
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        let at = node_state(at);
         let Forces { total, external, dissipative, reactions, tallies } = out;
-        let workers = self.threads.workers();
-        for role in [&mut *total, &mut *external, &mut *dissipative] {
-            workers.each(role, |_, role| {
-                role.fill(0.0);
-                0.0
-            });
-        }
-        for ((term, info), tally) in self.terms.iter().zip(&self.infos).zip(tallies) {
-            let target = match info.role {
-                Role::Elastic | Role::Gravity => &mut *total,
-                Role::External => &mut *external,
-                Role::Dissipative => &mut *dissipative,
-            };
-            *tally = term.add(at, &self.threads, bytemuck::cast_slice_mut(target));
-        }
-        for role in [&*external, &*dissipative].into_iter().filter(|role| !role.is_empty()) {
-            workers.each(total, |r, total| {
-                plus(total, &role[r]);
-                0.0
-            });
-        }
+        let out = [&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum));
+        self.sweep.pass((self, node_state(at)), &self.threads, out, tallies);
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
         }

@@ -2,13 +2,13 @@
 
 use super::network::{Network, by_node, node_state};
 use super::{BoundRoom, Scene, Suspect};
-use crate::force::TangentSink;
+use crate::force::{ForceTerm, TangentSink};
 use crate::model::forces::Role;
+use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
 use crate::model::workers::Workers;
 use glam::{DMat3, DVec3};
-use multiversion::multiversion;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -30,8 +30,7 @@ impl Scene for Network {
         let mut strongest = (0.0, None);
         let mut f = vec![DVec3::ZERO; self.fixed.len()];
         for term in &self.terms {
-            f.fill(DVec3::ZERO);
-            term.add(node_state(at), &self.threads, &mut f);
+            self.pass_of(&**term, node_state(at), &mut f);
             let size = f[node].length();
             // A force that is not finite is the strongest there is.
             let size = if size.is_finite() { size } else { f64::INFINITY };
@@ -48,7 +47,7 @@ impl Scene for Network {
 
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
         let term = self.terms.get(term)?;
-        term.add(node_state(at), &self.threads, bytemuck::cast_slice_mut(f));
+        self.pass_of(&**term, node_state(at), bytemuck::cast_slice_mut(f));
         Some(term.elements())
     }
 
@@ -73,10 +72,9 @@ impl Scene for Network {
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
-        f.fill(0.0);
-        for term in self.terms.iter().filter(|t| matches!(t.info().role, Role::Gravity | Role::External)) {
-            term.add(node_state(at), &self.threads, bytemuck::cast_slice_mut(f));
-        }
+        let terms: Vec<&dyn ForceTerm> =
+            self.force_terms().filter(|t| matches!(t.info().role, Role::Gravity | Role::External)).collect();
+        self.sum_of(&terms, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *f = 0.0;
@@ -124,25 +122,32 @@ fn extent(x: &[DVec3], workers: &Workers) -> f64 {
     0.5 * (high - low).max_element()
 }
 
-/// Nodes whose coordinates are compared side by side.
-const ROW: usize = 8;
-
 /// Lowest and highest coordinates.
-#[multiversion(targets("x86_64+avx+avx2"))]
 fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
-    let (rows, rest) = x.as_chunks::<ROW>();
-    let (mut low, mut high) = ([f64::INFINITY; 3 * ROW], [f64::NEG_INFINITY; 3 * ROW]);
-    for row in rows {
-        let row: &[f64] = bytemuck::cast_slice(row);
-        for (x, (low, high)) in row.iter().zip(low.iter_mut().zip(&mut high)) {
-            *low = if *x < *low { *x } else { *low };
-            *high = if *x > *high { *x } else { *high };
+    let (rows, rest) = x.as_chunks::<4>();
+    let lanes: [[DVec3; 4]; 2] = quad::run(Bounds(bytemuck::cast_slice(rows))).map(bytemuck::cast);
+    let [low, high] = lanes.map(|nodes| nodes.into_iter().chain(rest.iter().copied()));
+    (low.fold(DVec3::INFINITY, DVec3::min), high.fold(DVec3::NEG_INFINITY, DVec3::max))
+}
+
+/// Four nodes side by side, in three quads.
+struct Bounds<'a>(&'a [[[f64; 4]; 3]]);
+
+impl quad::Pass for Bounds<'_> {
+    type Output = [[[f64; 4]; 3]; 2];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [[[f64; 4]; 3]; 2] {
+        let mut low = [unit.splat(f64::INFINITY); 3];
+        let mut high = [unit.splat(f64::NEG_INFINITY); 3];
+        for row in self.0 {
+            for i in 0..3 {
+                let x = unit.quad(row[i]);
+                (low[i], high[i]) = (x.smaller(low[i]), x.larger(high[i]));
+            }
         }
+        [low.map(Quad::numbers), high.map(Quad::numbers)]
     }
-    let lows = bytemuck::cast_slice::<f64, DVec3>(&low).iter().chain(rest);
-    let highs = bytemuck::cast_slice::<f64, DVec3>(&high).iter().chain(rest);
-    let low = lows.fold(DVec3::INFINITY, |low, p| low.min(*p));
-    (low, highs.fold(DVec3::NEG_INFINITY, |high, p| high.max(*p)))
 }
 
 /// Multiplies emitted blocks with a vector instead of storing them.

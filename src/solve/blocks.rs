@@ -8,7 +8,7 @@
 //! vector which is zero there stays so.
 
 use crate::assembly::Pattern;
-use glam::{DMat3, DVec3, Mat3A, Vec3A};
+use glam::{DMat3, DVec3, Mat3A, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -17,6 +17,19 @@ const BLOCK: u32 = 9;
 /// A positive definite I + L + L^T has entries below 1; a larger one than this is more than rounding.
 const LARGEST: f32 = 1.0 + 1e-5;
 
+/// A block column by column, without the gaps of registers: a large scene's product waits for memory.
+#[derive(Clone, Copy)]
+struct Block([f32; 9]);
+
+impl Block {
+    #[inline(always)]
+    fn matrix(&self) -> Mat3A {
+        let four = |first: usize| Vec4::from_array(self.0[first..].first_chunk().copied().unwrap_or_default());
+        // The last column from one number earlier, so that nothing beyond the block is read.
+        Mat3A::from_cols(Vec3A::from_vec4(four(0)), Vec3A::from_vec4(four(3)), Vec3A::from_vec4(four(5).yzww()))
+    }
+}
+
 /// W = E (I + L + L^T) E^T.
 pub(super) struct NodeBlocks {
     pattern: Arc<Pattern>,
@@ -24,7 +37,7 @@ pub(super) struct NodeBlocks {
     start: Vec<u32>,
     /// row of every block of L
     row: Vec<u32>,
-    below: Vec<Mat3A>,
+    below: Vec<Block>,
     /// 1/sqrt(W_uu) of every unknown: what is scaled by it can be told in single precision
     scale: Vec<f64>,
     /// E^-1 of W scaled so
@@ -63,7 +76,7 @@ impl NodeBlocks {
             start.push(row.len() as u32);
         }
         row.shrink_to_fit();
-        let (below, scale) = (vec![Mat3A::ZERO; row.len()], vec![0.0; pattern.n()]);
+        let (below, scale) = (vec![Block([0.0; 9]); row.len()], vec![0.0; pattern.n()]);
         NodeBlocks { pattern, start, row, below, scale, inverse_root: vec![Mat3A::IDENTITY; nodes], entry }
     }
 
@@ -94,7 +107,7 @@ impl NodeBlocks {
                     } else {
                         small &= scaled.abs() <= f64::from(LARGEST);
                         let (block, within) = ((entry / BLOCK) as usize, (entry % BLOCK) as usize);
-                        self.below[block].col_mut(within / 3)[within % 3] = scaled as f32;
+                        self.below[block].0[within] = scaled as f32;
                     }
                 }
             }
@@ -109,9 +122,9 @@ impl NodeBlocks {
         for g in 0..self.nodes() {
             let right = self.inverse_root[g].transpose();
             for k in self.column(g) {
-                let block = self.inverse_root[self.row[k] as usize] * self.below[k] * right;
+                let block = self.inverse_root[self.row[k] as usize] * self.below[k].matrix() * right;
                 largest = largest.max(block.x_axis.abs()).max(block.y_axis.abs()).max(block.z_axis.abs());
-                self.below[k] = block;
+                self.below[k] = Block(block.to_cols_array());
             }
         }
         largest.max_element() <= LARGEST
@@ -163,7 +176,7 @@ impl NodeBlocks {
             let y = v[g];
             let column = self.column(g);
             for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
-                v[row as usize] -= *block * y;
+                v[row as usize] -= block.matrix() * y;
             }
         }
     }
@@ -181,7 +194,7 @@ impl NodeBlocks {
         let column = self.column(g);
         let mut sums = Mat3A::ZERO;
         for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
-            let v = v[row as usize];
+            let (block, v) = (block.matrix(), v[row as usize]);
             sums.x_axis += block.x_axis * v;
             sums.y_axis += block.y_axis * v;
             sums.z_axis += block.z_axis * v;
@@ -208,7 +221,7 @@ impl NodeBlocks {
             let y = q[g];
             let column = self.column(g);
             for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
-                q[row as usize] -= *block * y;
+                q[row as usize] -= block.matrix() * y;
             }
             q[g] = y + t[g];
             along += (p[g] * q[g]).as_dvec3();

@@ -2,7 +2,7 @@
 
 use super::{Pass, Quad, VectorUnit};
 use pulp::x86::V3;
-use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ};
+use std::arch::x86_64::{__m256d, _CMP_GT_OQ};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Processors with AVX2.
@@ -85,10 +85,13 @@ impl Quad for Register {
     }
 
     #[inline(always)]
-    fn at_least(self, least: Self) -> Self {
-        let avx = self.0.avx;
-        let above = avx._mm256_cmp_pd::<_CMP_GE_OQ>(self.1, least.1);
-        Register(self.0, avx._mm256_blendv_pd(least.1, self.1, above))
+    fn larger(self, other: Self) -> Self {
+        Register(self.0, self.0.avx._mm256_max_pd(self.1, other.1))
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Register(self.0, self.0.avx._mm256_min_pd(self.1, other.1))
     }
 
     #[inline(always)]

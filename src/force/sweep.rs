@@ -1,0 +1,360 @@
+//! Passes over the tiles of a scene, with the same bits for every number of threads.
+//!
+//! Strip by strip, the tile's windows are filled, all terms add to them while they are in cache, and what the strip's own nodes get is stored: no sum
+//! is zeroed or read back from memory. What lies beyond the strip is kept apart and added when all strips are done, in their order, as are energies
+//! and powers. So no sum depends on which thread did which strip.
+
+use super::NodeState;
+use super::batch::{Summand, Wants};
+use super::threads::{SUMS, Threads, Windows};
+use super::tile::Tile;
+use super::tiling::{Plan, Tiling};
+use super::window::{Padded, RECORD, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
+use crate::model::forces::Tally;
+use glam::DVec3;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+/// What a pass adds up.
+pub trait Terms: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// A term, and which of the pass's sums it adds to.
+    fn term(&self, i: usize) -> (&dyn Summand, usize);
+}
+
+/// All add to the only sum.
+impl<S: Summand> Terms for [S] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        (&self[i], 0)
+    }
+}
+
+/// The tiles of a scene and the room a pass needs.
+#[derive(Debug)]
+pub struct Sweep {
+    tiling: Tiling,
+    room: Mutex<Room>,
+}
+
+#[derive(Debug, Default)]
+struct Room {
+    /// what each sum gets beyond the strips' ends
+    beyond: [Vec<Padded>; SUMS],
+    /// tile after tile, term after term
+    tallies: Vec<Tally>,
+}
+
+/// What a pass reads, and with which threads.
+struct Pass<'a, T: ?Sized> {
+    terms: &'a T,
+    wants: Wants,
+    at: NodeState<'a>,
+    threads: &'a Threads,
+    tiling: &'a Tiling,
+}
+
+/// Some strips and where their sums go.
+struct Part<'a> {
+    strips: Range<usize>,
+    out: [&'a mut [DVec3]; SUMS],
+    beyond: [&'a mut [Padded]; SUMS],
+    tallies: &'a mut [Tally],
+}
+
+impl Sweep {
+    /// Cuts `nodes` nodes into tiles and tells every summand its elements.
+    pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+        Sweep { tiling: Tiling::new(nodes, summands), room: Mutex::default() }
+    }
+
+    /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty if no term adds to it. Tells every
+    /// term's energy or power in `tallies`.
+    pub fn pass<T: Terms + ?Sized>(
+        &self,
+        (terms, at): (&T, NodeState<'_>),
+        threads: &Threads,
+        mut out: [&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) {
+        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        let Room { beyond, tallies: by_tile } = &mut *room;
+        for (beyond, _) in beyond.iter_mut().zip(&out).filter(|(_, out)| !out.is_empty()) {
+            beyond.resize(self.tiling.beyond().len(), Padded::default());
+        }
+        by_tile.resize(self.tiling.tiles().len() * terms.count(), Tally::default());
+        let wants = (0..terms.count()).map(|i| terms.term(i).0.wants()).fold(Wants::default(), Wants::or);
+        let pass = Pass { terms, wants, at, threads, tiling: &self.tiling };
+        let part = Part {
+            strips: self.tiling.strips(),
+            out: out.each_mut().map(|out| &mut **out),
+            beyond: beyond.each_mut().map(|beyond| beyond.as_mut_slice()),
+            tallies: by_tile,
+        };
+        match threads.workers().pool().filter(|_| part.strips.len() > 1) {
+            None => pass.in_order(part),
+            Some(pool) => pool.install(|| pass.side_by_side(part)),
+        }
+        for (out, beyond) in out.iter_mut().zip(&*beyond).filter(|(out, _)| !out.is_empty()) {
+            self.add_beyond(beyond, out);
+        }
+        tallies.fill(Tally::default());
+        for by_tile in by_tile.chunks(terms.count().max(1)) {
+            tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
+        }
+    }
+
+    fn add_beyond(&self, sums: &[Padded], out: &mut [DVec3]) {
+        for Plan { beyond, run, .. } in self.tiling.tiles() {
+            let sums = &sums[beyond.clone()];
+            match *run {
+                Some(first) => add_rows(sums, &mut out[first..first + sums.len()]),
+                None => {
+                    for (&node, sum) in self.tiling.beyond()[beyond.clone()].iter().zip(sums) {
+                        out[node as usize] += DVec3::new(sum[0], sum[1], sum[2]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<T: Terms + ?Sized> Pass<'_, T> {
+    fn in_order(&self, mut part: Part<'_>) {
+        while part.strips.len() > 1 {
+            let next = part.strips.start + 1;
+            let [one, others] = self.split(part, next);
+            self.strip(one, &mut self.threads.windows(0));
+            part = others;
+        }
+        self.strip(part, &mut self.threads.windows(0));
+    }
+
+    fn side_by_side(&self, part: Part<'_>) {
+        if part.strips.len() <= 1 {
+            return self.strip(part, &mut self.threads.windows(rayon::current_thread_index().unwrap_or(0)));
+        }
+        let middle = part.strips.start + part.strips.len() / 2;
+        let [left, right] = self.split(part, middle);
+        rayon::join(|| self.side_by_side(left), || self.side_by_side(right));
+    }
+
+    fn split<'p>(&self, part: Part<'p>, at: usize) -> [Part<'p>; 2] {
+        let Part { strips, out, beyond, tallies } = part;
+        let before = strips.start..at;
+        let tiles = self.tiling.numbers(before.clone());
+        let (out, out_after) = halves(out, self.tiling.nodes(before.clone()));
+        let (beyond, beyond_after) = halves(beyond, self.tiling.beyond_of(tiles.clone()).len());
+        let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * self.terms.count());
+        [
+            Part { strips: before, out, beyond, tallies },
+            Part { strips: at..strips.end, out: out_after, beyond: beyond_after, tallies: tallies_after },
+        ]
+    }
+
+    fn strip(&self, part: Part<'_>, windows: &mut Windows) {
+        let Part { strips, mut out, mut beyond, tallies } = part;
+        let numbers = self.tiling.numbers(strips);
+        let first = self.tiling.beyond_of(numbers.clone()).start;
+        let count = self.terms.count();
+        for (number, i) in numbers.zip(0..) {
+            let plan = &self.tiling.tiles()[number];
+            self.tile(number, windows, &out, &mut tallies[i * count..(i + 1) * count]);
+            let place = plan.beyond.start - first..plan.beyond.end - first;
+            for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
+                if !out.is_empty() {
+                    let (own, others) = rows(sums.records(), plan.records()).split_at(plan.own.len());
+                    if plan.first {
+                        store_rows(own, out)
+                    } else {
+                        add_rows(own, out)
+                    }
+                    beyond[place.clone()].copy_from_slice(others);
+                }
+            }
+        }
+    }
+
+    /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty.
+    fn tile(&self, number: usize, windows: &mut Windows, out: &[&mut [DVec3]; SUMS], tallies: &mut [Tally]) {
+        let plan = &self.tiling.tiles()[number];
+        let Windows { x, v, sums } = windows;
+        let (x, v) = (x.records(), v.records());
+        if self.wants.x {
+            self.load(plan, self.at.x, x);
+        }
+        if self.wants.v {
+            self.load(plan, self.at.v, v);
+        }
+        let sums = sums.each_mut().map(Window::records);
+        let mut present = sums.into_iter().zip(out).map(|(sum, out)| (!out.is_empty()).then_some(sum));
+        let mut sums: [Option<&mut Records>; SUMS] = std::array::from_fn(|_| present.next().flatten());
+        for sum in sums.iter_mut().flatten() {
+            sum[..RECORD * plan.records()].fill(0.0);
+        }
+        let own = if plan.first { plan.own.clone() } else { 0..0 };
+        let tile = Tile { number, own, at: self.at, x, v };
+        for (i, tally) in tallies.iter_mut().enumerate() {
+            let (term, sum) = self.terms.term(i);
+            *tally = sums[sum].as_deref_mut().map_or_else(Tally::default, |sum| term.add(&tile, sum));
+        }
+        if let [Some(total), others @ ..] = &mut sums {
+            for other in others.iter_mut().flatten() {
+                plus_rows(rows(other, plan.records()), rows(total, plan.records()));
+            }
+        }
+    }
+
+    /// Copies a nodal vector into a tile's window.
+    fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
+        let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
+        copy_rows(&from[plan.own.clone()], own);
+        match plan.run {
+            Some(first) => copy_rows(&from[first..first + others.len()], others),
+            None => {
+                for (to, &node) in others.iter_mut().zip(&self.tiling.beyond()[plan.beyond.clone()]) {
+                    let from = from[node as usize];
+                    *to = [from.x, from.y, from.z, 0.0];
+                }
+            }
+        }
+    }
+}
+
+impl Plan {
+    /// Records in the tile's windows.
+    fn records(&self) -> usize {
+        self.own.len() + self.beyond.len()
+    }
+}
+
+/// What comes before a place and what comes after; nothing of what is empty.
+fn halves<T>(slices: [&mut [T]; SUMS], at: usize) -> ([&mut [T]; SUMS], [&mut [T]; SUMS]) {
+    let [a, b, c] = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
+    ([a.0, b.0, c.0], [a.1, b.1, c.1])
+}
+
+impl Wants {
+    fn or(self, other: Wants) -> Wants {
+        Wants { x: self.x | other.x, v: self.v | other.v }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::batch::Batch;
+    use crate::force::gravity::Gravity;
+    use crate::force::neighbours::{Links, Neighbours};
+    use crate::force::phases::tests::random;
+    use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
+    use crate::force::spring::Coefficient;
+    use crate::force::tiling::Limits;
+
+    const NODES: usize = 200;
+
+    /// A star, a chain and weight, each for a sum of its own.
+    struct Mixed {
+        star: RelativeDashpots,
+        chain: Neighbours,
+        weight: Gravity,
+    }
+
+    impl Terms for Mixed {
+        fn count(&self) -> usize {
+            3
+        }
+
+        fn term(&self, i: usize) -> (&dyn Summand, usize) {
+            [(&self.star as &dyn Summand, 2), (&self.chain, 0), (&self.weight, 1)][i]
+        }
+    }
+
+    fn mixed(limits: Limits) -> (Mixed, Sweep) {
+        let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
+        let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
+        let links = Links { nodes: ends(&|i| [i, i - 1]), stiffness: Coefficient::Uniform(0.5) };
+        let weight =
+            Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
+        let mut terms = Mixed { star: Batch::new(data), chain: Batch::new(links), weight };
+        let tiling = Tiling::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
+        (terms, Sweep { tiling, room: Mutex::default() })
+    }
+
+    fn vectors(seed: u64) -> Vec<DVec3> {
+        let mut random = random(seed);
+        std::iter::repeat_with(|| DVec3::new(random(), random(), random())).take(NODES).collect()
+    }
+
+    /// What element after element gives, without tiles.
+    fn one_by_one(at: NodeState<'_>) -> ([Vec<DVec3>; 3], [Tally; 3]) {
+        let mut sums = [0; 3].map(|_| vec![DVec3::ZERO; NODES]);
+        let mut tallies = [Tally::default(); 3];
+        for i in 0..NODES {
+            if i > 0 {
+                let dv = at.v[0] - at.v[i];
+                sums[2][i] += 2.0 * dv;
+                sums[2][0] -= 2.0 * dv;
+                tallies[0].power -= 2.0 * dv.length_squared();
+                sums[0][i] += 0.5 * at.x[i - 1];
+                sums[0][i - 1] += 0.5 * at.x[i];
+            }
+            let weight = i as f64 * DVec3::new(0.0, 0.5, -2.0);
+            sums[1][i] += weight;
+            tallies[2].energy -= weight.dot(at.x[i] - DVec3::X);
+        }
+        let (others, total) = ([sums[1].clone(), sums[2].clone()], &mut sums[0]);
+        others.iter().flatten().zip((0..NODES).cycle()).for_each(|(f, i)| total[i] += *f);
+        (sums, tallies)
+    }
+
+    #[test]
+    fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() {
+        let (x, v) = (vectors(1), vectors(2));
+        let at = NodeState { t: 0.0, x: &x, v: &v };
+        let (expected, amounts) = one_by_one(at);
+        // Of one strip, of many, and of strips whose nodes need several tiles.
+        for (strip, records, tiles) in [(200, 400, 1..2), (16, 300, 13..14), (16, 40, 20..200)] {
+            let (terms, sweep) = mixed(Limits { strip, records });
+            assert!(tiles.contains(&sweep.tiling.tiles().len()), "{}", sweep.tiling.tiles().len());
+            let mut bits = Vec::new();
+            for threads in [1, 2, 3] {
+                let threads = Threads::new(threads).expect("threads");
+                let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+                let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 3];
+                sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+                for (found, expected) in sums.iter().flatten().zip(expected.iter().flatten()) {
+                    assert!((*found - *expected).length() < 1e-12 * (1.0 + expected.length()), "{found} {expected}");
+                }
+                for (found, expected) in tallies.iter().zip(&amounts) {
+                    assert!((found.energy - expected.energy).abs() < 1e-10, "{found:?} {expected:?}");
+                    assert!((found.power - expected.power).abs() < 1e-10, "{found:?} {expected:?}");
+                }
+                let all = sums.iter().flatten().flat_map(|f| f.to_array());
+                bits.push(all.chain(tallies.map(|t| t.energy + t.power)).map(f64::to_bits).collect::<Vec<_>>());
+            }
+            assert!(bits[0] == bits[1] && bits[0] == bits[2], "strips of {strip}");
+        }
+    }
+
+    #[test]
+    fn a_sum_of_some_terms_leaves_the_others_alone() {
+        let (x, v) = (vectors(3), vectors(4));
+        let at = NodeState { t: 0.0, x: &x, v: &v };
+        let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
+        let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
+        let sweep = Sweep {
+            tiling: Tiling::within(Limits { strip: 16, records: 40 }, NODES, summands),
+            room: Mutex::default(),
+        };
+        let mut sum = vec![DVec3::NAN; NODES];
+        let one = std::slice::from_ref(&terms.weight);
+        sweep.pass((one, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+        assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * DVec3::new(0.0, 0.5, -2.0)));
+    }
+}

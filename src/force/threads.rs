@@ -1,0 +1,61 @@
+//! The threads of a force pass.
+
+use super::window::Window;
+use crate::model::workers::Workers;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Sums of a pass at most.
+pub(super) const SUMS: usize = 3;
+
+/// A thread's windows.
+#[derive(Debug)]
+pub(super) struct Windows {
+    pub x: Window,
+    pub v: Window,
+    pub sums: [Window; SUMS],
+}
+
+impl Default for Windows {
+    fn default() -> Self {
+        Windows { x: Window::new(0), v: Window::new(32), sums: [16, 48, 8].map(Window::new) }
+    }
+}
+
+/// How many threads a force pass may use, and their windows.
+#[derive(Debug)]
+pub struct Threads {
+    workers: Workers,
+    /// one a thread
+    windows: Vec<Mutex<Windows>>,
+}
+
+impl Default for Threads {
+    fn default() -> Self {
+        Threads::one()
+    }
+}
+
+impl Threads {
+    /// One thread: no pool is made.
+    pub fn one() -> Self {
+        Threads { workers: Workers::default(), windows: vec![Mutex::default()] }
+    }
+
+    /// `n` threads (0 and 1 mean one).
+    ///
+    /// # Errors
+    /// When the operating system gives no threads.
+    pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        Ok(Threads { workers: Workers::new(n)?, windows: (0..n.max(1)).map(|_| Mutex::default()).collect() })
+    }
+
+    /// The threads, for loops over nodes.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
+    }
+
+    /// The windows of a thread of the pool.
+    pub(super) fn windows(&self, thread: usize) -> MutexGuard<'_, Windows> {
+        self.windows[thread % self.windows.len()].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,251 @@
+//! Cuts a scene into tiles, so that a force pass works in the first caches.
+//!
+//! A strip is a run of nodes and the elements whose smallest node lies in it. What they touch beyond the strip's end is summed apart and added to
+//! those nodes when all strips are done: no two strips write to one place. A strip is one tile, and more where its elements reach too many nodes
+//! for the windows of one.
+
+use super::batch::Summand;
+use super::window::RECORD;
+use std::ops::Range;
+
+/// Records in a window at most: as many as 16 bits can tell apart.
+const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
+
+/// Nodes of a strip at least and at most: with them the windows of a pass fit into the second-level cache, and what lies beyond a strip's end is
+/// less than what lies in it.
+const LEAST: usize = 2048;
+const MOST: usize = 4096;
+
+/// Strips at least, where these bounds allow: work for many threads.
+const STRIPS: usize = 32;
+
+/// The tiles of a scene.
+#[derive(Clone, Debug)]
+pub struct Tiling {
+    /// nodes of the scene and of a strip
+    nodes: usize,
+    strip: usize,
+    tiles: Vec<Plan>,
+    /// every strip's first tile, and the number of tiles
+    first: Vec<usize>,
+    /// nodes beyond the ends of strips, tile after tile
+    beyond: Vec<u32>,
+}
+
+/// What one tile owns.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub own: Range<usize>,
+    /// whether it is its strip's first
+    pub first: bool,
+    /// its part of the list of nodes beyond
+    pub beyond: Range<usize>,
+    /// the first of them, where they follow each other
+    pub run: Option<usize>,
+}
+
+/// How large tiles may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    pub strip: usize,
+    pub records: usize,
+}
+
+impl Tiling {
+    /// Cuts `nodes` nodes into tiles and tells every summand its elements.
+    pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+        let strip = nodes.div_ceil(STRIPS).next_multiple_of(8).clamp(LEAST, MOST);
+        Tiling::within(Limits { strip, records: RECORDS }, nodes, summands)
+    }
+
+    pub(super) fn within(limits: Limits, nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+        let mut tiling = Tiling { nodes, strip: limits.strip, tiles: Vec::new(), first: vec![0], beyond: Vec::new() };
+        let mut cutter = Cutter { next: vec![0; summands.len()], place: vec![None; nodes], records: limits.records };
+        for start in (0..nodes).step_by(limits.strip) {
+            let own = start..(start + limits.strip).min(nodes);
+            let mut first = true;
+            while cutter.cut(own.clone(), first, &mut tiling, summands) {
+                first = false;
+            }
+            tiling.first.push(tiling.tiles.len());
+        }
+        tiling
+    }
+
+    pub(super) fn strips(&self) -> Range<usize> {
+        0..self.first.len() - 1
+    }
+
+    /// Nodes from a strip's first to another's.
+    pub(super) fn nodes(&self, strips: Range<usize>) -> usize {
+        (self.strip * strips.end).min(self.nodes) - (self.strip * strips.start).min(self.nodes)
+    }
+
+    /// Numbers of the tiles of some strips.
+    pub(super) fn numbers(&self, strips: Range<usize>) -> Range<usize> {
+        self.first[strips.start]..self.first[strips.end]
+    }
+
+    pub(super) fn tiles(&self) -> &[Plan] {
+        &self.tiles
+    }
+
+    /// The nodes beyond of all tiles.
+    pub(super) fn beyond(&self) -> &[u32] {
+        &self.beyond
+    }
+
+    /// The part of some tiles in the list of nodes beyond.
+    pub(super) fn beyond_of(&self, tiles: Range<usize>) -> Range<usize> {
+        let start = |tile: usize| self.tiles.get(tile).map_or(self.beyond.len(), |plan| plan.beyond.start);
+        start(tiles.start)..start(tiles.end)
+    }
+}
+
+/// The way through all elements.
+struct Cutter {
+    /// next element of every summand
+    next: Vec<usize>,
+    /// where a node beyond has its record in the tile that is being cut
+    place: Vec<Option<u16>>,
+    records: usize,
+}
+
+impl Cutter {
+    /// Adds a tile; tells whether the strip needs another.
+    fn cut(&mut self, own: Range<usize>, first: bool, tiling: &mut Tiling, summands: &mut [&mut dyn Summand]) -> bool {
+        let begin = tiling.beyond.len();
+        let mut ends = self.next.clone();
+        let mut full = false;
+        for (summand, end) in summands.iter().zip(&mut ends) {
+            while let Some(nodes) = summand.element(*end).filter(|nodes| begins_in(nodes, &own)) {
+                let new = |node: &&u32| **node as usize >= own.end && self.place[**node as usize].is_none();
+                if own.len() + tiling.beyond.len() - begin + nodes.iter().filter(new).count() > self.records {
+                    full = true;
+                    break;
+                }
+                for &node in nodes.iter().filter(|&&node| node as usize >= own.end) {
+                    if self.place[node as usize].replace(0).is_none() {
+                        tiling.beyond.push(node);
+                    }
+                }
+                *end += 1;
+            }
+        }
+        let beyond = &mut tiling.beyond[begin..];
+        beyond.sort_unstable();
+        for (record, &node) in (own.len()..).zip(beyond.iter()) {
+            self.place[node as usize] = Some(super::tile::place(record));
+        }
+        let place = |node: u32| {
+            let of_own = || super::tile::place((node as usize).saturating_sub(own.start));
+            self.place[node as usize].unwrap_or_else(of_own)
+        };
+        for (summand, (next, end)) in summands.iter_mut().zip(self.next.iter_mut().zip(&ends)) {
+            summand.take(*next..*end, &place);
+            *next = *end;
+        }
+        beyond.iter().for_each(|&node| self.place[node as usize] = None);
+        let follow = beyond.windows(2).all(|pair| pair[1] == pair[0] + 1);
+        let run = beyond.first().filter(|_| follow).map(|&node| node as usize);
+        tiling.tiles.push(Plan { own, first, beyond: begin..tiling.beyond.len(), run });
+        full
+    }
+}
+
+fn begins_in(nodes: &[u32], own: &Range<usize>) -> bool {
+    nodes.iter().min().is_some_and(|&least| (least as usize) < own.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::tile::Tile;
+    use crate::force::window::Records;
+    use crate::model::forces::Tally;
+
+    /// Elements, and what was told of each: its tile and the places of its nodes.
+    #[derive(Default)]
+    struct Told {
+        elements: Vec<Vec<u32>>,
+        tile: Vec<usize>,
+        places: Vec<Vec<u16>>,
+        tiles: usize,
+    }
+
+    impl Summand for Told {
+        fn element(&self, number: usize) -> Option<&[u32]> {
+            self.elements.get(number).map(Vec::as_slice)
+        }
+
+        fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+            assert_eq!(elements.start, self.tile.len(), "one after the other");
+            for nodes in &self.elements[elements] {
+                self.tile.push(self.tiles);
+                self.places.push(nodes.iter().map(|&n| place(n)).collect());
+            }
+            self.tiles += 1;
+        }
+
+        fn add(&self, _: &Tile<'_>, _: &mut Records) -> Tally {
+            Tally::default()
+        }
+    }
+
+    /// Every element has a tile, and its nodes are where the tile's windows have them.
+    fn check(tiling: &Tiling, told: &Told) {
+        assert_eq!(told.tile.len(), told.elements.len());
+        assert_eq!(told.tiles, tiling.tiles.len());
+        for ((nodes, &tile), places) in told.elements.iter().zip(&told.tile).zip(&told.places) {
+            let plan = &tiling.tiles[tile];
+            let window: Vec<u32> = (plan.own.start as u32..plan.own.end as u32)
+                .chain(tiling.beyond[plan.beyond.clone()].iter().copied())
+                .collect();
+            let found: Vec<u32> = places.iter().map(|&p| window[p as usize / RECORD]).collect();
+            assert_eq!(found, *nodes);
+            if let Some(first) = plan.run {
+                assert!(tiling.beyond[plan.beyond.clone()].iter().zip(first..).all(|(&node, i)| node as usize == i));
+            }
+        }
+        let owned: Vec<usize> = tiling.tiles.iter().filter(|t| t.first).flat_map(|t| t.own.clone()).collect();
+        assert_eq!(owned, (0..tiling.nodes).collect::<Vec<_>>());
+    }
+
+    fn limits(strip: usize, records: usize) -> Limits {
+        Limits { strip, records }
+    }
+
+    #[test]
+    fn a_chain_reaches_one_node_beyond_each_strip() {
+        let mut told = Told { elements: (0..99).map(|i| vec![i, i + 1]).collect(), ..Told::default() };
+        let mut none = Told::default();
+        let tiling = Tiling::within(limits(8, 100), 100, &mut [&mut told, &mut none]);
+        check(&tiling, &told);
+        assert_eq!((tiling.tiles.len(), tiling.beyond.len(), none.tiles), (13, 12, 13));
+        assert_eq!((tiling.nodes(1..3), tiling.nodes(12..13), tiling.numbers(3..5)), (16, 4, 3..5));
+        assert_eq!((tiling.beyond_of(2..4), tiling.beyond_of(12..13)), (2..4, 12..12));
+    }
+
+    #[test]
+    fn a_node_with_more_neighbours_than_a_window_has_records_takes_several_tiles() {
+        let mut star = Told { elements: (1..200).map(|i| vec![i, 0]).collect(), ..Told::default() };
+        let mut chain = Told { elements: (0..199).map(|i| vec![i + 1, i]).collect(), ..Told::default() };
+        let tiling = Tiling::within(limits(10, 30), 200, &mut [&mut star, &mut chain]);
+        check(&tiling, &star);
+        check(&tiling, &chain);
+        assert!(tiling.numbers(0..1).len() >= 10, "{:?}", tiling.numbers(0..1));
+        assert_eq!(tiling.numbers(1..2).len(), 1);
+    }
+
+    #[test]
+    fn triangles_and_springs_share_their_windows() {
+        let triangles = (0..50).map(|i| vec![i + 10, i, i + 1]).collect();
+        let mut triangles = Told { elements: triangles, ..Told::default() };
+        let mut springs = Told { elements: (0..50).map(|i| vec![i, i + 10]).collect(), ..Told::default() };
+        let tiling = Tiling::within(limits(16, 64), 61, &mut [&mut triangles, &mut springs]);
+        check(&tiling, &triangles);
+        check(&tiling, &springs);
+        assert_eq!(tiling.beyond_of(0..1).len(), 10);
+        assert_eq!(tiling.tiles[0].run, Some(16));
+    }
+}
