@@ -68,7 +68,7 @@ pub struct Seen<'a> {
 /// How [`follow`] runs a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FollowSpec {
-    /// threads of the force passes, at least 1; results do not depend on it
+    /// threads for the force passes of scenes above 2,000 nodes, at least 1; results do not depend on it
     pub threads: usize,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,

@@ -46,7 +46,15 @@ fn sheet() -> NetworkSpec {
     let wind = Series { t: vec![0.0, 1.0], value: vec![[0.0, 1.0, 5.0], [1.0, 0.0, 8.0]] };
     spec.air = Some(AirSpec { linear: 0.1, quadratic: 0.05, wind });
     let triangles = (0..spec.mesh.triangles.len() as u32).collect();
-    spec.pressures = vec![PressureLoad { triangles, pressure: 3.0, kind: PressureKind::Follower, factor: None }];
+    let dead = PressureLoad {
+        triangles: (100..9000).collect(),
+        pressure: 2.0,
+        kind: PressureKind::Dead(Some([0.0, 0.6, 0.8])),
+        factor: None,
+    };
+    spec.pressures = vec![PressureLoad { triangles, pressure: 3.0, kind: PressureKind::Follower, factor: None }, dead];
+    let nodes = (0..n as u32).step_by(3).collect();
+    spec.forces = vec![NodalLoad { nodes, force: [1e-4, 0.0, 2e-4], factor: None }];
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
     spec
 }
@@ -86,7 +94,15 @@ fn one_two_and_three_threads_give_the_same_bits() {
 fn adaptive_steps_are_the_same_for_every_number_of_threads() {
     let tolerance = ("time.tolerance", r#"{"relative": 1e-3, "absolute": 1e-5}"#);
     for method in ["velocity-verlet", "rk4", "generalized-alpha"] {
-        let sets = [("time.step", "null"), tolerance, ("time.end", "0.02"), ("time.method", method)];
+        // More nodes than are summed in one piece.
+        let sets = [
+            ("system.network.mesh.annulus.nodes", "9000"),
+            ("system.network.mesh.annulus.boundary_nodes", "450"),
+            ("time.step", "null"),
+            tolerance,
+            ("time.end", "0.004"),
+            ("time.method", method),
+        ];
         let case = common::run::asset("cloth-k1000", &sets);
         let [one, two] = [1, 2].map(|threads| common::run::run_with(&case, threads));
         assert!(one.outcome.steps > 5, "{method}: {} steps", one.outcome.steps);

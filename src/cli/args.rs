@@ -96,7 +96,7 @@ pub struct SolveArgs {
     /// Folder for the results [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads for the force passes; results are the same for every number
+    /// Threads for the force passes of scenes above 2,000 nodes; results are the same for every number
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Replace earlier results in the folder

@@ -68,7 +68,7 @@ pub struct TradeoffArgs {
     /// Replace any value of the case, e.g. system.network.springs.0.stiffness=500
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub set: Vec<(String, String)>,
-    /// Threads of the force passes; counted work and errors are the same for every number
+    /// Threads for the force passes of scenes above 2,000 nodes; counted work and errors are the same for every number
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Replace an earlier study in the folder

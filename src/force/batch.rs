@@ -7,12 +7,19 @@ use crate::model::forces::Tally;
 use std::ops::Range;
 
 /// The windows of a tile that are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Wants {
     /// positions
     pub x: bool,
     /// velocities
     pub v: bool,
+}
+
+impl Wants {
+    /// What either wants.
+    pub(super) fn or(self, other: Wants) -> Wants {
+        Wants { x: self.x | other.x, v: self.v | other.v }
+    }
 }
 
 /// Something that is summed into nodes, tile after tile: every force term, and sums over neighbours.
@@ -28,13 +35,14 @@ pub trait Summand: Send + Sync {
         None
     }
 
-    /// Hears which elements the next tile has, and where the records of their nodes begin in its windows. Called for one tile after the other, from
-    /// the first.
-    fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        let _ = (elements, place);
+    /// Hears which elements a tile has, and where the records of their nodes begin in its windows. Called for one tile after the other; from the first
+    /// again where a scene is cut anew.
+    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let _ = (tile, elements, place);
     }
 
-    /// Adds its forces [N] to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns their energy or power.
+    /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns
+    /// their energy [J] or power [W].
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
 }
 
@@ -46,12 +54,12 @@ pub trait Kernel<const N: usize>: Send + Sync {
     /// Node numbers of every element, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; N]];
 
-    /// Adds the forces [N] of a tile's elements to its window; returns their energy or power.
+    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power [W].
     fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
 }
 
 /// A kernel, and its elements by tiles.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Batch<K, const N: usize> {
     kernel: K,
     /// every element's nodes by where their records begin in the tile's windows
@@ -61,7 +69,7 @@ pub struct Batch<K, const N: usize> {
 }
 
 impl<K: Kernel<N>, const N: usize> Batch<K, N> {
-    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with.
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending order of their smallest node.
     pub fn new(kernel: K) -> Self {
         Batch { kernel, local: Vec::new(), tiles: Vec::new() }
     }
@@ -81,8 +89,10 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
         self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        if elements.start == 0 && self.tiles.iter().all(Range::is_empty) {
+    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        if tile == 0 {
+            self.tiles.clear();
+            self.local.clear();
             self.local.reserve_exact(self.kernel.elements().len());
         }
         self.local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));

@@ -31,10 +31,10 @@ pub mod relative_dashpot;
 pub mod series;
 pub mod slack;
 pub mod spring;
-pub mod sweep;
+pub(crate) mod sweep;
 pub mod threads;
 pub mod tile;
-pub mod tiling;
+mod tiling;
 pub mod triangle;
 pub mod window;
 

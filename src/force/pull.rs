@@ -20,7 +20,7 @@ pub(super) trait PullLaw {
 /// What four elements do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pull<Q> {
-    /// force on node a by difference
+    /// [N/m or N s/m] force on node a by difference
     pub scale: Q,
     /// [J] or [W] energy or power
     pub amount: Q,

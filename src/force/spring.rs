@@ -85,7 +85,7 @@ impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
     }
 }
 
-/// sqrt(max |d|^2/l0^2) - 1: one root for all.
+/// sqrt(max |d|^2/l0^2) - 1: one root for all, which leaves 2e-16 of springs at their rest length.
 fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
     let (nodes, rest) = data.nodes.as_chunks::<4>();
     let (l0, _) = data.rest_length.as_chunks::<4>();
@@ -109,7 +109,7 @@ impl quad::Pass for Ratios<'_> {
     fn run<U: VectorUnit>(self, unit: U) -> [f64; 4] {
         let mut largest = unit.splat(f64::NEG_INFINITY);
         for (nodes, l0) in self.nodes.iter().zip(self.l0) {
-            let mut d = [largest; 4];
+            let mut d = [unit.splat(0.0); 4];
             for (d, &[a, b]) in d.iter_mut().zip(nodes) {
                 *d = unit.quad(position(self.x, b)) - unit.quad(position(self.x, a));
             }

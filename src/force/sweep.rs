@@ -1,7 +1,7 @@
 //! Passes over the tiles of a scene, with the same bits for every number of threads.
 //!
-//! Strip by strip, the tile's windows are filled, all terms add to them while they are in cache, and what the strip's own nodes get is stored: no sum
-//! is zeroed or read back from memory. What lies beyond the strip is kept apart and added when all strips are done, in their order, as are energies
+//! Strip by strip, mostly a tile each, windows are filled, all terms add to them while they are in cache, and what the strip's own nodes get is stored:
+//! no sum is zeroed in memory or read back. What lies beyond the strip is kept apart and added when all strips are done, in their order, as are energies
 //! and powers. So no sum depends on which thread did which strip.
 
 use super::NodeState;
@@ -20,7 +20,7 @@ pub trait Terms: Sync {
     /// How many there are.
     fn count(&self) -> usize;
 
-    /// A term, and which of the pass's sums it adds to.
+    /// A term, and which of the pass's sums it adds to: 0, 1 or 2.
     fn term(&self, i: usize) -> (&dyn Summand, usize);
 }
 
@@ -51,7 +51,7 @@ struct Room {
 }
 
 /// What a pass reads, and with which threads.
-struct Pass<'a, T: ?Sized> {
+struct Work<'a, T: ?Sized> {
     terms: &'a T,
     wants: Wants,
     at: NodeState<'a>,
@@ -73,8 +73,8 @@ impl Sweep {
         Sweep { tiling: Tiling::new(nodes, summands), room: Mutex::default() }
     }
 
-    /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty if no term adds to it. Tells every
-    /// term's energy or power in `tallies`.
+    /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
+    /// only if no term adds to it. Tells every term's energy [J] or power [W] in `tallies`.
     pub fn pass<T: Terms + ?Sized>(
         &self,
         (terms, at): (&T, NodeState<'_>),
@@ -82,6 +82,7 @@ impl Sweep {
         mut out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
+        debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         let Room { beyond, tallies: by_tile } = &mut *room;
         for (beyond, _) in beyond.iter_mut().zip(&out).filter(|(_, out)| !out.is_empty()) {
@@ -89,7 +90,7 @@ impl Sweep {
         }
         by_tile.resize(self.tiling.tiles().len() * terms.count(), Tally::default());
         let wants = (0..terms.count()).map(|i| terms.term(i).0.wants()).fold(Wants::default(), Wants::or);
-        let pass = Pass { terms, wants, at, threads, tiling: &self.tiling };
+        let work = Work { terms, wants, at, threads, tiling: &self.tiling };
         let part = Part {
             strips: self.tiling.strips(),
             out: out.each_mut().map(|out| &mut **out),
@@ -97,8 +98,8 @@ impl Sweep {
             tallies: by_tile,
         };
         match threads.workers().pool().filter(|_| part.strips.len() > 1) {
-            None => pass.in_order(part),
-            Some(pool) => pool.install(|| pass.side_by_side(part)),
+            None => work.in_order(part),
+            Some(pool) => pool.install(|| work.side_by_side(part)),
         }
         for (out, beyond) in out.iter_mut().zip(&*beyond).filter(|(out, _)| !out.is_empty()) {
             self.add_beyond(beyond, out);
@@ -124,7 +125,7 @@ impl Sweep {
     }
 }
 
-impl<T: Terms + ?Sized> Pass<'_, T> {
+impl<T: Terms + ?Sized> Work<'_, T> {
     fn in_order(&self, mut part: Part<'_>) {
         while part.strips.len() > 1 {
             let next = part.strips.start + 1;
@@ -147,8 +148,8 @@ impl<T: Terms + ?Sized> Pass<'_, T> {
     fn split<'p>(&self, part: Part<'p>, at: usize) -> [Part<'p>; 2] {
         let Part { strips, out, beyond, tallies } = part;
         let before = strips.start..at;
-        let tiles = self.tiling.numbers(before.clone());
-        let (out, out_after) = halves(out, self.tiling.nodes(before.clone()));
+        let tiles = self.tiling.tiles_of(before.clone());
+        let (out, out_after) = halves(out, self.tiling.node_count(before.clone()));
         let (beyond, beyond_after) = halves(beyond, self.tiling.beyond_of(tiles.clone()).len());
         let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * self.terms.count());
         [
@@ -159,7 +160,7 @@ impl<T: Terms + ?Sized> Pass<'_, T> {
 
     fn strip(&self, part: Part<'_>, windows: &mut Windows) {
         let Part { strips, mut out, mut beyond, tallies } = part;
-        let numbers = self.tiling.numbers(strips);
+        let numbers = self.tiling.tiles_of(strips);
         let first = self.tiling.beyond_of(numbers.clone()).start;
         let count = self.terms.count();
         for (number, i) in numbers.zip(0..) {
@@ -169,7 +170,7 @@ impl<T: Terms + ?Sized> Pass<'_, T> {
             for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
                 if !out.is_empty() {
                     let (own, others) = rows(sums.records(), plan.records()).split_at(plan.own.len());
-                    if plan.first {
+                    if plan.opens_strip {
                         store_rows(own, out)
                     } else {
                         add_rows(own, out)
@@ -197,7 +198,7 @@ impl<T: Terms + ?Sized> Pass<'_, T> {
         for sum in sums.iter_mut().flatten() {
             sum[..RECORD * plan.records()].fill(0.0);
         }
-        let own = if plan.first { plan.own.clone() } else { 0..0 };
+        let own = if plan.opens_strip { plan.own.clone() } else { 0..0 };
         let tile = Tile { number, own, at: self.at, x, v };
         for (i, tally) in tallies.iter_mut().enumerate() {
             let (term, sum) = self.terms.term(i);
@@ -237,12 +238,6 @@ impl Plan {
 fn halves<T>(slices: [&mut [T]; SUMS], at: usize) -> ([&mut [T]; SUMS], [&mut [T]; SUMS]) {
     let [a, b, c] = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
     ([a.0, b.0, c.0], [a.1, b.1, c.1])
-}
-
-impl Wants {
-    fn or(self, other: Wants) -> Wants {
-        Wants { x: self.x | other.x, v: self.v | other.v }
-    }
 }
 
 #[cfg(test)]
@@ -343,7 +338,45 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_of_some_terms_leaves_the_others_alone() {
+    fn passes_over_other_terms_leave_nothing_behind() {
+        let (x, v) = (vectors(3), vectors(4));
+        let at = NodeState { t: 0.0, x: &x, v: &v };
+        let (terms, sweep) = mixed(Limits { strip: 16, records: 40 });
+        for threads in [1, 2] {
+            let threads = Threads::new(threads).expect("threads");
+            let all = || {
+                let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+                let mut tallies = [Tally::default(); 3];
+                sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+                (sums, tallies)
+            };
+            let before = all();
+            let (mut sum, mut tally) = (vec![DVec3::NAN; NODES], [Tally::default()]);
+            let star = std::slice::from_ref(&terms.star);
+            sweep.pass((star, at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
+            assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
+            sweep.pass((&star[1..], at), &threads, [&mut sum, &mut [], &mut []], &mut []);
+            assert!(sum.iter().all(|f| *f == DVec3::ZERO));
+            assert_eq!(all(), before);
+        }
+    }
+
+    #[test]
+    fn a_batch_can_be_cut_again() {
+        let (x, v) = (vectors(5), vectors(6));
+        let at = NodeState { t: 0.0, x: &x, v: &v };
+        let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
+        let tiling = Tiling::within(Limits { strip: 64, records: 300 }, NODES, &mut [&mut terms.star]);
+        let sweep = Sweep { tiling, room: Mutex::default() };
+        let mut sum = vec![DVec3::NAN; NODES];
+        let star = std::slice::from_ref(&terms.star);
+        sweep.pass((star, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+        let (expected, _) = one_by_one(at);
+        assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).length() < 1e-12 * (1.0 + b.length())));
+    }
+
+    #[test]
+    fn weight_alone_needs_no_elements() {
         let (x, v) = (vectors(3), vectors(4));
         let at = NodeState { t: 0.0, x: &x, v: &v };
         let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });

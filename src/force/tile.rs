@@ -6,11 +6,11 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// A tile of the scene.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Tile<'a> {
     /// which one
     pub number: usize,
-    /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. None where an earlier tile has them
+    /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where an earlier tile of the strip has them
     pub own: Range<usize>,
     /// the whole scene's state
     pub at: NodeState<'a>,

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// Records in a window at most: as many as 16 bits can tell apart.
 const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 
-/// Nodes of a strip at least and at most: with them the windows of a pass fit into the second-level cache, and what lies beyond a strip's end is
+/// Nodes of a strip at least and at most: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
 /// less than what lies in it.
 const LEAST: usize = 2048;
 const MOST: usize = 4096;
@@ -20,24 +20,24 @@ const MOST: usize = 4096;
 const STRIPS: usize = 32;
 
 /// The tiles of a scene.
-#[derive(Clone, Debug)]
-pub struct Tiling {
+#[derive(Debug)]
+pub(super) struct Tiling {
     /// nodes of the scene and of a strip
     nodes: usize,
     strip: usize,
     tiles: Vec<Plan>,
     /// every strip's first tile, and the number of tiles
-    first: Vec<usize>,
+    first_tile: Vec<usize>,
     /// nodes beyond the ends of strips, tile after tile
     beyond: Vec<u32>,
 }
 
 /// What one tile owns.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Plan {
     pub own: Range<usize>,
-    /// whether it is its strip's first
-    pub first: bool,
+    /// whether it is its strip's first, whose nodes it stores
+    pub opens_strip: bool,
     /// its part of the list of nodes beyond
     pub beyond: Range<usize>,
     /// the first of them, where they follow each other
@@ -53,37 +53,38 @@ pub(super) struct Limits {
 
 impl Tiling {
     /// Cuts `nodes` nodes into tiles and tells every summand its elements.
-    pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+    pub(super) fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
         let strip = nodes.div_ceil(STRIPS).next_multiple_of(8).clamp(LEAST, MOST);
         Tiling::within(Limits { strip, records: RECORDS }, nodes, summands)
     }
 
     pub(super) fn within(limits: Limits, nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
-        let mut tiling = Tiling { nodes, strip: limits.strip, tiles: Vec::new(), first: vec![0], beyond: Vec::new() };
+        let mut tiling =
+            Tiling { nodes, strip: limits.strip, tiles: Vec::new(), first_tile: vec![0], beyond: Vec::new() };
         let mut cutter = Cutter { next: vec![0; summands.len()], place: vec![None; nodes], records: limits.records };
         for start in (0..nodes).step_by(limits.strip) {
             let own = start..(start + limits.strip).min(nodes);
-            let mut first = true;
-            while cutter.cut(own.clone(), first, &mut tiling, summands) {
-                first = false;
+            let mut opens_strip = true;
+            while cutter.cut(own.clone(), opens_strip, &mut tiling, summands) {
+                opens_strip = false;
             }
-            tiling.first.push(tiling.tiles.len());
+            tiling.first_tile.push(tiling.tiles.len());
         }
         tiling
     }
 
     pub(super) fn strips(&self) -> Range<usize> {
-        0..self.first.len() - 1
+        0..self.first_tile.len() - 1
     }
 
-    /// Nodes from a strip's first to another's.
-    pub(super) fn nodes(&self, strips: Range<usize>) -> usize {
+    /// How many nodes some strips have.
+    pub(super) fn node_count(&self, strips: Range<usize>) -> usize {
         (self.strip * strips.end).min(self.nodes) - (self.strip * strips.start).min(self.nodes)
     }
 
     /// Numbers of the tiles of some strips.
-    pub(super) fn numbers(&self, strips: Range<usize>) -> Range<usize> {
-        self.first[strips.start]..self.first[strips.end]
+    pub(super) fn tiles_of(&self, strips: Range<usize>) -> Range<usize> {
+        self.first_tile[strips.start]..self.first_tile[strips.end]
     }
 
     pub(super) fn tiles(&self) -> &[Plan] {
@@ -113,7 +114,13 @@ struct Cutter {
 
 impl Cutter {
     /// Adds a tile; tells whether the strip needs another.
-    fn cut(&mut self, own: Range<usize>, first: bool, tiling: &mut Tiling, summands: &mut [&mut dyn Summand]) -> bool {
+    fn cut(
+        &mut self,
+        own: Range<usize>,
+        opens_strip: bool,
+        tiling: &mut Tiling,
+        summands: &mut [&mut dyn Summand],
+    ) -> bool {
         let begin = tiling.beyond.len();
         let mut ends = self.next.clone();
         let mut full = false;
@@ -142,19 +149,24 @@ impl Cutter {
             self.place[node as usize].unwrap_or_else(of_own)
         };
         for (summand, (next, end)) in summands.iter_mut().zip(self.next.iter_mut().zip(&ends)) {
-            summand.take(*next..*end, &place);
+            summand.take(tiling.tiles.len(), *next..*end, &place);
             *next = *end;
         }
         beyond.iter().for_each(|&node| self.place[node as usize] = None);
         let follow = beyond.windows(2).all(|pair| pair[1] == pair[0] + 1);
         let run = beyond.first().filter(|_| follow).map(|&node| node as usize);
-        tiling.tiles.push(Plan { own, first, beyond: begin..tiling.beyond.len(), run });
+        tiling.tiles.push(Plan { own, opens_strip, beyond: begin..tiling.beyond.len(), run });
         full
     }
 }
 
 fn begins_in(nodes: &[u32], own: &Range<usize>) -> bool {
-    nodes.iter().min().is_some_and(|&least| (least as usize) < own.end)
+    let least = nodes.iter().min().map(|&least| least as usize);
+    debug_assert!(
+        least.is_none_or(|least| own.start <= least),
+        "elements come in ascending order of their smallest node"
+    );
+    least.is_some_and(|least| least < own.end)
 }
 
 #[cfg(test)]
@@ -178,7 +190,8 @@ mod tests {
             self.elements.get(number).map(Vec::as_slice)
         }
 
-        fn take(&mut self, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+            assert_eq!(tile, self.tiles);
             assert_eq!(elements.start, self.tile.len(), "one after the other");
             for nodes in &self.elements[elements] {
                 self.tile.push(self.tiles);
@@ -207,7 +220,7 @@ mod tests {
                 assert!(tiling.beyond[plan.beyond.clone()].iter().zip(first..).all(|(&node, i)| node as usize == i));
             }
         }
-        let owned: Vec<usize> = tiling.tiles.iter().filter(|t| t.first).flat_map(|t| t.own.clone()).collect();
+        let owned: Vec<usize> = tiling.tiles.iter().filter(|t| t.opens_strip).flat_map(|t| t.own.clone()).collect();
         assert_eq!(owned, (0..tiling.nodes).collect::<Vec<_>>());
     }
 
@@ -222,7 +235,7 @@ mod tests {
         let tiling = Tiling::within(limits(8, 100), 100, &mut [&mut told, &mut none]);
         check(&tiling, &told);
         assert_eq!((tiling.tiles.len(), tiling.beyond.len(), none.tiles), (13, 12, 13));
-        assert_eq!((tiling.nodes(1..3), tiling.nodes(12..13), tiling.numbers(3..5)), (16, 4, 3..5));
+        assert_eq!((tiling.node_count(1..3), tiling.node_count(12..13), tiling.tiles_of(3..5)), (16, 4, 3..5));
         assert_eq!((tiling.beyond_of(2..4), tiling.beyond_of(12..13)), (2..4, 12..12));
     }
 
@@ -233,8 +246,8 @@ mod tests {
         let tiling = Tiling::within(limits(10, 30), 200, &mut [&mut star, &mut chain]);
         check(&tiling, &star);
         check(&tiling, &chain);
-        assert!(tiling.numbers(0..1).len() >= 10, "{:?}", tiling.numbers(0..1));
-        assert_eq!(tiling.numbers(1..2).len(), 1);
+        assert!(tiling.tiles_of(0..1).len() >= 10, "{:?}", tiling.tiles_of(0..1));
+        assert_eq!(tiling.tiles_of(1..2).len(), 1);
     }
 
     #[test]

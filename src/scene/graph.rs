@@ -14,26 +14,26 @@ use glam::DVec3;
 /// Passes over the springs that are not forces of the scene.
 #[derive(Debug)]
 pub(super) struct Graph {
-    sums: Pass<Neighbours>,
+    sums: Batches<Neighbours>,
     /// dashpots with c = k
-    differences: Pass<RelativeDashpots>,
+    differences: Batches<RelativeDashpots>,
     /// dashpots with c = k h, as the scene has them
-    step_dashpots: Pass<RelativeDashpots>,
+    step_dashpots: Batches<RelativeDashpots>,
 }
 
 /// Batches that are summed together.
 #[derive(Debug)]
-struct Pass<S> {
+struct Batches<S> {
     batches: Vec<S>,
     sweep: Sweep,
 }
 
-impl<S: Summand> Pass<S> {
+impl<S: Summand> Batches<S> {
     fn new(nodes: usize, batches: impl Iterator<Item = S>) -> Self {
         let mut batches: Vec<S> = batches.collect();
         let mut summands: Vec<&mut dyn Summand> = batches.iter_mut().map(|b| b as &mut dyn Summand).collect();
         let sweep = Sweep::new(nodes, &mut summands);
-        Pass { batches, sweep }
+        Batches { batches, sweep }
     }
 }
 
@@ -45,9 +45,9 @@ impl Graph {
         let links = |b: &SpringBatch| Links { nodes: b.data.nodes.clone(), stiffness: b.data.stiffness.clone() };
         let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| dashpots(b, &b.dashpot));
         Graph {
-            sums: Pass::new(nodes, springs.iter().map(|b| Neighbours::new(links(b)))),
-            differences: Pass::new(nodes, springs.iter().map(|b| dashpots(b, &b.data.stiffness))),
-            step_dashpots: Pass::new(nodes, in_filter),
+            sums: Batches::new(nodes, springs.iter().map(|b| Neighbours::new(links(b)))),
+            differences: Batches::new(nodes, springs.iter().map(|b| dashpots(b, &b.data.stiffness))),
+            step_dashpots: Batches::new(nodes, in_filter),
         }
     }
 }
@@ -65,7 +65,7 @@ impl Network {
     }
 
     /// `out =` what a pass gives at x = v = u.
-    fn graph_pass<S: Summand>(&self, pass: &Pass<S>, u: &[f64], out: &mut [f64]) {
+    fn graph_pass<S: Summand>(&self, pass: &Batches<S>, u: &[f64], out: &mut [f64]) {
         let at = NodeState { t: 0.0, x: by_node(u), v: by_node(u) };
         let out = [bytemuck::cast_slice_mut(out), &mut [], &mut []];
         pass.sweep.pass((pass.batches.as_slice(), at), &self.threads, out, &mut []);

@@ -112,12 +112,12 @@ impl Network {
         self.mesh = Mesh::default();
     }
 
-    /// The terms, for benchmarks and tests of one force at a time.
+    /// The terms.
     pub fn force_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
         self.terms.iter().map(|t| &**t)
     }
 
-    /// `f =` the forces [N] of one of the terms; returns its energy [J] or power [W].
+    /// `f =` the forces [N] of one of this network's terms alone; returns its energy [J] or power [W].
     pub fn pass_of(&self, term: &dyn ForceTerm, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
         let mut tally = Tally::default();
         self.sum_of(&[term], at, f, std::slice::from_mut(&mut tally));

@@ -118,7 +118,7 @@ impl Network {
 
 fn extent(x: &[DVec3], workers: &Workers) -> f64 {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = workers.fold(x.len(), none, |r| bounds(&x[r]), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = workers.fold(x.len(), none, |r| bounds(&x[r]), |a, b| (b.0.min(a.0), b.1.max(a.1)));
     0.5 * (high - low).max_element()
 }
 
@@ -127,7 +127,9 @@ fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
     let (rows, rest) = x.as_chunks::<4>();
     let lanes: [[DVec3; 4]; 2] = quad::run(Bounds(bytemuck::cast_slice(rows))).map(bytemuck::cast);
     let [low, high] = lanes.map(|nodes| nodes.into_iter().chain(rest.iter().copied()));
-    (low.fold(DVec3::INFINITY, DVec3::min), high.fold(DVec3::NEG_INFINITY, DVec3::max))
+    // The value that is not a number is left out only on the left.
+    let (least, most) = (|low: DVec3, x: DVec3| x.min(low), |high: DVec3, x: DVec3| x.max(high));
+    (low.fold(DVec3::INFINITY, least), high.fold(DVec3::NEG_INFINITY, most))
 }
 
 /// Four nodes side by side, in three quads.

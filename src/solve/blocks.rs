@@ -3,8 +3,8 @@
 //! ```text
 //! W = E (I + L + L^T) E^T,      E E^T the blocks on the diagonal, L strictly below them
 //! ```
-//! Only L is stored, column by column, in single precision: its entries are at most 1, half the bytes come from memory, and a row of a block
-//! is one register. A node with fixed degrees of freedom keeps three places: the idle ones have the identity and nothing beside it, so that a
+//! Only L is stored, column by column, in single precision: its entries are at most 1, half the bytes come from memory, and a column of a
+//! block is one register. A node with fixed degrees of freedom keeps three places: the idle ones have the identity and nothing beside it, so that a
 //! vector which is zero there stays so.
 
 use crate::assembly::Pattern;

@@ -32,7 +32,7 @@ pub struct TermCost {
     pub name: &'static str,
     /// springs, triangles or nodes it goes over; null for a system without elements
     pub elements: Option<usize>,
-    /// [s] its part of one force pass; null where it cannot be told apart
+    /// [s] a force pass with it alone, which forces share much of, so that together they take less; null where it cannot be told apart
     pub seconds: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ pub struct TermCost {
 pub struct ForceCost {
     /// [s] all of it
     pub pass_seconds: f64,
-    /// its parts, like terms as one
+    /// its terms, like ones together
     pub terms: Vec<TermCost>,
 }
 
@@ -100,7 +100,7 @@ impl TangentCost {
     }
 }
 
-/// Measures a force pass and its parts at the start of a scene.
+/// Measures a force pass, and one with each term alone, at the start of a scene.
 pub fn force_cost(scene: &dyn Scene) -> ForceCost {
     let (state, mut forces) = (scene.initial_state(), scene.new_forces());
     let pass_seconds = median_seconds(BUDGET, || scene.evaluate(state.as_ref(), black_box(&mut forces)));
