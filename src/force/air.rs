@@ -103,10 +103,6 @@ impl ForceTerm for Air {
         TermInfo { name: "air", role: Role::External }
     }
 
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
-    }
-
     fn velocity_dependent(&self) -> bool {
         true
     }

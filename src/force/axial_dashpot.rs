@@ -87,10 +87,6 @@ impl ForceTerm for AxialDashpots {
         TermInfo { name: "axial dashpots", role: Role::Dissipative }
     }
 
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
-    }
-
     fn velocity_dependent(&self) -> bool {
         true
     }

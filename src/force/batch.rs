@@ -24,12 +24,15 @@ impl Wants {
 
 /// Something that is summed into nodes, tile after tile: every force term, and sums over neighbours.
 pub trait Summand: Send + Sync {
+    /// Number of elements (springs, triangles, nodes) that a pass goes over.
+    fn elements(&self) -> usize;
+
     /// What it reads of the windows; what nothing reads is not copied.
     fn wants(&self) -> Wants {
         Wants::default()
     }
 
-    /// Nodes of an element; `None` beyond the last. Elements come in ascending order of their smallest node.
+    /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in ascending order of their smallest node.
     fn element(&self, number: usize) -> Option<&[u32]> {
         let _ = number;
         None
@@ -81,6 +84,10 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
 }
 
 impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
+    fn elements(&self) -> usize {
+        self.kernel.elements().len()
+    }
+
     fn wants(&self) -> Wants {
         K::WANTS
     }

@@ -51,10 +51,6 @@ impl ForceTerm for FollowerPressure {
         TermInfo { name: "follower pressure", role: Role::External }
     }
 
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
-    }
-
     fn velocity_dependent(&self) -> bool {
         false
     }

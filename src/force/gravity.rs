@@ -86,6 +86,10 @@ fn origins<U: VectorUnit>(unit: U, nodes: &[DVec3; 4]) -> [U::Quad; 4] {
 }
 
 impl Summand for Gravity {
+    fn elements(&self) -> usize {
+        self.mass.len()
+    }
+
     fn wants(&self) -> Wants {
         Wants { x: true, v: false }
     }
@@ -102,10 +106,6 @@ impl Summand for Gravity {
 impl ForceTerm for Gravity {
     fn info(&self) -> TermInfo {
         TermInfo { name: "gravity", role: Role::Gravity }
-    }
-
-    fn elements(&self) -> usize {
-        self.mass.len()
     }
 
     fn velocity_dependent(&self) -> bool {

@@ -5,9 +5,9 @@
 //! # How to add a force
 //! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a [`batch::Kernel`] for it and
 //!    `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`] and [`ForceTerm`]. Either adds to one tile of the scene at a
-//!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element after the other; or, where speed matters, equations on four
-//!    elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see
-//!    `air`), or `phases` for other shapes.
+//!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
+//!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`,
+//!    see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
 //! 2. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
 //!    there and to [`crate::model::spec`].
 //! 3. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states.
@@ -68,9 +68,6 @@ pub trait TangentSink {
 pub trait ForceTerm: batch::Summand {
     /// Name in reports and role in the ledger.
     fn info(&self) -> TermInfo;
-
-    /// Number of elements (springs, triangles, nodes) that a force pass goes over.
-    fn elements(&self) -> usize;
 
     /// Whether the force depends on velocity.
     fn velocity_dependent(&self) -> bool;

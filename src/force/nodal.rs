@@ -56,6 +56,10 @@ impl DeadPressure<'_> {
 }
 
 impl Summand for NodalForces {
+    fn elements(&self) -> usize {
+        self.nodes.len()
+    }
+
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
         let scale = factor(self.factor.as_ref(), tile.at.t);
         let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
@@ -73,10 +77,6 @@ impl Summand for NodalForces {
 impl ForceTerm for NodalForces {
     fn info(&self) -> TermInfo {
         TermInfo { name: self.name, role: Role::External }
-    }
-
-    fn elements(&self) -> usize {
-        self.nodes.len()
     }
 
     fn velocity_dependent(&self) -> bool {

@@ -22,6 +22,10 @@ pub struct RayleighMass {
 }
 
 impl Summand for RayleighMass {
+    fn elements(&self) -> usize {
+        self.mass.len()
+    }
+
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
         let mut power = 0.0;
         for (i, node) in tile.own.clone().enumerate() {
@@ -37,10 +41,6 @@ impl Summand for RayleighMass {
 impl ForceTerm for RayleighMass {
     fn info(&self) -> TermInfo {
         TermInfo { name: "rayleigh mass damping", role: Role::Dissipative }
-    }
-
-    fn elements(&self) -> usize {
-        self.mass.len()
     }
 
     fn velocity_dependent(&self) -> bool {
@@ -94,10 +94,6 @@ impl Kernel<2> for RayleighData {
 impl ForceTerm for RayleighStiffness {
     fn info(&self) -> TermInfo {
         TermInfo { name: "rayleigh stiffness damping", role: Role::Dissipative }
-    }
-
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
     }
 
     fn velocity_dependent(&self) -> bool {

@@ -58,10 +58,6 @@ impl ForceTerm for RelativeDashpots {
         TermInfo { name: "relative dashpots", role: Role::Dissipative }
     }
 
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
-    }
-
     fn velocity_dependent(&self) -> bool {
         true
     }

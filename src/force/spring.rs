@@ -185,10 +185,6 @@ impl ForceTerm for Springs {
         TermInfo { name: "springs", role: Role::Elastic }
     }
 
-    fn elements(&self) -> usize {
-        self.kernel().elements().len()
-    }
-
     fn velocity_dependent(&self) -> bool {
         false
     }

@@ -227,13 +227,6 @@ impl<T: Terms + ?Sized> Work<'_, T> {
     }
 }
 
-impl Plan {
-    /// Records in the tile's windows.
-    fn records(&self) -> usize {
-        self.own.len() + self.beyond.len()
-    }
-}
-
 /// What comes before a place and what comes after; nothing of what is empty.
 fn halves<T>(slices: [&mut [T]; SUMS], at: usize) -> ([&mut [T]; SUMS], [&mut [T]; SUMS]) {
     let [a, b, c] = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));

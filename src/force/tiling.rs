@@ -44,6 +44,13 @@ pub(super) struct Plan {
     pub run: Option<usize>,
 }
 
+impl Plan {
+    /// Records in the tile's windows.
+    pub(super) fn records(&self) -> usize {
+        self.own.len() + self.beyond.len()
+    }
+}
+
 /// How large tiles may be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -186,6 +193,10 @@ mod tests {
     }
 
     impl Summand for Told {
+        fn elements(&self) -> usize {
+            self.elements.len()
+        }
+
         fn element(&self, number: usize) -> Option<&[u32]> {
             self.elements.get(number).map(Vec::as_slice)
         }
