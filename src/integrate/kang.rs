@@ -12,10 +12,12 @@
 //! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered springs only: a weight on one
 //! spring comes to rest 1 + kappa times as far down as it should.
 
-use super::updates::add_scaled;
+use super::updates::accumulate;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
+use crate::model::state::State;
 use crate::model::system::{SpringGraph, Viscosity};
+use multiversion::multiversion;
 
 /// Kang's scheme; carries nothing.
 #[derive(Clone, Debug)]
@@ -82,20 +84,11 @@ impl Integrator<dyn SpringGraph> for Kang {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let n = &from.state;
-        self.split_forces(system, from, h);
         self.invert(system, h);
-        for ((s, f), inverse) in self.sweep.iter_mut().zip(&self.filtered).zip(&self.inverse_d) {
-            *s = h * f * inverse;
-        }
+        self.split_forces(system, from, h);
         system.neighbour_sums(&self.sweep, &mut self.neighbours);
         to.state.t = t_next;
-        let filter = self.filtered.iter().zip(&self.neighbours).zip(&self.inverse_d);
-        let outside = self.outside.iter().zip(system.inverse_mass());
-        for (((v, v_n), ((f, sum), inverse)), (g, m)) in to.state.v.iter_mut().zip(&n.v).zip(filter).zip(outside) {
-            *v = v_n + (f * h + h * h * sum) * inverse + h * m * g;
-        }
-        add_scaled(&mut to.state.x, &n.x, h, &to.state.v);
+        self.advance(system.inverse_mass(), &from.state, h, &mut to.state);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
@@ -113,33 +106,79 @@ impl Kang {
         }
     }
 
-    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already.
+    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already, and
+    /// `sweep`.
     fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
-        let Kang { filtered: f, outside: g, weight, inside, neighbours, .. } = self;
+        let Kang { filtered: f, sweep, outside: g, weight, inside, neighbours, inverse_d, viscosity, .. } = self;
         let forces = &from.forces;
         g.copy_from_slice(weight);
-        for (g, external) in g.iter_mut().zip(&forces.external) {
-            *g += external;
-        }
-        if let Viscosity::All { seconds } = self.viscosity {
+        accumulate(g, 1.0, &forces.external);
+        let (viscous, share) = match viscosity {
             // The scene's dashpots are F's, made for a step of so many seconds.
-            for (i, f) in f.iter_mut().enumerate() {
-                *f = forces.total[i] - g[i] + (h / seconds - 1.0) * forces.dissipative[i];
+            Viscosity::All { seconds } => (&forces.dissipative, h / *seconds - 1.0),
+            Viscosity::None | Viscosity::Some => {
+                accumulate(g, 1.0, &forces.dissipative);
+                system.neighbour_differences(&from.state.v, neighbours);
+                (&*neighbours, h)
             }
-            return;
-        }
-        for (g, dissipative) in g.iter_mut().zip(&forces.dissipative) {
-            *g += dissipative;
-        }
-        system.neighbour_differences(&from.state.v, neighbours);
-        for (i, f) in f.iter_mut().enumerate() {
-            *f = forces.total[i] - g[i] + h * neighbours[i];
-        }
-        if self.viscosity == Viscosity::Some {
+        };
+        filter((f, sweep), Filter { total: &forces.total, outside: g, viscous, share, h, inverse_d });
+        if *viscosity == Viscosity::Some {
             system.step_dashpots(&from.state.v, inside);
-            for (g, inside) in g.iter_mut().zip(inside) {
-                *g -= *inside;
-            }
+            accumulate(g, -1.0, inside);
         }
+    }
+
+    fn advance(&self, inverse_mass: &[f64], from: &State, h: f64, to: &mut State) {
+        let Kang { filtered: f, neighbours: sum, inverse_d, outside: g, .. } = self;
+        advance((&mut to.x, &mut to.v), (&from.x, &from.v), Advance { f, sum, inverse_d, g, inverse_mass, h });
+    }
+}
+
+/// What F is made of.
+struct Filter<'a> {
+    /// [N] all forces
+    total: &'a [f64],
+    /// [N] those outside the filter
+    outside: &'a [f64],
+    /// [N or N/s] what is viscous, and what share of it F has besides
+    viscous: &'a [f64],
+    share: f64,
+    /// [s]
+    h: f64,
+    /// [1/kg] D^-1
+    inverse_d: &'a [f64],
+}
+
+/// F = total - g + share * viscous, and h F / D
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn filter((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>) {
+    let (Filter { total, outside: g, viscous, share, h, inverse_d }, n) = (with, f.len());
+    let (sweep, total, g, viscous, inverse_d) = (&mut sweep[..n], &total[..n], &g[..n], &viscous[..n], &inverse_d[..n]);
+    for i in 0..n {
+        f[i] = total[i] - g[i] + share * viscous[i];
+        sweep[i] = h * f[i] * inverse_d[i];
+    }
+}
+
+/// What a step is made of, in the letters of the module's equations.
+struct Advance<'a> {
+    f: &'a [f64],
+    sum: &'a [f64],
+    inverse_d: &'a [f64],
+    g: &'a [f64],
+    inverse_mass: &'a [f64],
+    h: f64,
+}
+
+/// v = v_n + (h F + h^2 sum) / D + h M^-1 g, then x = x_n + h v
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn advance((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), with: Advance<'_>) {
+    let (Advance { f, sum, inverse_d, g, inverse_mass, h }, n) = (with, x.len());
+    let (v, x_n, v_n, f, sum) = (&mut v[..n], &x_n[..n], &v_n[..n], &f[..n], &sum[..n]);
+    let (inverse_d, g, inverse_mass) = (&inverse_d[..n], &g[..n], &inverse_mass[..n]);
+    for i in 0..n {
+        v[i] = v_n[i] + (f[i] * h + h * h * sum[i]) * inverse_d[i] + h * inverse_mass[i] * g[i];
+        x[i] = x_n[i] + h * v[i];
     }
 }
