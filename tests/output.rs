@@ -162,11 +162,11 @@ fn large_arrays_take_several_blocks() {
     }
 }
 
-/// The cells of a large picture are written in half the bytes, and read back to the same ones.
+/// Points and ends of cells are written as Int32, half of what Int64 takes, and read back to the same ones.
 #[test]
-fn cells_of_large_pictures_are_short() {
+fn cells_are_written_in_few_bytes() {
     use canopy_fem::output::vtu::{Cells, Snapshot, VtuWriter};
-    for (count, bytes) in [(20_000_u32, 8), (20_001, 4)] {
+    for count in [3_u32, 703, 100_000] {
         let points: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), f64::from(i % 2), 0.0]).collect();
         let triangles: Vec<[u32; 3]> = (2..count).map(|i| [i - 2, i - 1, i]).collect();
         let cells = Cells { points: points.len(), triangles: &triangles, edges: &[[0, count - 1]] };
@@ -176,7 +176,7 @@ fn cells_of_large_pictures_are_short() {
         writer.write(&picture, &mut out).expect("memory takes everything");
         let vtu = read_vtu::parse(&out);
         let corners: Vec<u32> = triangles.as_flattened().iter().copied().chain([0, count - 1]).collect();
-        assert_eq!(vtu.bytes("connectivity").len(), bytes * corners.len());
+        assert_eq!(vtu.bytes("connectivity").len(), 4 * corners.len());
         let expected: Vec<i64> = corners.into_iter().map(i64::from).collect();
         assert_eq!(vtu.integers("connectivity"), expected);
         let ends = (1..count - 1).map(|i| 3 * i64::from(i)).chain([3 * i64::from(count - 2) + 2]);

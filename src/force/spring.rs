@@ -47,9 +47,16 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
-    /// [N] elastic tension of spring `i`.
-    pub fn tension(&self, x: &[DVec3], i: usize) -> f64 {
-        tension(self.slack, self.stiffness.at(i), self.stretch(x, i).elongation).force
+    /// [N] elastic tension and [-] strain (l - l0)/l0 of spring `i`.
+    pub fn tension_and_strain(&self, x: &[DVec3], i: usize) -> (f64, f64) {
+        let e = self.elongation(x, i);
+        (tension(self.slack, self.stiffness.at(i), e).force, e / self.rest_length[i])
+    }
+
+    /// [m] elongation of spring `i`, without its direction.
+    fn elongation(&self, x: &[DVec3], i: usize) -> f64 {
+        let [a, b] = self.nodes[i];
+        (x[b as usize] - x[a as usize]).length() - self.rest_length[i]
     }
 
     /// [-] largest strain of all springs, -inf without any.
@@ -64,7 +71,7 @@ impl SpringData {
 
     /// [-] strain (l - l0)/l0 of spring `i`.
     pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
-        self.stretch(x, i).elongation / self.rest_length[i]
+        self.elongation(x, i) / self.rest_length[i]
     }
 }
 

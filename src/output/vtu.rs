@@ -10,9 +10,6 @@ use std::io::Write;
 use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
 use super::names::xml_attribute;
 
-/// Points above which cells are written as Int32 instead of Int64, as VTK itself does where it is built with short numbers: of a large frame
-/// they are most of the bytes.
-const MANY: usize = 20_000;
 /// VTK's cell types (vtkCellType.h).
 const VTK_VERTEX: u8 = 1;
 const VTK_LINE: u8 = 3;
@@ -234,9 +231,9 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The one for a picture with so many points and corners of cells.
-    pub fn of(points: usize, corners: usize) -> Self {
-        if points > MANY && corners < i32::MAX as usize { Width::Short } else { Width::Long }
+    /// The shorter that can count the corners of all cells: points have smaller numbers, and cells are half of a frame's bytes.
+    pub fn of(corners: usize) -> Self {
+        if i32::try_from(corners).is_ok() { Width::Short } else { Width::Long }
     }
 
     /// [byte] of a number
@@ -266,7 +263,7 @@ struct CellTable {
 
 impl CellTable {
     fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
-        let width = Width::of(cells.points, 3 * cells.triangles.len() + 2 * cells.edges.len());
+        let width = Width::of((3 * cells.triangles.len() + 2 * cells.edges.len()).max(cells.points));
         let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {
             table.push(VTK_TRIANGLE, triangle, cells.points)?;

@@ -45,8 +45,7 @@ impl Picture for Network {
         let x = by_node(at.x);
         for batch in &self.springs {
             for (i, &edge) in batch.edges.iter().enumerate() {
-                tension[edge as usize] = batch.data.tension(x, i);
-                strain[edge as usize] = batch.data.strain(x, i);
+                (tension[edge as usize], strain[edge as usize]) = batch.data.tension_and_strain(x, i);
             }
         }
     }
