@@ -13,6 +13,9 @@ use crate::drive::observer::ObserveError;
 const BLOCK: usize = 16 * 1024;
 /// … or this much time, whichever comes first.
 pub const LONGEST_DELAY: Duration = Duration::from_millis(500);
+/// How long to wait for a lock that nobody means to keep: a run is ending, or its process is starting a program, which has a copy of every open
+/// file until it begins.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// A csv file that grows line by line.
 #[derive(Debug)]
@@ -132,13 +135,39 @@ pub enum Lock {
 /// Locks a file against a second run; a killed program holds no lock. Windows would keep readers out as well, so not there;
 /// and where a file system knows no locks, there are none.
 pub fn lock(file: &File) -> Lock {
-    match cfg!(unix).then(|| file.try_lock()) {
-        Some(Err(TryLockError::WouldBlock)) => Lock::Elsewhere,
-        _ => Lock::Here,
+    let began = Instant::now();
+    loop {
+        match cfg!(unix).then(|| file.try_lock()) {
+            Some(Err(TryLockError::WouldBlock)) if began.elapsed() < PATIENCE => std::thread::sleep(PATIENCE / 30),
+            Some(Err(TryLockError::WouldBlock)) => return Lock::Elsewhere,
+            _ => return Lock::Here,
+        }
     }
 }
 
 /// An [`ObserveError::Write`] for a path.
 pub fn write_fault(path: &Path, source: io::Error) -> ObserveError {
     ObserveError::Write { path: path.display().to_string(), source }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// Between fork and exec a starting program holds copies of all files of its process, the locked ones too.
+    #[test]
+    fn a_lock_that_is_soon_given_back_is_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let open =
+            || OpenOptions::new().create(true).append(true).open(folder.path().join("history.csv")).expect("a file");
+        let (held, wanted) = (open(), open());
+        assert_eq!(lock(&held), Lock::Here);
+        assert_eq!(lock(&wanted), Lock::Elsewhere);
+        let gives_back = std::thread::spawn(move || {
+            std::thread::sleep(PATIENCE / 6);
+            drop(held);
+        });
+        assert_eq!(lock(&wanted), Lock::Here);
+        gives_back.join().expect("no panic");
+    }
 }
