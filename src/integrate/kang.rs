@@ -15,7 +15,6 @@
 use super::updates::accumulate;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::state::State;
 use crate::model::system::{SpringGraph, Viscosity};
 use multiversion::multiversion;
 
@@ -88,7 +87,9 @@ impl Integrator<dyn SpringGraph> for Kang {
         self.split_forces(system, from, h);
         system.neighbour_sums(&self.sweep, &mut self.neighbours);
         to.state.t = t_next;
-        self.advance(system.inverse_mass(), &from.state, h, &mut to.state);
+        let Kang { filtered: f, neighbours: sum, inverse_d, outside: g, .. } = &*self;
+        let with = Advance { f, sum, inverse_d, g, inverse_mass: system.inverse_mass(), h };
+        advance((&mut to.state.x, &mut to.state.v), (&from.state.x, &from.state.v), with);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
@@ -128,11 +129,6 @@ impl Kang {
             accumulate(g, -1.0, inside);
         }
     }
-
-    fn advance(&self, inverse_mass: &[f64], from: &State, h: f64, to: &mut State) {
-        let Kang { filtered: f, neighbours: sum, inverse_d, outside: g, .. } = self;
-        advance((&mut to.x, &mut to.v), (&from.x, &from.v), Advance { f, sum, inverse_d, g, inverse_mass, h });
-    }
 }
 
 /// What F is made of.
@@ -141,8 +137,9 @@ struct Filter<'a> {
     total: &'a [f64],
     /// [N] those outside the filter
     outside: &'a [f64],
-    /// [N or N/s] what is viscous, and what share of it F has besides
+    /// what is viscous: dashpots' forces [N], or sums of k (v_j - v_i) [N/s]
     viscous: &'a [f64],
+    /// [-] or [s] what F has of it besides what is in `total`
     share: f64,
     /// [s]
     h: f64,

@@ -23,7 +23,7 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) 
     let vectors = 3 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain);
     // Corners and offsets, UInt8 types.
-    let width = count(Width::of(corners.max(points) as usize).bytes());
+    let width = count(Width::of(points as usize, corners as usize).bytes());
     let number = match precision {
         Precision::F64 => 8,
         Precision::F32 => 4,

@@ -231,9 +231,9 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The shorter that can count the corners of all cells: points have smaller numbers, and cells are half of a frame's bytes.
-    pub fn of(corners: usize) -> Self {
-        if i32::try_from(corners).is_ok() { Width::Short } else { Width::Long }
+    /// The shorter that can number so many points and corners of cells: of a frame with them cells are a third of the bytes.
+    pub fn of(points: usize, corners: usize) -> Self {
+        if i32::try_from(points.max(corners)).is_ok() { Width::Short } else { Width::Long }
     }
 
     /// [byte] of a number
@@ -263,7 +263,7 @@ struct CellTable {
 
 impl CellTable {
     fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
-        let width = Width::of((3 * cells.triangles.len() + 2 * cells.edges.len()).max(cells.points));
+        let width = Width::of(cells.points, 3 * cells.triangles.len() + 2 * cells.edges.len());
         let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {
             table.push(VTK_TRIANGLE, triangle, cells.points)?;
