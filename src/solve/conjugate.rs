@@ -9,7 +9,8 @@
 //! in single precision, and its residual is the one of this system: W's residual in the norm of the inverse preconditioner. What single precision cannot
 //! give comes from repeated solves for the residual in double precision (iterative refinement: Higham 2002, chapter 12).
 
-use super::blocks::{NodeBlocks, Sweep};
+use super::blocks::NodeBlocks;
+use super::eisenstat::Sweep;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use crate::assembly::Pattern;
 use glam::{DVec3, Vec3A};

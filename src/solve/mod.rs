@@ -3,6 +3,7 @@
 mod blocks;
 mod cholesky;
 mod conjugate;
+mod eisenstat;
 mod failure;
 mod forcing;
 mod linear;
@@ -10,6 +11,7 @@ mod lu;
 pub mod newton;
 pub(crate) mod norms;
 mod ordering;
+mod pivots;
 mod problem;
 pub mod quasi;
 mod search;

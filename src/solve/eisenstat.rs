@@ -1,0 +1,115 @@
+//! What conjugate gradients do with W and M: sweeps over the nodes, forth and back.
+
+use super::blocks::NodeBlocks;
+use glam::{DVec3, Mat3A, Vec3A};
+
+impl NodeBlocks {
+    /// v = E^-1 b / s, with s of the size of E^-1 b, which is returned.
+    pub fn gather(&self, b: &[f64], v: &mut [Vec3A]) -> f64 {
+        let size = b.iter().zip(&self.scale).fold(0.0_f64, |size, (b, scale)| size.max((b * scale).abs()));
+        let inverse = if size > 0.0 { size.recip() } else { 0.0 };
+        let single = |u: usize| (b[u] * self.scale[u] * inverse) as f32;
+        for (g, unknowns) in self.pattern.node_start.windows(2).enumerate() {
+            let (first, end) = (unknowns[0] as usize, unknowns[1] as usize);
+            let own = if end - first == 3 {
+                Vec3A::new(single(first), single(first + 1), single(first + 2))
+            } else {
+                let mut own = Vec3A::ZERO;
+                (first..end).for_each(|u| own[self.direction(u)] = single(u));
+                own
+            };
+            v[g] = self.inverse_root[g] * own;
+        }
+        size
+    }
+
+    /// b = s E^-T v
+    pub fn scatter(&self, v: &[Vec3A], s: f64, b: &mut [f64]) {
+        for (g, unknowns) in self.pattern.node_start.windows(2).enumerate() {
+            let own = self.inverse_root[g].transpose() * v[g];
+            let (first, end) = (unknowns[0] as usize, unknowns[1] as usize);
+            for (i, b) in b[first..end].iter_mut().enumerate() {
+                let direction = if end - first == 3 { i } else { self.direction(first + i) };
+                *b = f64::from(own[direction]) * self.scale[first + i] * s;
+            }
+        }
+    }
+
+    /// v <- (I + L)^-1 v
+    pub fn forward(&self, v: &mut [Vec3A]) {
+        for g in 0..self.nodes() {
+            let y = v[g];
+            let column = self.column(g);
+            for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
+                v[row as usize] -= block.matrix() * y;
+            }
+        }
+    }
+
+    /// v <- (I + L^T)^-1 v
+    pub fn backward(&self, v: &mut [Vec3A]) {
+        for g in (0..self.nodes()).rev() {
+            v[g] -= self.above(g, v);
+        }
+    }
+
+    /// Row g of L^T v
+    #[inline(always)]
+    fn above(&self, g: usize, v: &[Vec3A]) -> Vec3A {
+        let column = self.column(g);
+        let mut sums = Mat3A::ZERO;
+        for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
+            let (block, v) = (block.matrix(), v[row as usize]);
+            sums.x_axis += block.x_axis * v;
+            sums.y_axis += block.y_axis * v;
+            sums.z_axis += block.z_axis * v;
+        }
+        let sums = sums.transpose();
+        sums.x_axis + sums.y_axis + sums.z_axis
+    }
+
+    /// The product of Eisenstat (SIAM J. Sci. Stat. Comput. 2, 1981), for the price of one with W itself: with A = I + J + L + L^T and p <- z + beta p,
+    ///
+    /// ```text
+    /// q = (I + L)^-1 A (I + L^T)^-1 p = t + (I + L)^-1 (L^T t + J t),      t = (I + L^T)^-1 p,      L^T t = p - t
+    /// ```
+    pub fn times(&self, z: &[Vec3A], beta: f32, sweep: Sweep<'_>) -> Curvature {
+        let Sweep { p, t, q } = sweep;
+        for g in (0..self.nodes()).rev() {
+            let above = self.above(g, t);
+            p[g] = z[g] + beta * p[g];
+            t[g] = p[g] - above;
+            q[g] = above + self.surplus[g].matrix() * t[g];
+        }
+        let (mut along, mut squares) = (DVec3::ZERO, DVec3::ZERO);
+        for g in 0..self.nodes() {
+            let y = q[g];
+            let column = self.column(g);
+            for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
+                q[row as usize] -= block.matrix() * y;
+            }
+            q[g] = y + t[g];
+            along += (p[g] * q[g]).as_dvec3();
+            squares += (p[g] * p[g]).as_dvec3();
+        }
+        Curvature { along: along.element_sum(), squares: squares.element_sum() }
+    }
+}
+
+/// What a product tells of its direction p.
+pub(super) struct Curvature {
+    /// p . q
+    pub along: f64,
+    /// p . p
+    pub squares: f64,
+}
+
+/// Vectors of a product.
+pub(super) struct Sweep<'a> {
+    /// direction
+    pub p: &'a mut [Vec3A],
+    /// room
+    pub t: &'a mut [Vec3A],
+    /// the product
+    pub q: &'a mut [Vec3A],
+}
