@@ -18,15 +18,20 @@ use common::{Random, spring_group};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A square sheet of plain springs; every fifth node is held in one or two directions.
-fn sheet(side: u32) -> Network {
+/// A square with `side` springs along an edge and a mass at every node; none is held.
+fn square(side: u32, mass: f64) -> NetworkSpec {
     let json = serde_json::json!({"rectangle": {
         "width": 1.0, "height": 1.0, "columns": side, "rows": side, "pattern": "regular"
     }});
     let source: MeshSource = serde_json::from_value(json).expect("a known generator");
     let mesh = source.build(Path::new(".")).expect("a rectangle");
     let n = mesh.nodes.len();
-    let mut spec = NetworkSpec { mesh, mass: vec![1e-3; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    NetworkSpec { mesh, mass: vec![mass; n], fixed: vec![[false; 3]; n], ..Default::default() }
+}
+
+/// A square sheet of plain springs; every fifth node is held in one or two directions.
+fn sheet(side: u32) -> Network {
+    let mut spec = square(side, 1e-3);
     spec.fixed[0] = [true; 3];
     for (i, fixed) in spec.fixed.iter_mut().enumerate().skip(1).step_by(5) {
         fixed[i % 3] = true;
@@ -133,19 +138,24 @@ fn values_that_are_not_finite_are_refused_with_their_column() {
     assert_eq!(cg(&pattern).factor(&values), Err(LinearError::NotFinite { unknown: 17 }));
 }
 
-/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate gradients from its solution. Their
-/// error has its numbers, and the solver that chooses gives the matrix to Cholesky.
-#[test]
-fn a_solve_that_does_not_converge_ends_with_its_numbers() {
-    let n = 600;
-    let pattern = Arc::new(Pattern {
+/// Nodes in a row that move along it.
+fn chain(n: u32) -> Pattern {
+    Pattern {
         col_ptr: (0..=n).map(|j| if j < n { 2 * j } else { 2 * n - 1 }).collect(),
         row_idx: (0..n).flat_map(|j| [j, j + 1]).take(2 * n as usize - 1).collect(),
         symmetric: true,
         dof: (0..n).map(|i| 3 * i).collect(),
         node_start: (0..=n).collect(),
         position: (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect(),
-    });
+    }
+}
+
+/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate gradients from its solution. Their
+/// error has its numbers, and the solver that chooses gives the matrix to Cholesky.
+#[test]
+fn a_solve_that_does_not_converge_ends_with_its_numbers() {
+    let n = 600;
+    let pattern = Arc::new(chain(n));
     let stiffness = |i: u32| 10_f64.powi((7 * i % 11) as i32);
     let mut values = Vec::new();
     for j in 0..n {
@@ -158,7 +168,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     let b = random_vector(n as usize, 5);
     match solver.solve(&values, &mut b.clone()) {
         Err(error @ LinearError::Stalled { iterations, residual, asked }) => {
-            assert!(iterations >= n && residual > asked && asked == 1e-10, "{error:?}");
+            assert!(iterations > n / 2 && residual > asked && asked == 1e-10, "{error:?}");
             assert!(error.to_string().contains("\"cholesky\" or \"auto\", or a smaller step"), "{error}");
         }
         other => panic!("{other:?}"),
@@ -169,6 +179,73 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     weighed.solve(&values, &mut x).expect("definite");
     let stats = weighed.stats();
     assert!(stats.name == "cholesky" && stats.prediction.is_some_and(|p| !p.cg_converged), "{stats:?}");
+}
+
+/// W of a sheet at rest, `side` springs along an edge, with unit springs and m of a node's mass; every `nth` spring is `stiffer` times as stiff.
+fn at_rest(side: u32, m: f64, (nth, stiffer): (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
+    let mut spec = square(side, m);
+    let mut springs = spring_group(&spec, Slack::None);
+    springs.stiffness.fill(1.0);
+    springs.stiffness.iter_mut().step_by(nth).for_each(|k| *k = stiffer);
+    spec.springs = vec![springs];
+    let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
+    let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());
+    scene.assemble(state.as_ref(), Weights { m: 1.0, c: 0.0, k: 1.0 }, &mut assembler);
+    (assembler.pattern.clone(), assembler.values().to_vec())
+}
+
+/// Iterations to 1e-3 of a right-hand side that has a part of every motion.
+fn iterations(pattern: &Arc<Pattern>, values: &[f64]) -> u64 {
+    let mut solver = cg(pattern);
+    assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
+    solver.ask(Accuracy::to(1e-3));
+    let b = random_vector(pattern.n(), 7);
+    let mut x = b.clone();
+    solver.solve(values, &mut x).expect("definite");
+    solver.work().iterations
+}
+
+/// The preconditioner is a factorisation but for its fill, of which a chain has none: iterations stay few however long it is. Pivots that were blocks of W
+/// (symmetric Gauss-Seidel) took 37, 210 and 244.
+#[test]
+fn a_long_chain_takes_few_iterations() {
+    let found = [100, 1000, 10_000].map(|n| {
+        let values: Vec<f64> =
+            (0..n).flat_map(|j| [2.0001, -1.0].into_iter().take(if j + 1 < n { 2 } else { 1 })).collect();
+        iterations(&Arc::new(chain(n)), &values)
+    });
+    assert_eq!(found, [10, 45, 51]);
+}
+
+/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
+#[test]
+fn sheets_take_few_iterations() {
+    let found = [1e-2, 1e-3].map(|m| {
+        [20, 40, 80].map(|side| {
+            let (pattern, values) = at_rest(side, m, (1, 1.0));
+            iterations(&pattern, &values)
+        })
+    });
+    assert_eq!(found, [[14, 13, 14], [25, 23, 30]]);
+}
+
+/// Where springs a thousand times stiffer than their neighbours meet them, fill would leave nothing of pivots, and is left out: solutions are those of Cholesky, as
+/// near as residuals of 1e-6 tell there. Symmetric Gauss-Seidel took 699, 605 and 155.
+#[test]
+fn stiff_springs_among_soft_ones() {
+    for (springs, near, most) in [((7, 1e3), 1e-3, 450), ((37, 1e5), 1e-2, 580), ((3, 1e-3), 1e-3, 200)] {
+        let (pattern, values) = at_rest(40, 1e-3, springs);
+        let (mut solver, b) = (cg(&pattern), random_vector(pattern.n(), 7));
+        let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric");
+        let [mut x, mut expected] = [b.clone(), b];
+        direct.factor(&values).expect("definite");
+        direct.solve(&values, &mut expected).expect("definite");
+        assert_eq!(solver.factor(&values), Ok(Inertia::Unknown));
+        solver.ask(Accuracy::to(1e-6));
+        solver.solve(&values, &mut x).expect("definite");
+        let (off, made) = (difference(&x, &expected), solver.work().iterations);
+        assert!(off < near && made < most, "{springs:?}: {off:e} off after {made} iterations");
+    }
 }
 
 const DEAD: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "dead", "direction": [0, 0, 1]}]"#;
@@ -271,7 +348,7 @@ fn the_work_of_conjugate_gradients() {
     let c = one.outcome.counters;
     assert_eq!(
         [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.cg_iterations],
-        [307, 3, 0, 206, 370],
+        [307, 3, 0, 206, 376],
         "{c:?}"
     );
 }

@@ -58,6 +58,11 @@ impl SymmetricBlock {
         Mat3A::from_cols(x, y, z)
     }
 
+    /// Adds the lower half of a symmetric one.
+    pub fn add(&mut self, m: &Mat3A) {
+        self.0.iter_mut().zip(SymmetricBlock::of(m).0).for_each(|(entry, other)| *entry += other);
+    }
+
     pub fn diagonal(&self) -> Vec3A {
         let [x, _, _, y, _, z] = self.0;
         Vec3A::new(x, y, z)

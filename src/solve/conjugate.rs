@@ -1,10 +1,11 @@
-//! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by symmetric block Gauss-Seidel, with Eisenstat's product (1981).
+//! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
+//! Eisenstat's product (1981).
 //!
 //! Nothing is factorised: making the solver ready costs about three of its iterations, and its memory is half of W's. Iterations grow like the
 //! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
 //!
 //! ```text
-//! (I + L)^-1 (I + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
+//! (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
 //! ```
 //! in single precision, and its residual is the one of this system: W's residual in the norm of the inverse preconditioner. What single precision cannot
 //! give comes from repeated solves for the residual in double precision (iterative refinement: Higham 2002, chapter 12).

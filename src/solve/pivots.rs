@@ -1,21 +1,26 @@
 //! The pivots of M: those of an incomplete factorisation of W without any fill, of which part comes to the diagonal instead.
 //!
 //! ```text
-//! P_g = D_g - sym sum_j N_gj P_j^-1 (N_gj^T + omega sum_s N_sj^T Y_s Y_g^-1),      j < g,   s > j, s != g
+//! P_g = (1 + delta) D_g - sum_j N_gj P_j^-1 N_gj^T - omega_g sym sum_j sum_s N_gj P_j^-1 N_sj^T Y_s Y_g^-1,      j < g,   s > j, s != g
 //! ```
-//! Without the sum over s these are the pivots of Dupont, Kendall & Rachford (SIAM J. Numer. Anal. 5, 1968). A fill N_gj P_j^-1 N_sj^T would stand beside the
-//! diagonal; put on it as here (Gustafsson, BIT 18, 1978), a motion Y that all nodes share meets M as it meets W, and so nearly do the smooth motions that
-//! take an iteration longest. omega < 1 keeps pivots away from zero (relaxed: Axelsson & Lindskog, Numer. Math. 48, 1986). The product of Eisenstat
-//! (`eisenstat`) costs the same with any pivots. M is positive definite if they are, so that a pivot which has lost too much can be D_g again.
+//! with Y_g = diag(1/scale), three translations that all nodes share in the numbers of a scaled W. Without the sum over s these are the pivots of Dupont,
+//! Kendall & Rachford (SIAM J. Numer. Anal. 5, 1968). The fill in it would stand beside the diagonal; put on it as here (Gustafsson, BIT 18, 1978), a
+//! translation meets M as it meets W, and so nearly do the smooth motions that take conjugate gradients longest. omega < 1 keeps pivots away from zero
+//! (relaxed: Axelsson & Lindskog, Numer. Math. 48, 1986), and is halved at nodes whose pivot would lose too much, which are those where stiff springs meet
+//! soft ones. The product of Eisenstat (`eisenstat`) costs the same with any pivots, and M is positive definite if they are.
 
 use super::blocks::{BLOCK, Block, NodeBlocks, SymmetricBlock};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use std::sync::Arc;
 
-/// [-] omega. On eleven nets of 703 to a million nodes 0.9 takes up to an eighth more iterations, and 0.99 loses pivots.
-const RELAXATION: f32 = 0.95;
-/// [-] What W may have more than a pivot, in units of it, before the pivot has lost too much. Pivots of smooth nets lose about half of their block.
-const MOST_SURPLUS: f64 = 9.0;
+/// [-] omega. On eleven nets of 703 to a million nodes 0.9 takes up to an eighth more iterations, and 0.99 leaves pivots below zero.
+const RELAXATION: f64 = 0.95;
+/// [-] What fill must leave of a pivot.
+const LEAST_LEFT: f64 = 0.5;
+/// Times that omega is halved for it before a node takes no fill.
+const HALVINGS: i32 = 3;
+/// [-] delta: what pivots have more of their block than elimination leaves: without it, a light node on stiff springs costs single precision its digits.
+const SHIFT: f64 = 0.01;
 /// Entries of a positive definite matrix stay below the root of the diagonal's; one that does not is more than rounding.
 const LARGEST: f32 = 1.0 + 1e-5;
 
@@ -27,12 +32,14 @@ impl NodeBlocks {
             // Rows ascend from the diagonal.
             *scale = values[first as usize].sqrt().recip();
         }
-        // Until a node's turn comes: what the nodes before it take from its pivot.
+        // Until a node's turn comes: what the nodes before it take from its pivot, and the fill.
         self.inverse_root.fill(Mat3A::ZERO);
+        self.surplus.fill(SymmetricBlock::default());
         let mut small = true;
         for g in 0..self.nodes() {
             let diagonal = self.take(g, values, &mut small);
-            let Some(pivot) = Pivot::new(&diagonal, &self.inverse_root[g]) else { return false };
+            let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.as_dmat3());
+            let Some(pivot) = Pivot::new(&diagonal, taken) else { return false };
             self.inverse_root[g] = pivot.inverse_root;
             self.surplus[g] = pivot.surplus;
             self.eliminate(g);
@@ -76,9 +83,10 @@ impl NodeBlocks {
         for k in self.column(g) {
             let row = self.row[k] as usize;
             let block = self.below[k].matrix();
-            let others = scale_columns(all, self.scale_of(row));
-            let taken = block * (block.transpose() * (1.0 - RELAXATION) + others * RELAXATION);
-            self.inverse_root[row] += (taken + taken.transpose()) * 0.5;
+            let own = block * block.transpose();
+            let fill = block * scale_columns(all, self.scale_of(row)) - own;
+            self.inverse_root[row] += own;
+            self.surplus[row].add(&((fill + fill.transpose()) * 0.5));
         }
     }
 
@@ -126,16 +134,27 @@ struct Pivot {
 }
 
 impl Pivot {
-    /// From the lower half of D and what eliminations have taken from it; of D alone where they have taken too much. `None` where D is not positive definite.
-    fn new(block: &DMat3, taken: &Mat3A) -> Option<Self> {
-        let [x, y, z] = [block.x_axis, block.y_axis, block.z_axis];
+    /// From the lower half of D, what eliminations have taken from it, and their fill. `None` where D is not positive definite.
+    fn new(lower: &DMat3, [taken, fill]: [DMat3; 2]) -> Option<Self> {
+        let [x, y, z] = [lower.x_axis, lower.y_axis, lower.z_axis];
         let block = DMat3::from_cols(x, DVec3::new(x.y, y.y, y.z), DVec3::new(x.z, y.z, z.z));
-        let lost = |root: &DMat3| *root * block * root.transpose() - DMat3::IDENTITY;
-        let own = inverse_root(&(block - taken.as_dmat3())).map(|root| (root, lost(&root)));
-        let kept = own.filter(|(_, j)| j.x_axis.x + j.y_axis.y + j.z_axis.z <= MOST_SURPLUS);
-        let (root, surplus) = kept.or_else(|| inverse_root(&block).map(|root| (root, DMat3::ZERO)))?;
+        let pivot = less_fill(&(block * (1.0 + SHIFT) - taken), &fill);
+        Pivot::of(&pivot, &block).or_else(|| Pivot::of(&block, &block))
+    }
+
+    /// `None` where the pivot is not positive definite.
+    fn of(pivot: &DMat3, block: &DMat3) -> Option<Self> {
+        let root = inverse_root(pivot)?;
+        let surplus = root * *block * root.transpose() - DMat3::IDENTITY;
         Some(Pivot { inverse_root: single(&root), surplus: SymmetricBlock::of(&single(&surplus)) })
     }
+}
+
+/// A pivot after its fill, as much of it as leaves enough.
+fn less_fill(pivot: &DMat3, fill: &DMat3) -> DMat3 {
+    let most = *pivot * (1.0 - LEAST_LEFT);
+    let shares = (0..=HALVINGS).map(|i| *fill * (RELAXATION * 0.5_f64.powi(i)));
+    shares.into_iter().find(|share| inverse_root(&(most - *share)).is_some()).map_or(*pivot, |share| *pivot - share)
 }
 
 fn single(m: &DMat3) -> Mat3A {
