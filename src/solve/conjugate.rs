@@ -1,7 +1,7 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
 //! Eisenstat's product (1981).
 //!
-//! Nothing is factorised: making the solver ready costs about three of its iterations, and its memory is half of W's. Iterations grow like the
+//! Nothing is factorised: making the solver ready costs about ten of its iterations, and its memory is half of W's. Iterations grow like the
 //! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
 //!
 //! ```text
