@@ -175,3 +175,97 @@ fn inverse_root(block: &DMat3) -> Option<DMat3> {
     let corner = -(c * ia + e * below) * i_f;
     Some(DMat3::from_cols(DVec3::new(ia, below, corner), DVec3::new(0.0, id, -e * id * i_f), DVec3::new(0.0, 0.0, i_f)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assembly::Pattern;
+
+    /// What node g may move along, of a row of nodes of which some are partly held.
+    fn free(g: usize) -> &'static [u32] {
+        match g {
+            3 => &[0, 2],
+            5 => &[1],
+            _ => &[0, 1, 2],
+        }
+    }
+
+    const NODES: usize = 12;
+
+    /// Nodes with three neighbours ahead each, as in a net of triangles.
+    fn pattern() -> Pattern {
+        let (mut dof, mut node_start) = (Vec::new(), vec![0]);
+        for g in 0..NODES {
+            dof.extend(free(g).iter().map(|direction| 3 * g as u32 + direction));
+            node_start.push(dof.len() as u32);
+        }
+        let (mut col_ptr, mut row_idx) = (vec![0], Vec::new());
+        for g in 0..NODES {
+            for u in node_start[g]..node_start[g + 1] {
+                row_idx.extend(u..node_start[g + 1]);
+                for other in [g + 1, g + 4, g + 5].into_iter().filter(|&other| other < NODES) {
+                    row_idx.extend(node_start[other]..node_start[other + 1]);
+                }
+                col_ptr.push(row_idx.len() as u32);
+            }
+        }
+        let position = vec![[0.0; 3]; NODES];
+        Pattern { col_ptr, row_idx, symmetric: true, dof, node_start, position }
+    }
+
+    /// Random entries of sizes that differ by powers of ten, made positive definite by the diagonal.
+    fn values(pattern: &Pattern, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let size: Vec<f64> = (0..pattern.n()).map(|_| 10_f64.powf(3.0 * random())).collect();
+        let (mut values, mut sums) = (vec![0.0; pattern.nonzeros()], vec![0.1; pattern.n()]);
+        for u in 0..pattern.n() {
+            let beside = pattern.col_ptr[u] as usize + 1..pattern.col_ptr[u + 1] as usize;
+            for (value, &r) in values[beside].iter_mut().zip(&pattern.column(u)[1..]) {
+                let (entry, r): (f64, usize) = (random(), r as usize);
+                *value = entry * size[u] * size[r];
+                sums[u] += entry.abs();
+                sums[r] += entry.abs();
+            }
+        }
+        for u in 0..pattern.n() {
+            values[pattern.col_ptr[u] as usize] = sums[u] * size[u] * size[u];
+        }
+        values
+    }
+
+    /// E (I + J) E^T and E L E^T are the blocks of W, entry by entry, whatever the pivots.
+    #[test]
+    fn the_blocks_are_those_of_w() {
+        let pattern = Arc::new(pattern());
+        let mut blocks = NodeBlocks::new(Arc::clone(&pattern));
+        for seed in 1..20 {
+            let values = values(&pattern, seed);
+            assert!(blocks.fill(&values), "seed {seed}");
+            assert!(
+                (0..NODES).any(|g| blocks.surplus[g].diagonal().max_element() > 0.1),
+                "seed {seed}: some pivots lose"
+            );
+            let root: Vec<DMat3> = blocks.inverse_root.iter().map(|inverse| inverse.as_dmat3().inverse()).collect();
+            for g in 0..NODES {
+                let own = DMat3::IDENTITY + blocks.surplus[g].matrix().as_dmat3();
+                let beside = blocks.column(g).map(|k| (blocks.row[k] as usize, blocks.below[k].matrix().as_dmat3()));
+                for (other, block) in beside.chain([(g, own)]) {
+                    let found = root[other] * block * root[g].transpose();
+                    for u in pattern.node_start[g]..pattern.node_start[g + 1] {
+                        for r in (pattern.node_start[other]..pattern.node_start[other + 1]).filter(|&r| r >= u) {
+                            let slot = pattern.slot(r, u).expect("a stored entry") as usize;
+                            let scales = blocks.scale[u as usize] * blocks.scale[r as usize];
+                            let (column, row) = (blocks.direction(u as usize), blocks.direction(r as usize));
+                            let off = found.col(column)[row] - values[slot] * scales;
+                            assert!(off.abs() < 2e-6, "seed {seed}: entry {r}, {u} is {off:e} off");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
