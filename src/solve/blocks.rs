@@ -10,7 +10,7 @@
 //! W = E (I + J + L + L^T) E^T,       M = E (I + L) (I + L^T) E^T
 //! ```
 //! L is stored column by column, in single precision: half the bytes come from memory, and a column of a block is one register. A node with fixed
-//! degrees of freedom keeps three places: the idle ones have the identity and nothing beside it, so that a vector which is zero there stays so.
+//! degrees of freedom keeps three places: the idle ones have nothing beside their diagonal, so that a vector which is zero there stays so.
 
 use crate::assembly::Pattern;
 use glam::{Mat3A, Vec3A, Vec4, Vec4Swizzles};
@@ -77,7 +77,7 @@ pub(super) struct NodeBlocks {
     /// row of every block of L
     pub(super) row: Vec<u32>,
     pub(super) below: Vec<Block>,
-    /// J: how much more W has than M's pivots, positive semi-definite
+    /// J: what D has more than P, E^-1 (D - P) E^-T; I + J is positive definite
     pub(super) surplus: Vec<SymmetricBlock>,
     /// 1/sqrt(W_uu) of every unknown: what is scaled by it can be told in single precision
     pub(super) scale: Vec<f64>,
@@ -91,7 +91,7 @@ impl NodeBlocks {
     /// Stored entries of W beyond which entries of blocks, of which each holds one at least, could not be numbered.
     pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
 
-    /// Finds the blocks of a symmetric pattern.
+    /// Finds the blocks of a symmetric pattern, which must have all entries of a block over its free places: what is not stored is never written again.
     pub fn new(pattern: Arc<Pattern>) -> Self {
         let nodes = pattern.node_start.len() - 1;
         let mut node = vec![0; pattern.n()];

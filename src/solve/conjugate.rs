@@ -1,7 +1,7 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
 //! Eisenstat's product (1981).
 //!
-//! Nothing is factorised: making the solver ready costs about ten of its iterations, and its memory is half of W's. Iterations grow like the
+//! No factor is stored: making the solver ready costs about ten of its iterations, and its memory is about that of W, of which an iteration reads a third. Iterations grow like the
 //! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
 //!
 //! ```text
@@ -13,6 +13,7 @@
 use super::blocks::NodeBlocks;
 use super::eisenstat::Sweep;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
+use super::pivots::RELAXATION;
 use crate::assembly::Pattern;
 use glam::{DVec3, Vec3A};
 use std::sync::Arc;
@@ -23,8 +24,10 @@ const RELATIVE: f64 = 1e-10;
 const SINGLE: f64 = 1e-6;
 /// [-] A round that leaves more than this of what it began with is the last: rounding has eaten the rest.
 const ROUND: f64 = 0.1;
-/// [-] p . W p over p . p, below which its sign is one of rounding
+/// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
 const ROUNDING: f64 = 1e-5;
+/// [-] What a stable (I + L)^-1 makes of a rough vector at most: 1 to 4 on nets; where residuals tell nothing any more, 10 to 100.
+const GROWTH: f64 = 6.0;
 /// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
 const FEW: u32 = 2;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
@@ -88,18 +91,21 @@ impl ConjugateGradients {
     /// # Errors
     /// As [`LinearSolver::solve`].
     pub(super) fn rehearse(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
-        let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
-        let mut rough = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
-        };
-        self.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+        fill_roughly(&mut self.r);
         let own = std::mem::replace(&mut self.most, most);
         self.iterations = 0;
         let first = squared(&self.r);
         let found = self.iterate(first, Accuracy::to(relative));
         self.most = own;
         found.map(|()| self.iterations)
+    }
+
+    /// Whether residuals tell what is left of a solution: where M is nearly singular, motions that hardly matter drown all others.
+    fn stable(&mut self) -> bool {
+        fill_roughly(&mut self.r);
+        let before = squared(&self.r);
+        self.blocks.forward(&mut self.r);
+        squared(&self.r) <= GROWTH * GROWTH * before
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
@@ -109,7 +115,10 @@ impl ConjugateGradients {
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        let mut beta = 0.0;
+        if !first.is_finite() {
+            return Err(LinearError::Singular { unknown: None });
+        }
+        let (mut beta, mut largest) = (0.0, 1.0_f64);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
                 return Err(stalled(self.iterations, square));
@@ -118,10 +127,11 @@ impl ConjugateGradients {
             self.all += 1;
             let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
             let curvature = self.blocks.times(&self.r, beta, sweep);
-            if curvature.along.is_nan() {
+            if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
-            if curvature.along <= -ROUNDING * curvature.squares {
+            largest = largest.max(curvature.along / curvature.squares);
+            if curvature.along <= -ROUNDING * largest * curvature.squares {
                 self.indefinite += 1;
                 return Err(LinearError::Indefinite { iterations: self.iterations });
             }
@@ -131,6 +141,9 @@ impl ConjugateGradients {
             let alpha = square / curvature.along;
             let before = square;
             square = advance(alpha as f32, [&mut self.x, &mut self.r], [&self.p, &self.q]);
+            if !square.is_finite() {
+                return Err(LinearError::Singular { unknown: None });
+            }
             beta = (square / before) as f32;
         }
         Ok(())
@@ -197,6 +210,16 @@ impl ConjugateGradients {
     }
 }
 
+/// Numbers that are the same everywhere.
+fn fill_roughly(v: &mut [Vec3A]) {
+    let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut rough = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
+    };
+    v.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+}
+
 fn squared(v: &[Vec3A]) -> f64 {
     v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
 }
@@ -216,7 +239,11 @@ impl LinearSolver for ConjugateGradients {
     /// Makes the blocks ready. Whether W is definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
-        if self.blocks.fill(values) {
+        let mut definite = self.blocks.fill(values, RELAXATION);
+        if definite && !self.stable() {
+            definite = self.blocks.fill(values, 0.0);
+        }
+        if definite {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;

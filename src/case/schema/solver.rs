@@ -59,7 +59,7 @@ pub enum Linear {
     Cholesky,
     /// Sparse LU.
     Lu,
-    /// Conjugate gradients, preconditioned by an incomplete factorisation of pivots alone: no factor, little memory, for small steps and large meshes. Of the
+    /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little memory, for small steps and large meshes. Of the
     /// symmetric part where the tangent is not symmetric, for which the strategy must not be `full`.
     Cg,
 }
