@@ -96,8 +96,8 @@ fn the_blocks_are_those_of_w() {
 fn scaled(blocks: &NodeBlocks, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
     let (pattern, place) = (&blocks.pattern, |u: usize| (blocks.pattern.dof[u] as usize / 3, blocks.direction(u)));
     let (mut w, mut scale) = (vec![vec![DMat3::ZERO; NODES]; NODES], vec![DMat3::ZERO; NODES]);
-    for g in 0..NODES {
-        w[g][g] = DMat3::IDENTITY;
+    for (g, row) in w.iter_mut().enumerate() {
+        row[g] = DMat3::IDENTITY;
     }
     for u in 0..pattern.n() {
         let (g, column) = place(u);
