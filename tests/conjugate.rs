@@ -138,6 +138,26 @@ fn values_that_are_not_finite_are_refused_with_their_column() {
     assert_eq!(cg(&pattern).factor(&values), Err(LinearError::NotFinite { unknown: 17 }));
 }
 
+/// However exact a solution is asked for, a right-hand side with a number that is none is refused and left as it was.
+#[test]
+fn a_right_hand_side_that_is_not_finite_is_refused() {
+    let pattern = sheet(4).assembler().expect("small").pattern;
+    let values = random_definite(&pattern, 1);
+    let mut solver = cg(&pattern);
+    solver.factor(&values).expect("definite");
+    for relative in [1e-3, 1e-12] {
+        solver.ask(Accuracy::to(relative));
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut b = random_vector(pattern.n(), 2);
+            b[7] = bad;
+            let mut x = b.clone();
+            let outcome = solver.solve(&values, &mut x);
+            assert_eq!(outcome, Err(LinearError::Singular { unknown: None }), "{bad} to {relative:e}");
+            assert!(x.iter().zip(&b).all(|(x, b)| x.to_bits() == b.to_bits()), "{bad} to {relative:e}");
+        }
+    }
+}
+
 /// Nodes in a row that move along it.
 fn chain(n: u32) -> Pattern {
     Pattern {
@@ -168,7 +188,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     let b = random_vector(n as usize, 5);
     match solver.solve(&values, &mut b.clone()) {
         Err(error @ LinearError::Stalled { iterations, residual, asked }) => {
-            assert!(iterations > n / 2 && residual > asked && asked == 1e-10, "{error:?}");
+            assert!(iterations >= n && residual > asked && asked == 1e-10, "{error:?}");
             assert!(error.to_string().contains("\"cholesky\" or \"auto\", or a smaller step"), "{error}");
         }
         other => panic!("{other:?}"),
@@ -198,15 +218,14 @@ fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<
     (assembler.pattern.clone(), assembler.values().to_vec())
 }
 
-/// Iterations to 1e-3 of a right-hand side that has a part of every motion.
-fn iterations(pattern: &Arc<Pattern>, values: &[f64]) -> u64 {
-    let mut solver = cg(pattern);
+/// A right-hand side that has a part of every motion, its solution to a relative residual, and the iterations that took.
+fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec<f64>, Vec<f64>, u64) {
+    let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
     assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
-    solver.ask(Accuracy::to(1e-3));
-    let b = random_vector(pattern.n(), 7);
+    solver.ask(Accuracy::to(relative));
     let mut x = b.clone();
     solver.solve(values, &mut x).expect("definite");
-    solver.work().iterations
+    (b, x, solver.work().iterations)
 }
 
 /// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth: iterations stay few however long it is. Pivots that were blocks of W
@@ -216,7 +235,7 @@ fn a_long_chain_takes_few_iterations() {
     let found = [100, 1000, 10_000].map(|n| {
         let values: Vec<f64> =
             (0..n).flat_map(|j| [2.0001, -1.0].into_iter().take(if j + 1 < n { 2 } else { 1 })).collect();
-        iterations(&Arc::new(chain(n)), &values)
+        solution(&(Arc::new(chain(n)), values), 1e-3).2
     });
     assert_eq!(found, [10, 45, 51]);
 }
@@ -224,12 +243,7 @@ fn a_long_chain_takes_few_iterations() {
 /// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
 #[test]
 fn sheets_take_few_iterations() {
-    let found = [1e-2, 1e-3].map(|m| {
-        [20, 40, 80].map(|side| {
-            let (pattern, values) = at_rest(side, m, (1, 1.0));
-            iterations(&pattern, &values)
-        })
-    });
+    let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
     assert_eq!(found, [[14, 13, 13], [28, 23, 28]]);
 }
 
@@ -249,23 +263,20 @@ fn wrinkled_sheets() {
 }
 
 /// How far a solution to a relative residual is from that of Cholesky, and after how many iterations.
-fn apart_from_cholesky((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (f64, u64) {
-    let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
+fn apart_from_cholesky(system: &(Arc<Pattern>, Vec<f64>), relative: f64) -> (f64, u64) {
+    let (pattern, values) = system;
+    let (mut expected, x, iterations) = solution(system, relative);
     let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric");
-    let [mut x, mut expected] = [b.clone(), b];
     direct.factor(values).expect("definite");
     direct.solve(values, &mut expected).expect("definite");
-    assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
-    solver.ask(Accuracy::to(relative));
-    solver.solve(values, &mut x).expect("definite");
-    (difference(&x, &expected), solver.work().iterations)
+    (difference(&x, &expected), iterations)
 }
 
 /// Where springs a thousand times stiffer than their neighbours meet them, fill would leave nothing of pivots, and is left out: solutions are those of Cholesky, as
 /// near as residuals of 1e-6 tell there. Symmetric Gauss-Seidel took 699, 605 and 155.
 #[test]
 fn stiff_springs_among_soft_ones() {
-    for (springs, near, most) in [((7, 1e3), 1e-3, 450), ((37, 1e5), 1e-2, 580), ((3, 1e-3), 1e-3, 200)] {
+    for (springs, near, most) in [((7, 1e3), 1e-3, 450), ((37, 1e5), 1e-2, 580), ((3, 1e-3), 1e-3, 180)] {
         let (off, made) = apart_from_cholesky(&at_rest(40, 1e-3, springs), 1e-6);
         assert!(off < near && made < most, "{springs:?}: {off:e} off after {made} iterations");
     }

@@ -131,6 +131,18 @@ impl NodeBlocks {
         self.start[g] as usize..self.start[g + 1] as usize
     }
 
+    /// A number of each of a node's unknowns in its three places, 0 in the idle ones.
+    #[inline(always)]
+    pub(super) fn places(&self, g: usize, of: impl Fn(usize) -> f32) -> Vec3A {
+        let (first, end) = (self.pattern.node_start[g] as usize, self.pattern.node_start[g + 1] as usize);
+        if end - first == 3 {
+            return Vec3A::new(of(first), of(first + 1), of(first + 2));
+        }
+        let mut places = Vec3A::ZERO;
+        (first..end).for_each(|u| places[self.direction(u)] = of(u));
+        places
+    }
+
     /// 0, 1, 2 for an unknown along x, y, z
     pub(super) fn direction(&self, u: usize) -> usize {
         (self.pattern.dof[u] % 3) as usize

@@ -56,6 +56,21 @@ pub struct ConjugateGradients {
     indefinite: u64,
 }
 
+/// A right-hand side in r.
+struct Taken {
+    /// largest entry of the right-hand side, over which it is taken
+    scale: f64,
+    /// r . r
+    first: f64,
+}
+
+impl Taken {
+    /// [-] size of the right-hand side in the norm of residuals
+    fn size(&self) -> f64 {
+        self.scale * self.first.sqrt()
+    }
+}
+
 impl std::fmt::Debug for ConjugateGradients {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ConjugateGradients").field("stats", &self.stats()).finish()
@@ -115,9 +130,6 @@ impl ConjugateGradients {
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        if !first.is_finite() {
-            return Err(LinearError::Singular { unknown: None });
-        }
         let (mut beta, mut largest) = (0.0, 1.0_f64);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
@@ -151,9 +163,7 @@ impl ConjugateGradients {
 
     /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked for.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
-        let scale = self.blocks.gather(b, &mut self.r);
-        self.blocks.forward(&mut self.r);
-        let first = squared(&self.r);
+        let Taken { scale, first } = self.take(b)?;
         let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE) };
         self.iterate(first, possible)?;
         self.blocks.backward(&mut self.x);
@@ -161,11 +171,12 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// [-] size of b in the norm of residuals
-    fn size(&mut self, b: &[f64]) -> f64 {
+    /// r <- (I + L)^-1 E^-1 b over the scale of b.
+    fn take(&mut self, b: &[f64]) -> Result<Taken, LinearError> {
         let scale = self.blocks.gather(b, &mut self.r);
         self.blocks.forward(&mut self.r);
-        scale * squared(&self.r).sqrt()
+        let first = squared(&self.r);
+        if first.is_finite() { Ok(Taken { scale, first }) } else { Err(LinearError::Singular { unknown: None }) }
     }
 
     /// Solves for what is left of the right-hand side in double precision, until that is no more than was asked for.
@@ -184,7 +195,7 @@ impl ConjugateGradients {
     }
 
     fn rounds(&mut self, values: &[f64], b: &[f64], asked: f64, [x, r]: [&mut [f64]; 2]) -> Result<(), LinearError> {
-        let first = self.size(b);
+        let first = self.take(b)?.size();
         let mut left = 1.0;
         while first > 0.0 && left > asked {
             self.round(r, Accuracy::to(asked / left)).map_err(|error| match error {
@@ -200,8 +211,8 @@ impl ConjugateGradients {
             for (r, b) in r.iter_mut().zip(b) {
                 *r = b - *r;
             }
-            let now = self.size(r) / first;
-            if now > asked && (now.is_nan() || now > ROUND * left) {
+            let now = self.take(r)?.size() / first;
+            if now > asked && now > ROUND * left {
                 return Err(LinearError::Stalled { iterations: self.iterations, residual: now, asked });
             }
             left = now;

@@ -9,16 +9,8 @@ impl NodeBlocks {
         let size = b.iter().zip(&self.scale).fold(0.0_f64, |size, (b, scale)| size.max((b * scale).abs()));
         let inverse = if size > 0.0 { size.recip() } else { 0.0 };
         let single = |u: usize| (b[u] * self.scale[u] * inverse) as f32;
-        for (g, unknowns) in self.pattern.node_start.windows(2).enumerate() {
-            let (first, end) = (unknowns[0] as usize, unknowns[1] as usize);
-            let own = if end - first == 3 {
-                Vec3A::new(single(first), single(first + 1), single(first + 2))
-            } else {
-                let mut own = Vec3A::ZERO;
-                (first..end).for_each(|u| own[self.direction(u)] = single(u));
-                own
-            };
-            v[g] = self.inverse_root[g] * own;
+        for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).enumerate() {
+            *v = *inverse_root * self.places(g, single);
         }
         size
     }
