@@ -13,7 +13,7 @@ use super::window::{Padded, RECORD, Records, Window, add_rows, copy_rows, plus_r
 use crate::model::forces::Tally;
 use glam::DVec3;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a pass adds up.
 pub trait Terms: Sync {
@@ -38,29 +38,31 @@ impl<S: Summand> Terms for [S] {
 /// The tiles of a scene and the room a pass needs.
 #[derive(Debug)]
 pub struct Sweep {
-    tiling: Tiling,
+    pub(super) tiling: Tiling,
     room: Mutex<Room>,
 }
 
 #[derive(Debug, Default)]
-struct Room {
+pub(super) struct Room {
     /// what each sum gets beyond the strips' ends
-    beyond: [Vec<Padded>; SUMS],
+    pub beyond: [Vec<Padded>; SUMS],
+    /// of the pass
+    terms: usize,
     /// tile after tile, term after term
     tallies: Vec<Tally>,
 }
 
 /// What a pass reads, and with which threads.
-struct Work<'a, T: ?Sized> {
-    terms: &'a T,
-    wants: Wants,
-    at: NodeState<'a>,
-    threads: &'a Threads,
-    tiling: &'a Tiling,
+pub(super) struct Work<'a, T: ?Sized> {
+    pub terms: &'a T,
+    pub wants: Wants,
+    pub at: NodeState<'a>,
+    pub threads: &'a Threads,
+    pub tiling: &'a Tiling,
 }
 
 /// Some strips and where their sums go.
-struct Part<'a> {
+pub(super) struct Part<'a> {
     strips: Range<usize>,
     out: [&'a mut [DVec3]; SUMS],
     beyond: [&'a mut [Padded]; SUMS],
@@ -70,7 +72,11 @@ struct Part<'a> {
 impl Sweep {
     /// Cuts `nodes` nodes into tiles and tells every summand its elements.
     pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
-        Sweep { tiling: Tiling::new(nodes, summands), room: Mutex::default() }
+        Sweep::of(Tiling::new(nodes, summands))
+    }
+
+    pub(super) fn of(tiling: Tiling) -> Self {
+        Sweep { tiling, room: Mutex::default() }
     }
 
     /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
@@ -82,50 +88,75 @@ impl Sweep {
         mut out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
-        debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
-        let Room { beyond, tallies: by_tile } = &mut *room;
-        for (beyond, _) in beyond.iter_mut().zip(&out).filter(|(_, out)| !out.is_empty()) {
-            beyond.resize(self.tiling.beyond().len(), Padded::default());
+        let mut room = self.room(terms.count(), &out);
+        let work = Work { terms, wants: wants(terms), at, threads, tiling: &self.tiling };
+        work.run(self.part(self.tiling.strips(), &mut out, &mut room));
+        for (out, beyond) in out.iter_mut().zip(&room.beyond).filter(|(out, _)| !out.is_empty()) {
+            threads.workers().each(bytemuck::cast_slice_mut(out), |dofs, out| {
+                self.tiling.add_beyond(0..self.tiling.tiles().len(), beyond, (dofs.start / 3, by_node(out)));
+                0.0
+            });
         }
-        by_tile.resize(self.tiling.tiles().len() * terms.count(), Tally::default());
-        let wants = (0..terms.count()).map(|i| terms.term(i).0.wants()).fold(Wants::default(), Wants::or);
-        let work = Work { terms, wants, at, threads, tiling: &self.tiling };
-        let part = Part {
-            strips: self.tiling.strips(),
-            out: out.each_mut().map(|out| &mut **out),
-            beyond: beyond.each_mut().map(|beyond| beyond.as_mut_slice()),
-            tallies: by_tile,
-        };
-        match threads.workers().pool().filter(|_| part.strips.len() > 1) {
-            None => work.in_order(part),
-            Some(pool) => pool.install(|| work.side_by_side(part)),
-        }
-        for (out, beyond) in out.iter_mut().zip(&*beyond).filter(|(out, _)| !out.is_empty()) {
-            self.add_beyond(beyond, out);
-        }
-        tallies.fill(Tally::default());
-        for by_tile in by_tile.chunks(terms.count().max(1)) {
-            tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
-        }
+        room.add_up(tallies);
     }
 
-    fn add_beyond(&self, sums: &[Padded], out: &mut [DVec3]) {
-        for Plan { beyond, run, .. } in self.tiling.tiles() {
-            let sums = &sums[beyond.clone()];
-            match *run {
-                Some(first) => add_rows(sums, &mut out[first..first + sums.len()]),
-                None => {
-                    for (&node, sum) in self.tiling.beyond()[beyond.clone()].iter().zip(sums) {
-                        out[node as usize] += DVec3::new(sum[0], sum[1], sum[2]);
-                    }
-                }
-            }
+    /// Room for a pass of some terms into sums of these sizes.
+    pub(super) fn room(&self, terms: usize, out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
+        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        for (beyond, _) in room.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
+            beyond.resize(self.tiling.beyond().len(), Padded::default());
+        }
+        room.terms = terms;
+        room.tallies.resize(self.tiling.tiles().len() * terms, Tally::default());
+        room
+    }
+
+    /// The places of some strips.
+    pub(super) fn part<'a>(
+        &self,
+        strips: Range<usize>,
+        out: &'a mut [&mut [DVec3]; SUMS],
+        room: &'a mut Room,
+    ) -> Part<'a> {
+        let (nodes, tiles) = (self.tiling.nodes_of(strips.clone()), self.tiling.tiles_of(strips.clone()));
+        let beyond = self.tiling.beyond_of(tiles.clone());
+        Part {
+            out: out.each_mut().map(|out| if out.is_empty() { &mut **out } else { &mut out[nodes.clone()] }),
+            beyond: room.beyond.each_mut().map(|sums| sums.get_mut(beyond.clone()).unwrap_or_default()),
+            tallies: &mut room.tallies[tiles.start * room.terms..tiles.end * room.terms],
+            strips,
         }
     }
 }
 
+impl Room {
+    /// Adds up energies and powers of every term, tile after tile.
+    pub(super) fn add_up(&self, tallies: &mut [Tally]) {
+        tallies.fill(Tally::default());
+        for by_tile in self.tallies.chunks(self.terms.max(1)) {
+            tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
+        }
+    }
+}
+
+pub(super) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
+    bytemuck::cast_slice_mut(dofs)
+}
+
+/// What any of the terms wants.
+pub(super) fn wants<T: Terms + ?Sized>(terms: &T) -> Wants {
+    (0..terms.count()).map(|i| terms.term(i).0.wants()).fold(Wants::default(), Wants::or)
+}
+
 impl<T: Terms + ?Sized> Work<'_, T> {
+    /// Fills the places of some strips.
+    pub(super) fn run(&self, part: Part<'_>) {
+        match self.threads.workers().pool().filter(|_| part.strips.len() > 1) {
+            None => self.in_order(part),
+            Some(pool) => pool.install(|| self.side_by_side(part)),
+        }
+    }
+
     fn in_order(&self, mut part: Part<'_>) {
         while part.strips.len() > 1 {
             let next = part.strips.start + 1;
@@ -149,7 +180,7 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         let Part { strips, out, beyond, tallies } = part;
         let before = strips.start..at;
         let tiles = self.tiling.tiles_of(before.clone());
-        let (out, out_after) = halves(out, self.tiling.node_count(before.clone()));
+        let (out, out_after) = halves(out, self.tiling.nodes_of(before.clone()).len());
         let (beyond, beyond_after) = halves(beyond, self.tiling.beyond_of(tiles.clone()).len());
         let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * self.terms.count());
         [
@@ -271,7 +302,7 @@ mod tests {
             Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
         let mut terms = Mixed { star: Batch::new(data), chain: Batch::new(links), weight };
         let tiling = Tiling::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
-        (terms, Sweep { tiling, room: Mutex::default() })
+        (terms, Sweep::of(tiling))
     }
 
     fn vectors(seed: u64) -> Vec<DVec3> {
@@ -360,7 +391,7 @@ mod tests {
         let at = NodeState { t: 0.0, x: &x, v: &v };
         let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
         let tiling = Tiling::within(Limits { strip: 64, records: 300 }, NODES, &mut [&mut terms.star]);
-        let sweep = Sweep { tiling, room: Mutex::default() };
+        let sweep = Sweep::of(tiling);
         let mut sum = vec![DVec3::NAN; NODES];
         let star = std::slice::from_ref(&terms.star);
         sweep.pass((star, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
@@ -374,10 +405,7 @@ mod tests {
         let at = NodeState { t: 0.0, x: &x, v: &v };
         let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
         let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
-        let sweep = Sweep {
-            tiling: Tiling::within(Limits { strip: 16, records: 40 }, NODES, summands),
-            room: Mutex::default(),
-        };
+        let sweep = Sweep::of(Tiling::within(Limits { strip: 16, records: 40 }, NODES, summands));
         let mut sum = vec![DVec3::NAN; NODES];
         let one = std::slice::from_ref(&terms.weight);
         sweep.pass((one, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);

@@ -5,7 +5,7 @@ use crate::model::workers::Workers;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Sums of a pass at most.
-pub(super) const SUMS: usize = 3;
+pub(crate) const SUMS: usize = 3;
 
 /// A thread's windows.
 #[derive(Debug)]

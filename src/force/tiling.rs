@@ -5,7 +5,8 @@
 //! for the windows of one.
 
 use super::batch::Summand;
-use super::window::RECORD;
+use super::window::{Padded, RECORD, add_rows};
+use glam::DVec3;
 use std::ops::Range;
 
 /// Records in a window at most: as many as 16 bits can tell apart.
@@ -42,6 +43,8 @@ pub(super) struct Plan {
     pub beyond: Range<usize>,
     /// the first of them, where they follow each other
     pub run: Option<usize>,
+    /// from the first of them to the last; where there is none, from the strip's end to there
+    pub reach: Range<usize>,
 }
 
 impl Plan {
@@ -84,9 +87,9 @@ impl Tiling {
         0..self.first_tile.len() - 1
     }
 
-    /// How many nodes some strips have.
-    pub(super) fn node_count(&self, strips: Range<usize>) -> usize {
-        (self.strip * strips.end).min(self.nodes) - (self.strip * strips.start).min(self.nodes)
+    /// The nodes of some strips.
+    pub(super) fn nodes_of(&self, strips: Range<usize>) -> Range<usize> {
+        (self.strip * strips.start).min(self.nodes)..(self.strip * strips.end).min(self.nodes)
     }
 
     /// Numbers of the tiles of some strips.
@@ -101,6 +104,25 @@ impl Tiling {
     /// The nodes beyond of all tiles.
     pub(super) fn beyond(&self) -> &[u32] {
         &self.beyond
+    }
+
+    /// Adds what tiles give to nodes beyond their strips to those that begin with `first`, tile after tile.
+    pub(super) fn add_beyond(&self, tiles: Range<usize>, sums: &[Padded], (first, out): (usize, &mut [DVec3])) {
+        let end = first + out.len();
+        for plan in self.tiles[tiles].iter().filter(|plan| plan.reach.start < end && first < plan.reach.end) {
+            let nodes = &self.beyond[plan.beyond.clone()];
+            let below = |limit: usize| nodes.partition_point(|&node| (node as usize) < limit);
+            let [from, to] = [below(first), below(end)];
+            let sums = &sums[plan.beyond.clone()][from..to];
+            match plan.run {
+                Some(run) => add_rows(sums, &mut out[(run + from).saturating_sub(first)..][..sums.len()]),
+                None => {
+                    for (&node, sum) in nodes[from..to].iter().zip(sums) {
+                        out[node as usize - first] += DVec3::new(sum[0], sum[1], sum[2]);
+                    }
+                }
+            }
+        }
     }
 
     /// The part of some tiles in the list of nodes beyond.
@@ -162,7 +184,11 @@ impl Cutter {
         beyond.iter().for_each(|&node| self.place[node as usize] = None);
         let follow = beyond.windows(2).all(|pair| pair[1] == pair[0] + 1);
         let run = beyond.first().filter(|_| follow).map(|&node| node as usize);
-        tiling.tiles.push(Plan { own, opens_strip, beyond: begin..tiling.beyond.len(), run });
+        let reach = match (beyond.first(), beyond.last()) {
+            (Some(&first), Some(&last)) => first as usize..last as usize + 1,
+            _ => own.end..own.end,
+        };
+        tiling.tiles.push(Plan { own, opens_strip, beyond: begin..tiling.beyond.len(), run, reach });
         full
     }
 }
@@ -246,7 +272,7 @@ mod tests {
         let tiling = Tiling::within(limits(8, 100), 100, &mut [&mut told, &mut none]);
         check(&tiling, &told);
         assert_eq!((tiling.tiles.len(), tiling.beyond.len(), none.tiles), (13, 12, 13));
-        assert_eq!((tiling.node_count(1..3), tiling.node_count(12..13), tiling.tiles_of(3..5)), (16, 4, 3..5));
+        assert_eq!((tiling.nodes_of(1..3), tiling.nodes_of(12..13), tiling.tiles_of(3..5)), (8..24, 96..100, 3..5));
         assert_eq!((tiling.beyond_of(2..4), tiling.beyond_of(12..13)), (2..4, 12..12));
     }
 

@@ -1,8 +1,9 @@
 //! Work counters: the same on every machine, unlike seconds.
 
 use crate::model::forces::Forces;
+use crate::model::point::Point;
 use crate::model::state::StateRef;
-use crate::model::system::System;
+use crate::model::system::{Around, System};
 
 /// What a run cost, in operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -40,5 +41,11 @@ impl Counters {
     pub fn evaluate<S: System + ?Sized>(&mut self, system: &S, at: StateRef<'_>, out: &mut Forces) {
         self.force_evaluations += 1;
         system.evaluate(at, out);
+    }
+
+    /// A counted force pass with what comes before and after it.
+    pub fn evaluate_around<S: System + ?Sized>(&mut self, system: &S, to: &mut Point, around: &dyn Around) {
+        self.force_evaluations += 1;
+        system.evaluate_around(&mut to.state, &mut to.forces, around);
     }
 }

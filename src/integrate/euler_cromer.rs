@@ -7,10 +7,11 @@
 //! Symplectic, not energy-conserving: on an oscillator it keeps v^2 + w^2 x^2 - w^2 h x v. Limit w h < 2 undamped,
 //! 2 (sqrt(1 + zeta^2) - zeta) with damping ratio zeta.
 
-use super::updates::{Sizes, kick_and_drift};
+use super::updates::{BeforeAndAfter, Product, Sizes, kick_then_drift, nothing};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
+use std::ops::Range;
 
 /// Euler-Cromer; carries nothing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,9 +28,13 @@ impl Integrator<dyn System> for EulerCromer {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
+        let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
         to.state.t = t_next;
-        kick_and_drift(system, &mut to.state, from, Sizes { kick: h, drift: h });
-        counters.evaluate(system, to.state.as_ref(), &mut to.forces);
+        let before = |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
+            let from = (&n.x[r.clone()], &n.v[r.clone()]);
+            kick_then_drift((x, v), from, a_n.of(r), Sizes { kick: h, drift: h });
+        };
+        counters.evaluate_around(system, to, &BeforeAndAfter { before, after: nothing });
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
 }

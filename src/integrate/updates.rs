@@ -2,10 +2,9 @@
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};
-use crate::model::point::Point;
-use crate::model::state::State;
-use crate::model::system::System;
+use crate::model::system::{Around, System};
 use multiversion::multiversion;
+use std::ops::Range;
 
 /// out = a + h b
 #[multiversion(targets("x86_64+avx+avx2"))]
@@ -25,45 +24,57 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
 
 /// out = v + h M^-1 f
 pub(super) fn kick<S: System + ?Sized>(system: &S, out: &mut [f64], v: &[f64], h: f64, f: &[f64]) {
-    let inverse_mass = system.inverse_mass();
+    let product = Product { inverse_mass: system.inverse_mass(), f };
     system.workers().each(out, |r, out| {
-        add_product(out, &v[r.clone()], h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        add_product(out, &v[r.clone()], h, product.of(r));
         0.0
     });
 }
 
 /// M^-1 f, before it is multiplied.
 #[derive(Clone, Copy)]
-struct Product<'a> {
-    inverse_mass: &'a [f64],
-    f: &'a [f64],
+pub(super) struct Product<'a> {
+    pub inverse_mass: &'a [f64],
+    pub f: &'a [f64],
 }
 
+impl Product<'_> {
+    /// Some degrees of freedom of it.
+    pub fn of(&self, r: Range<usize>) -> Product<'_> {
+        Product { inverse_mass: &self.inverse_mass[r.clone()], f: &self.f[r] }
+    }
+}
+
+/// out = v + h M^-1 f
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
+pub(super) fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
     for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(p.f).zip(p.inverse_mass) {
         *out = v + h * (inverse_mass * f);
     }
 }
 
-/// v = v_n + k M^-1 f, then x = x_n + h v, in one pass over the nodes.
-pub(super) fn kick_and_drift<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
-    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
-    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
-        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
-        kick_then_drift((x, v), (&n.x[r.clone()], &n.v[r]), f, h);
-    });
+/// What a scheme does around a force pass, of two functions of a range of degrees of freedom: of x and v before it; of v and the forces after it.
+pub(super) struct BeforeAndAfter<B, A> {
+    pub before: B,
+    pub after: A,
 }
 
-/// x = x_n + h v_n and v = v_n + k M^-1 f, in one pass over the nodes.
-pub(super) fn drift_and_kick<S: System + ?Sized>(system: &S, to: &mut State, from: &Point, h: Sizes) {
-    let (inverse_mass, f, n) = (system.inverse_mass(), &from.forces.total, &from.state);
-    system.workers().both((&mut to.x, &mut to.v), |r, x, v| {
-        add_scaled(x, &n.x[r.clone()], h.drift, &n.v[r.clone()]);
-        let f = Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r.clone()] };
-        add_product(v, &n.v[r], h.kick, f);
-    });
+impl<B, A> Around for BeforeAndAfter<B, A>
+where
+    B: Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync,
+    A: Fn(Range<usize>, &mut [f64], &[f64]) + Sync,
+{
+    fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
+        (self.before)(dofs, x, v);
+    }
+
+    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
+        (self.after)(dofs, v, f);
+    }
 }
+
+/// Nothing comes after.
+pub(super) fn nothing(_: Range<usize>, _: &mut [f64], _: &[f64]) {}
 
 /// How far a kick and a drift go.
 #[derive(Clone, Copy)]
@@ -74,8 +85,14 @@ pub(super) struct Sizes {
     pub drift: f64,
 }
 
+/// v = v_n + k M^-1 f, then x = x_n + h v
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn kick_then_drift((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), p: Product<'_>, h: Sizes) {
+pub(super) fn kick_then_drift(
+    (x, v): (&mut [f64], &mut [f64]),
+    (x_n, v_n): (&[f64], &[f64]),
+    p: Product<'_>,
+    h: Sizes,
+) {
     let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
     for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
         *v = v_n + h.kick * (inverse_mass * f);
@@ -92,15 +109,16 @@ pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &
 
 /// out += h M^-1 f
 pub(super) fn accumulate_kick<S: System + ?Sized>(system: &S, out: &mut [f64], h: f64, f: &[f64]) {
-    let inverse_mass = system.inverse_mass();
+    let product = Product { inverse_mass: system.inverse_mass(), f };
     system.workers().each(out, |r, out| {
-        accumulate_product(out, h, Product { inverse_mass: &inverse_mass[r.clone()], f: &f[r] });
+        accumulate_product(out, h, product.of(r));
         0.0
     });
 }
 
+/// out += h M^-1 f
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn accumulate_product(out: &mut [f64], h: f64, p: Product<'_>) {
+pub(super) fn accumulate_product(out: &mut [f64], h: f64, p: Product<'_>) {
     for ((out, f), inverse_mass) in out.iter_mut().zip(p.f).zip(p.inverse_mass) {
         *out += h * (inverse_mass * f);
     }

@@ -12,10 +12,11 @@
 //! a* over to the next step instead of a_{n+1} would save an evaluation but lose stability (w h < 1.64 instead of 1.84 at damping
 //! ratio 0.1). Without velocity-dependent forces a* = a_{n+1}. Limit w h < 2 undamped.
 
-use super::updates::{Sizes, accumulate_kick, kick, kick_and_drift};
+use super::updates::{BeforeAndAfter, Product, Sizes, accumulate_product, add_product, kick_then_drift};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
+use std::ops::Range;
 
 /// Velocity Verlet; carries nothing (a_n is the force of the point it starts from).
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,18 +33,27 @@ impl Integrator<dyn System> for VelocityVerlet {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let (n, f_n) = (&from.state, &from.forces.total);
+        let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
+        let predicts = system.velocity_dependent();
         to.state.t = t_next;
-        kick_and_drift(system, &mut to.state, from, Sizes { kick: 0.5 * h, drift: h });
-        if system.velocity_dependent() {
-            kick(system, &mut to.state.v, &n.v, h, f_n);
+        let before = |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
+            let (x_n, v_n) = (&n.x[r.clone()], &n.v[r.clone()]);
+            kick_then_drift((x, v), (x_n, v_n), a_n.of(r.clone()), Sizes { kick: 0.5 * h, drift: h });
+            if predicts {
+                // a* is taken at v_n + h a_n ...
+                add_product(v, v_n, h, a_n.of(r));
+            }
+        };
+        let after = |r: Range<usize>, v: &mut [f64], f: &[f64]| {
+            if predicts {
+                // ... and added to v_h.
+                add_product(v, &n.v[r.clone()], 0.5 * h, a_n.of(r.clone()));
+            }
+            accumulate_product(v, 0.5 * h, Product { inverse_mass: &a_n.inverse_mass[r], f });
+        };
+        counters.evaluate_around(system, to, &BeforeAndAfter { before, after });
+        if predicts {
             counters.evaluate(system, to.state.as_ref(), &mut to.forces);
-            kick(system, &mut to.state.v, &n.v, 0.5 * h, f_n);
-            accumulate_kick(system, &mut to.state.v, 0.5 * h, &to.forces.total);
-            counters.evaluate(system, to.state.as_ref(), &mut to.forces);
-        } else {
-            counters.evaluate(system, to.state.as_ref(), &mut to.forces);
-            accumulate_kick(system, &mut to.state.v, 0.5 * h, &to.forces.total);
         }
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }

@@ -8,6 +8,7 @@ use super::forces::{Forces, Role};
 use super::state::{State, StateRef};
 use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
+use std::ops::Range;
 
 /// Name and role of a force term, as they appear in a failure report and the ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +17,15 @@ pub struct TermInfo {
     pub name: &'static str,
     /// its place in the ledger
     pub role: Role,
+}
+
+/// What a scheme does around a force pass. Called for ranges that together are all degrees of freedom, in any order, once each.
+pub trait Around: Sync {
+    /// Moves some degrees of freedom to where the pass is to find them.
+    fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]);
+
+    /// What follows from their forces f [N], which at fixed ones need not be 0. No force reads these velocities any more.
+    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]);
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
@@ -34,6 +44,15 @@ pub trait System: Sync {
 
     /// One force pass: overwrites `out` with f(t, x, v), its split and every term's energy or power.
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
+
+    /// The same where a scheme has something to do with nodes just before and just after, which may then happen while they are in cache:
+    /// `around.before` for all degrees of freedom, [`System::evaluate`], `around.after` for all.
+    fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        let n = 0..at.x.len();
+        around.before(n.clone(), &mut at.x, &mut at.v);
+        self.evaluate(at.as_ref(), out);
+        around.after(n, &mut at.v, &out.total);
+    }
 
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
     fn inverse_mass(&self) -> &[f64];

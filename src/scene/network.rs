@@ -3,16 +3,17 @@
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
+use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::spring::{Coefficient, SpringData};
 use crate::force::sweep::{Sweep, Terms};
-use crate::force::threads::Threads;
+use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::lanes::lane_sum;
 use crate::model::state::{State, StateRef};
-use crate::model::system::{System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{Around, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
 use glam::DVec3;
@@ -129,6 +130,15 @@ impl Network {
         self.sweep.pass((&Chosen(terms), at), &self.threads, [f, &mut [], &mut []], tallies);
     }
 
+    /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
+    fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [DVec3]; SUMS], &mut [Tally])) {
+        let Forces { total, external, dissipative, reactions, tallies } = out;
+        pass([&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum)), tallies);
+        for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
+            *reaction = -std::mem::take(&mut total[dof as usize]);
+        }
+    }
+
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
         timed(Phase::Pattern, || self.record(symmetric))
     }
@@ -222,12 +232,12 @@ impl System for Network {
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        let Forces { total, external, dissipative, reactions, tallies } = out;
-        let out = [&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum));
-        self.sweep.pass((self, node_state(at)), &self.threads, out, tallies);
-        for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
-            *reaction = -std::mem::take(&mut total[dof as usize]);
-        }
+        self.pass_into(out, |sums, tallies| self.sweep.pass((self, node_state(at)), &self.threads, sums, tallies));
+    }
+
+    fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around };
+        self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
     }
 
     fn inverse_mass(&self) -> &[f64] {

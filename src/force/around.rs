@@ -1,0 +1,219 @@
+//! A force pass with what a scheme does to nodes just before and just after, in one way through them.
+//!
+//! Strips are gone over in rounds. Nodes are moved before the first round that reaches them; what follows from the forces of a round's own nodes happens
+//! when they are complete. No later round reads those nodes, since elements belong to the strip of their smallest node. So a large scene crosses the
+//! memory once a step. All sums are those of [`Sweep::pass`], in their order.
+
+use super::NodeState;
+use super::sweep::{Room, Sweep, Terms, Work, by_node, wants};
+use super::threads::{SUMS, Threads};
+use crate::model::forces::Tally;
+use crate::model::system::Around;
+use bytemuck::{cast_slice, cast_slice_mut};
+use glam::DVec3;
+use std::ops::Range;
+
+/// Strips in a round for each of several threads: enough that none waits long for another.
+const STRIPS: usize = 4;
+
+/// Where a pass is to find nodes, and what moves them there.
+pub struct Moving<'a> {
+    /// [s]
+    pub t: f64,
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
+    /// what comes before and after
+    pub around: &'a dyn Around,
+}
+
+impl Moving<'_> {
+    fn before(&mut self, nodes: Range<usize>, threads: &Threads) {
+        let (first, dofs) = (3 * nodes.start, 3 * nodes.start..3 * nodes.end);
+        let around = self.around;
+        threads.workers().both((&mut self.x[dofs.clone()], &mut self.v[dofs]), |r, x, v| {
+            around.before(first + r.start..first + r.end, x, v);
+        });
+    }
+
+    fn state(&self) -> NodeState<'_> {
+        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
+    }
+}
+
+/// Some strips, and the tiles whose elements may reach them.
+struct Round {
+    nodes: Range<usize>,
+    tiles: Range<usize>,
+}
+
+impl Sweep {
+    /// [`Sweep::pass`] at the state that `moving.around` makes before it. What comes after sees the first sum.
+    pub fn pass_around<T: Terms + ?Sized>(
+        &self,
+        (terms, moving): (&T, Moving<'_>),
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) {
+        match threads.workers().pool().filter(|_| self.tiling.strips().len() > 1) {
+            None => self.rounds((terms, moving), (threads, 1), out, tallies),
+            Some(pool) => {
+                let strips = STRIPS * pool.current_num_threads();
+                pool.install(|| self.rounds((terms, moving), (threads, strips), out, tallies));
+            }
+        }
+    }
+
+    fn rounds<T: Terms + ?Sized>(
+        &self,
+        (terms, mut moving): (&T, Moving<'_>),
+        (threads, strips): (&Threads, usize),
+        mut out: [&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) {
+        let (tiling, wants) = (&self.tiling, wants(terms));
+        let mut room = self.room(terms.count(), &out);
+        let (mut moved, mut oldest) = (0, 0);
+        for first in tiling.strips().step_by(strips) {
+            let strips = first..(first + strips).min(tiling.strips().end);
+            let (nodes, tiles) = (tiling.nodes_of(strips.clone()), tiling.tiles_of(strips.clone()));
+            let reach = tiling.tiles()[tiles.clone()].iter().fold(nodes.end, |most, plan| most.max(plan.reach.end));
+            if reach > moved {
+                moving.before(moved..reach, threads);
+                moved = reach;
+            }
+            let work = Work { terms, wants, at: moving.state(), threads, tiling };
+            work.run(self.part(strips, &mut out, &mut room));
+            while oldest < tiles.start && tiling.tiles()[oldest].reach.end <= nodes.start {
+                oldest += 1;
+            }
+            self.complete(Round { nodes, tiles: oldest..tiles.end }, (&mut moving, threads), &mut out, &room);
+        }
+        room.add_up(tallies);
+    }
+
+    /// Adds what came from other strips to the sums of a round's nodes, and does what comes after.
+    fn complete(
+        &self,
+        Round { nodes, tiles }: Round,
+        (moving, threads): (&mut Moving<'_>, &Threads),
+        [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
+        Room { beyond: [total_beyond, others_beyond @ ..], .. }: &Room,
+    ) {
+        for (out, beyond) in others.iter_mut().zip(others_beyond).filter(|(out, _)| !out.is_empty()) {
+            threads.workers().each(cast_slice_mut(&mut out[nodes.clone()]), |r, out| {
+                self.tiling.add_beyond(tiles.clone(), beyond, (nodes.start + r.start / 3, by_node(out)));
+                0.0
+            });
+        }
+        let (around, first) = (moving.around, 3 * nodes.start);
+        let v = &mut moving.v[first..3 * nodes.end];
+        threads.workers().both((cast_slice_mut(&mut total[nodes]), v), |r, f, v| {
+            self.tiling.add_beyond(tiles.clone(), total_beyond, ((first + r.start) / 3, by_node(f)));
+            around.after(first + r.start..first + r.end, v, f);
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::batch::{Batch, Summand};
+    use crate::force::neighbours::{Links, Neighbours};
+    use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
+    use crate::force::spring::Coefficient;
+    use crate::force::tiling::{Limits, Tiling};
+    use std::sync::Mutex;
+
+    const NODES: usize = 500;
+
+    /// Dashpots to the node after the next 30 in the first sum, links to the next node in the last.
+    struct Terms2(RelativeDashpots, Neighbours);
+
+    impl Terms for Terms2 {
+        fn count(&self) -> usize {
+            2
+        }
+
+        fn term(&self, i: usize) -> (&dyn Summand, usize) {
+            [(&self.0 as &dyn Summand, 0), (&self.1, 2)][i]
+        }
+    }
+
+    fn terms(limits: Limits) -> (Terms2, Sweep) {
+        let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
+        let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
+        let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };
+        let mut terms = Terms2(Batch::new(data), Batch::new(links));
+        let tiling = Tiling::within(limits, NODES, &mut [&mut terms.0, &mut terms.1]);
+        (terms, Sweep::of(tiling))
+    }
+
+    /// Moves everything by a number of its own, then kicks velocities; remembers what it was called for.
+    #[derive(Default)]
+    struct Recorded {
+        before: Mutex<Vec<usize>>,
+        after: Mutex<Vec<usize>>,
+    }
+
+    impl Around for Recorded {
+        fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
+            assert_eq!((x.len(), v.len()), (dofs.len(), dofs.len()));
+            for ((x, v), i) in x.iter_mut().zip(v).zip(dofs.clone()) {
+                *x += (i as f64).sin();
+                *v -= (i as f64).cos();
+            }
+            self.before.lock().expect("no panic").extend(dofs);
+        }
+
+        fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
+            assert_eq!((f.len(), v.len()), (dofs.len(), dofs.len()));
+            v.iter_mut().zip(f).for_each(|(v, f)| *v += 0.1 * f);
+            self.after.lock().expect("no panic").extend(dofs);
+        }
+    }
+
+    type Found = ([Vec<DVec3>; 3], [Tally; 2], Vec<f64>, Vec<f64>);
+
+    /// Sums, tallies and state after a pass; `apart` does what comes before and after for all nodes at once.
+    fn found(limits: Limits, threads: usize, apart: bool) -> (Found, Recorded) {
+        let (terms, sweep) = terms(limits);
+        let threads = Threads::new(threads).expect("threads");
+        let start = |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
+        let (mut x, mut v, around) = (start(0.0), start(1.0), Recorded::default());
+        let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+        sums[1].clear();
+        let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 2];
+        let out = sums.each_mut().map(Vec::as_mut_slice);
+        if apart {
+            around.before(0..3 * NODES, &mut x, &mut v);
+            let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
+            sweep.pass((&terms, at), &threads, out, &mut tallies);
+            around.after(0..3 * NODES, &mut v, cast_slice(&sums[0]));
+        } else {
+            let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
+            sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
+        }
+        ((sums, tallies, x, v), around)
+    }
+
+    /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has its turn once.
+    #[test]
+    fn the_way_through_changes_nothing() {
+        for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
+            let limits = Limits { strip, records };
+            let (expected, _) = found(limits, 1, true);
+            for threads in [1, 2, 3] {
+                let (found, calls) = found(limits, threads, false);
+                assert!(found == expected, "strips of {strip}, {threads} threads");
+                for calls in [calls.before, calls.after] {
+                    let mut calls = calls.into_inner().expect("no panic");
+                    calls.sort_unstable();
+                    assert!(calls.into_iter().eq(0..3 * NODES), "strips of {strip}, {threads} threads");
+                }
+            }
+        }
+    }
+}
