@@ -2,7 +2,7 @@
 //!
 //! Strips are gone over in rounds. Nodes are moved before the first round that reaches them; what follows from the forces of a round's own nodes happens
 //! when they are complete. No later round reads those nodes, since elements belong to the strip of their smallest node. So a large scene crosses the
-//! memory once a step. All sums are those of [`Sweep::pass`], in their order.
+//! memory once a step. All sums are those of `Sweep::pass`, in their order.
 
 use super::NodeState;
 use super::sweep::{Room, Sweep, Terms, Work, by_node, wants};

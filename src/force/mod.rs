@@ -16,7 +16,7 @@
 //! assembler relies on it to know every block's slot in advance.
 
 pub mod air;
-pub mod around;
+pub(crate) mod around;
 pub mod axial_dashpot;
 pub mod batch;
 pub mod coefficient;
