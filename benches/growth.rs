@@ -118,6 +118,7 @@ fn force_pass(scene: &dyn Scene) -> f64 {
 }
 
 /// What was measured at one size.
+#[derive(Clone, Copy)]
 struct Row {
     nodes: usize,
     verlet: Cost,
@@ -125,6 +126,13 @@ struct Row {
     pass: f64,
     auto: Cost,
     full: Option<Cost>,
+}
+
+impl Row {
+    /// Of the power law by which something has grown since a smaller size.
+    fn exponent_from(&self, smaller: &Row, of: &dyn Fn(&Row) -> Option<f64>) -> Option<f64> {
+        Some((of(self)? / of(smaller)?).ln() / (self.nodes as f64 / smaller.nodes as f64).ln())
+    }
 }
 
 fn measure(nodes: usize, full: usize) -> Row {
@@ -165,12 +173,11 @@ fn main() {
     println!(
         "     nodes   velocity-verlet        a force pass    newmark auto, iterations    newmark full, iterations"
     );
-    let mut before: Option<Row> = None;
+    let (mut before, mut first): (Option<Row>, Option<Row>) = (None, None);
     for nodes in SIZES.into_iter().filter(|&nodes| nodes <= wishes.most) {
         let row = measure(nodes, wishes.full);
         let exponent = |of: &dyn Fn(&Row) -> Option<f64>| {
-            let earlier = before.as_ref().and_then(|b| Some((of(b)?, b.nodes)));
-            let found = earlier.zip(of(&row)).map(|((was, n), is)| (is / was).ln() / (nodes as f64 / n as f64).ln());
+            let found = before.as_ref().and_then(|before| row.exponent_from(before, of));
             found.map_or_else(|| "     ".to_owned(), |e| format!("^{e:<4.2}"))
         };
         let full = row.full.map_or_else(String::new, |c| format!("{:10.2} ms {:5.1}", 1e3 * c.step, c.newton));
@@ -185,6 +192,15 @@ fn main() {
             row.auto.newton,
             exponent(&|r| r.full.map(|c| c.step)),
         );
+        first = first.or(Some(row));
         before = Some(row);
+    }
+    if let Some((first, last)) = first.zip(before) {
+        let total = |of: &dyn Fn(&Row) -> Option<f64>| last.exponent_from(&first, of).unwrap_or(f64::NAN);
+        println!(
+            "from the first to the last: velocity-verlet ^{:.3}, newmark auto ^{:.3}",
+            total(&|r| Some(r.verlet.step)),
+            total(&|r| Some(r.auto.step))
+        );
     }
 }

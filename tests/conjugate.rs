@@ -223,9 +223,9 @@ fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec
     let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
     assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
     solver.ask(Accuracy::to(relative));
-    let mut x = b.clone();
+    let (mut x, before) = (b.clone(), solver.work().iterations);
     solver.solve(values, &mut x).expect("definite");
-    (b, x, solver.work().iterations)
+    (b, x, solver.work().iterations - before)
 }
 
 /// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth: iterations stay few however long it is. Pivots that were blocks of W
@@ -244,14 +244,14 @@ fn a_long_chain_takes_few_iterations() {
 #[test]
 fn sheets_take_few_iterations() {
     let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
-    assert_eq!(found, [[14, 13, 13], [28, 23, 28]]);
+    assert_eq!(found, [[14, 13, 14], [25, 23, 30]]);
 }
 
-/// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell nothing. Symmetric Gauss-Seidel
-/// took 26, 83, 33 and 104.
+/// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell nothing (1,107 iterations in the second case), so
+/// pivots are made without. Symmetric Gauss-Seidel took 26, 83, 33 and 104.
 #[test]
 fn wrinkled_sheets() {
-    for (amplitude, m, most) in [(0.3, 1e-2, 30), (0.3, 1e-3, 110), (1.0, 1e-2, 45), (1.0, 1e-3, 160)] {
+    for (amplitude, m, most) in [(0.3, 1e-2, 35), (0.3, 1e-3, 90), (1.0, 1e-2, 35), (1.0, 1e-3, 115)] {
         let mut spec = square(70, m);
         for x in &mut spec.mesh.nodes {
             let [i, j] = [70.0 * x[0], 70.0 * x[1]];
@@ -382,7 +382,7 @@ fn the_work_of_conjugate_gradients() {
     let c = one.outcome.counters;
     assert_eq!(
         [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.cg_iterations],
-        [307, 3, 0, 206, 376],
+        [307, 3, 0, 206, 385],
         "{c:?}"
     );
 }

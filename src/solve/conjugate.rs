@@ -26,8 +26,10 @@ const SINGLE: f64 = 1e-6;
 const ROUND: f64 = 0.1;
 /// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
 const ROUNDING: f64 = 1e-5;
-/// [-] What a stable (I + L)^-1 makes of a rough vector at most: 1 to 4 on nets; where residuals tell nothing any more, 10 to 100.
-const GROWTH: f64 = 6.0;
+/// Iterations that tell whether M is nearly singular, and p . W p over p . p in them at most [-]: 0.9 to 2 where fill in the pivots helps. In waves some
+/// springs long they are 2.8 to 1e20; motions that hardly matter then drown all others in the residual.
+const PROBE: u32 = 3;
+const LARGEST: f64 = 2.4;
 /// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
 const FEW: u32 = 2;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
@@ -51,6 +53,8 @@ pub struct ConjugateGradients {
     most: u32,
     /// of the present solve
     iterations: u32,
+    /// [-] p . W p over p . p in it at most
+    largest: f64,
     /// of all solves
     all: u64,
     indefinite: u64,
@@ -95,9 +99,24 @@ impl ConjugateGradients {
         let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
-        let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
-        let refined = None;
-        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, refined, most, iterations, all, indefinite })
+        let (accuracy, refined) = (Accuracy::to(RELATIVE), None);
+        let (iterations, largest, all, indefinite) = (0, 1.0, 0, 0);
+        Ok(ConjugateGradients {
+            pattern,
+            blocks,
+            accuracy,
+            x,
+            r,
+            p,
+            t,
+            q,
+            refined,
+            most,
+            iterations,
+            largest,
+            all,
+            indefinite,
+        })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
@@ -115,12 +134,13 @@ impl ConjugateGradients {
         found.map(|()| self.iterations)
     }
 
-    /// Whether residuals tell what is left of a solution: where M is nearly singular, motions that hardly matter drown all others.
-    fn stable(&mut self) -> bool {
-        fill_roughly(&mut self.r);
-        let before = squared(&self.r);
-        self.blocks.forward(&mut self.r);
-        squared(&self.r) <= GROWTH * GROWTH * before
+    /// Whether pivots with fill serve W: residuals tell what is left of a solution.
+    fn served(&mut self) -> bool {
+        let indefinite = self.indefinite;
+        let found = self.rehearse(0.0, PROBE);
+        // A nearly singular M makes rounding look like an indefinite W.
+        self.indefinite = indefinite;
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.largest <= LARGEST
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
@@ -130,7 +150,8 @@ impl ConjugateGradients {
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        let (mut beta, mut largest) = (0.0, 1.0_f64);
+        let mut beta = 0.0;
+        self.largest = 1.0;
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
                 return Err(stalled(self.iterations, square));
@@ -142,8 +163,8 @@ impl ConjugateGradients {
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
-            largest = largest.max(curvature.along / curvature.squares);
-            if curvature.along <= -ROUNDING * largest * curvature.squares {
+            self.largest = self.largest.max(curvature.along / curvature.squares);
+            if curvature.along <= -ROUNDING * self.largest * curvature.squares {
                 self.indefinite += 1;
                 return Err(LinearError::Indefinite { iterations: self.iterations });
             }
@@ -251,7 +272,7 @@ impl LinearSolver for ConjugateGradients {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
         let mut definite = self.blocks.fill(values, RELAXATION);
-        if definite && !self.stable() {
+        if definite && !self.served() {
             definite = self.blocks.fill(values, 0.0);
         }
         if definite {

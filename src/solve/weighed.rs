@@ -25,7 +25,7 @@ const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
 const OPERATION: f64 = 0.25;
 const FACTOR: f64 = 68.0;
 const ITERATION: f64 = 7.5;
-const READY: f64 = 75.0;
+const READY: f64 = 97.5;
 /// The same of an unknown in a force pass and in the vectors of an iteration around the solve.
 const AROUND: f64 = 250.0;
 /// How many more iterations the less exact solves take around them (1 to 2).
