@@ -112,18 +112,21 @@ impl Kang {
     fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
         let Kang { filtered: f, sweep, outside: g, weight, inside, neighbours, inverse_d, viscosity, .. } = self;
         let forces = &from.forces;
-        g.copy_from_slice(weight);
-        accumulate(g, 1.0, &forces.external);
-        let (viscous, share) = match viscosity {
+        let (viscous, share, dampers): (_, _, &[f64]) = match viscosity {
             // The scene's dashpots are F's, made for a step of so many seconds.
-            Viscosity::All { seconds } => (&forces.dissipative, h / *seconds - 1.0),
+            Viscosity::All { seconds } => (&forces.dissipative, h / *seconds - 1.0, &[]),
             Viscosity::None | Viscosity::Some => {
-                accumulate(g, 1.0, &forces.dissipative);
                 system.neighbour_differences(&from.state.v, neighbours);
-                (&*neighbours, h)
+                (&*neighbours, h, &forces.dissipative)
             }
         };
-        filter((f, sweep), Filter { total: &forces.total, outside: g, viscous, share, h, inverse_d });
+        let with = Filter { total: &forces.total, viscous, share, h, inverse_d };
+        let out = (f.as_mut_slice(), sweep.as_mut_slice(), g.as_mut_slice());
+        match (forces.external.as_slice(), dampers) {
+            ([], []) => filter(out, with, [weight]),
+            (one, []) | ([], one) => filter(out, with, [weight, one]),
+            (one, other) => filter(out, with, [weight, one, other]),
+        }
         if *viscosity == Viscosity::Some {
             system.step_dashpots(&from.state.v, inside);
             accumulate(g, -1.0, inside);
@@ -135,8 +138,6 @@ impl Kang {
 struct Filter<'a> {
     /// [N] all forces
     total: &'a [f64],
-    /// [N] those outside the filter
-    outside: &'a [f64],
     /// what is viscous: dashpots' forces [N], or sums of k (v_j - v_i) [N/s]
     viscous: &'a [f64],
     /// [-] or [s] what F has of it besides what is in `total`
@@ -147,12 +148,15 @@ struct Filter<'a> {
     inverse_d: &'a [f64],
 }
 
-/// F = total - g + share * viscous, and h F / D
+/// g = the sum of what acts outside the filter, F = total - g + share * viscous, and h F / D
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn filter((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>) {
-    let (Filter { total, outside: g, viscous, share, h, inverse_d }, n) = (with, f.len());
-    let (sweep, total, g, viscous, inverse_d) = (&mut sweep[..n], &total[..n], &g[..n], &viscous[..n], &inverse_d[..n]);
+fn filter<const N: usize>((f, sweep, g): (&mut [f64], &mut [f64], &mut [f64]), with: Filter<'_>, outside: [&[f64]; N]) {
+    let (Filter { total, viscous, share, h, inverse_d }, n) = (with, f.len());
+    let (sweep, g, total, viscous, inverse_d) =
+        (&mut sweep[..n], &mut g[..n], &total[..n], &viscous[..n], &inverse_d[..n]);
+    let outside = outside.map(|part| &part[..n]);
     for i in 0..n {
+        g[i] = outside.iter().fold(0.0, |sum, part| sum + part[i]);
         f[i] = total[i] - g[i] + share * viscous[i];
         sweep[i] = h * f[i] * inverse_d[i];
     }

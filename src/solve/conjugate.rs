@@ -26,9 +26,11 @@ const SINGLE: f64 = 1e-6;
 const ROUND: f64 = 0.1;
 /// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
 const ROUNDING: f64 = 1e-5;
-/// Iterations that tell whether M is nearly singular, and p . W p over p . p in them at most [-]: 0.9 to 2 where fill in the pivots helps. In waves some
-/// springs long they are 2.8 to 1e20; motions that hardly matter then drown all others in the residual.
+/// Iterations that tell whether M is nearly singular; nodes in a run for which it is looked at; and p . W p over p . p of such a run at most [-]: 0.8 to 2
+/// where fill in the pivots serves. In waves some springs long, of a whole net or of six nodes in a flat one, it is 4.5 to 1e8; motions that hardly matter
+/// then drown all others in the residual.
 const PROBE: u32 = 3;
+const RUN: usize = 256;
 const LARGEST: f64 = 2.4;
 /// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
 const FEW: u32 = 2;
@@ -53,8 +55,6 @@ pub struct ConjugateGradients {
     most: u32,
     /// of the present solve
     iterations: u32,
-    /// [-] p . W p over p . p in it at most
-    largest: f64,
     /// of all solves
     all: u64,
     indefinite: u64,
@@ -99,24 +99,9 @@ impl ConjugateGradients {
         let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
-        let (accuracy, refined) = (Accuracy::to(RELATIVE), None);
-        let (iterations, largest, all, indefinite) = (0, 1.0, 0, 0);
-        Ok(ConjugateGradients {
-            pattern,
-            blocks,
-            accuracy,
-            x,
-            r,
-            p,
-            t,
-            q,
-            refined,
-            most,
-            iterations,
-            largest,
-            all,
-            indefinite,
-        })
+        let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
+        let refined = None;
+        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, refined, most, iterations, all, indefinite })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
@@ -140,7 +125,9 @@ impl ConjugateGradients {
         let found = self.rehearse(0.0, PROBE);
         // A nearly singular M makes rounding look like an indefinite W.
         self.indefinite = indefinite;
-        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.largest <= LARGEST
+        let small = |(p, q): (&[Vec3A], &[Vec3A])| product(p, q) <= LARGEST * product(p, p);
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. }))
+            && self.p.chunks(RUN).zip(self.q.chunks(RUN)).all(small)
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
@@ -150,8 +137,7 @@ impl ConjugateGradients {
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
-        let mut beta = 0.0;
-        self.largest = 1.0;
+        let (mut beta, mut largest) = (0.0, 1.0_f64);
         while square > 0.0 && left(square) > if self.iterations < FEW { enough } else { relative } {
             if self.iterations == self.most {
                 return Err(stalled(self.iterations, square));
@@ -163,8 +149,8 @@ impl ConjugateGradients {
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
-            self.largest = self.largest.max(curvature.along / curvature.squares);
-            if curvature.along <= -ROUNDING * self.largest * curvature.squares {
+            largest = largest.max(curvature.along / curvature.squares);
+            if curvature.along <= -ROUNDING * largest * curvature.squares {
                 self.indefinite += 1;
                 return Err(LinearError::Indefinite { iterations: self.iterations });
             }
@@ -254,6 +240,10 @@ fn fill_roughly(v: &mut [Vec3A]) {
 
 fn squared(v: &[Vec3A]) -> f64 {
     v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
+}
+
+fn product(a: &[Vec3A], b: &[Vec3A]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum()
 }
 
 /// x += alpha p, r -= alpha q; returns r . r.
