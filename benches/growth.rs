@@ -195,7 +195,7 @@ fn main() {
         first = first.or(Some(row));
         before = Some(row);
     }
-    if let Some((first, last)) = first.zip(before) {
+    if let Some((first, last)) = first.zip(before).filter(|(first, last)| first.nodes < last.nodes) {
         let total = |of: &dyn Fn(&Row) -> Option<f64>| last.exponent_from(&first, of).unwrap_or(f64::NAN);
         println!(
             "from the first to the last: velocity-verlet ^{:.3}, newmark auto ^{:.3}",

@@ -57,13 +57,17 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
+        // Before the pool is entered: a worker that waits for its share may begin another caller's pass meanwhile.
+        let mut room = self.room(terms.count(), &out);
+        let room: &mut Room = &mut room;
         match threads.workers().pool().filter(|_| self.tiling.strips().len() > 1) {
-            None => self.rounds((terms, moving), (threads, 1), out, tallies),
+            None => self.rounds((terms, moving), (threads, 1), out, room),
             Some(pool) => {
                 let strips = STRIPS * pool.current_num_threads();
-                pool.install(|| self.rounds((terms, moving), (threads, strips), out, tallies));
+                pool.install(|| self.rounds((terms, moving), (threads, strips), out, room));
             }
         }
+        room.add_up(tallies);
     }
 
     fn rounds<T: Terms + ?Sized>(
@@ -71,10 +75,9 @@ impl Sweep {
         (terms, mut moving): (&T, Moving<'_>),
         (threads, strips): (&Threads, usize),
         mut out: [&mut [DVec3]; SUMS],
-        tallies: &mut [Tally],
+        room: &mut Room,
     ) {
         let (tiling, wants) = (&self.tiling, wants(terms));
-        let mut room = self.room(terms.count(), &out);
         let (mut moved, mut oldest) = (0, 0);
         for first in tiling.strips().step_by(strips) {
             let strips = first..(first + strips).min(tiling.strips().end);
@@ -85,13 +88,12 @@ impl Sweep {
                 moved = reach;
             }
             let work = Work { terms, wants, at: moving.state(), threads, tiling };
-            work.run(self.part(strips, &mut out, &mut room));
+            work.run(self.part(strips, &mut out, room));
             while oldest < tiles.start && tiling.tiles()[oldest].reach.end <= nodes.start {
                 oldest += 1;
             }
-            self.complete(Round { nodes, tiles: oldest..tiles.end }, (&mut moving, threads), &mut out, &room);
+            self.complete(Round { nodes, tiles: oldest..tiles.end }, (&mut moving, threads), &mut out, room);
         }
-        room.add_up(tallies);
     }
 
     /// Adds what came from other strips to the sums of a round's nodes, and does what comes after.
@@ -197,6 +199,32 @@ mod tests {
             sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
         }
         ((sums, tallies, x, v), around)
+    }
+
+    /// Several callers of one scene wait for each other, whichever pass they make.
+    #[test]
+    fn callers_take_turns() {
+        let (terms, sweep) = terms(Limits { strip: 16, records: 60 });
+        let threads = Threads::new(2).expect("threads");
+        let pass = |around: bool| {
+            let (mut x, mut v) = (vec![1.0; 3 * NODES], vec![0.5; 3 * NODES]);
+            let (mut first, mut last) = (vec![DVec3::NAN; NODES], vec![DVec3::NAN; NODES]);
+            let mut tallies = [Tally::default(); 2];
+            let out = [first.as_mut_slice(), &mut [], last.as_mut_slice()];
+            if around {
+                let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &Recorded::default() };
+                sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
+            } else {
+                let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
+                sweep.pass((&terms, at), &threads, out, &mut tallies);
+            }
+            assert!(first.iter().chain(&last).all(|f| f.is_finite()));
+        };
+        std::thread::scope(|scope| {
+            for i in 0..4 {
+                scope.spawn(move || (0..300).for_each(|_| pass(i > 0)));
+            }
+        });
     }
 
     /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has its turn once.

@@ -1,7 +1,7 @@
 //! Passes over the tiles of a scene, with the same bits for every number of threads.
 //!
 //! Strip by strip, mostly a tile each, windows are filled, all terms add to them while they are in cache, and what the strip's own nodes get is stored:
-//! no sum is zeroed in memory or read back. What lies beyond the strip is kept apart and added when all strips are done, in their order, as are energies
+//! no sum is zeroed in memory or read back. What lies beyond the strip is kept apart and added when all strips (`around`: of a round) are done, in their order, as are energies
 //! and powers. So no sum depends on which thread did which strip.
 
 use super::NodeState;
@@ -88,6 +88,7 @@ impl Sweep {
         mut out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
+        debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
         let mut room = self.room(terms.count(), &out);
         let work = Work { terms, wants: wants(terms), at, threads, tiling: &self.tiling };
         work.run(self.part(self.tiling.strips(), &mut out, &mut room));

@@ -1,7 +1,7 @@
 //! Cuts a scene into tiles, so that a force pass works in the first caches.
 //!
 //! A strip is a run of nodes and the elements whose smallest node lies in it. What they touch beyond the strip's end is summed apart and added to
-//! those nodes when all strips are done: no two strips write to one place. A strip is one tile, and more where its elements reach too many nodes
+//! those nodes when all strips that reach them are done: no two strips write to one place. A strip is one tile, and more where its elements reach too many nodes
 //! for the windows of one.
 
 use super::batch::Summand;

@@ -18,7 +18,7 @@ pub struct Counters {
     pub linear_solves: u64,
     /// Newton iterations
     pub newton_iterations: u64,
-    /// iterations of conjugate gradients in these solves
+    /// iterations of conjugate gradients, in these solves and to see what serves a new W
     #[serde(default)]
     pub cg_iterations: u64,
 }

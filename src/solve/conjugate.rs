@@ -1,7 +1,7 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
 //! Eisenstat's product (1981).
 //!
-//! No factor is stored: making the solver ready costs about ten of its iterations, and its memory is about that of W, of which an iteration reads a third. Iterations grow like the
+//! No factor is stored: making the solver ready costs about thirteen of its iterations, and its memory is about that of W, of which an iteration reads a third. Iterations grow like the
 //! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
 //!
 //! ```text
@@ -27,11 +27,11 @@ const ROUND: f64 = 0.1;
 /// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
 const ROUNDING: f64 = 1e-5;
 /// Iterations that tell whether M is nearly singular; nodes in a run for which it is looked at; and p . W p over p . p of such a run at most [-]: 0.8 to 2
-/// where fill in the pivots serves. In waves some springs long, of a whole net or of six nodes in a flat one, it is 4.5 to 1e8; motions that hardly matter
+/// on taut nets, which fill in the pivots serves. In waves some springs long, of a whole net or of six nodes in a flat one, it is 4.5 to 1e8; motions that hardly matter
 /// then drown all others in the residual.
 const PROBE: u32 = 3;
 const RUN: usize = 256;
-const LARGEST: f64 = 2.4;
+const LARGEST: f64 = 2.0;
 /// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
 const FEW: u32 = 2;
 /// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
@@ -218,8 +218,9 @@ impl ConjugateGradients {
             for (r, b) in r.iter_mut().zip(b) {
                 *r = b - *r;
             }
-            let now = self.take(r)?.size() / first;
-            if now > asked && now > ROUND * left {
+            // No number where x has left the range of numbers.
+            let now = self.take(r).map_or(f64::NAN, |taken| taken.size()) / first;
+            if now > asked && now > ROUND * left || now.is_nan() {
                 return Err(LinearError::Stalled { iterations: self.iterations, residual: now, asked });
             }
             left = now;
@@ -261,11 +262,8 @@ impl LinearSolver for ConjugateGradients {
     /// Makes the blocks ready. Whether W is definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values)?;
-        let mut definite = self.blocks.fill(values, RELAXATION);
-        if definite && !self.served() {
-            definite = self.blocks.fill(values, 0.0);
-        }
-        if definite {
+        let served = self.blocks.fill(values, RELAXATION) && self.served();
+        if served || self.blocks.fill(values, 0.0) {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;

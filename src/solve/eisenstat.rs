@@ -7,7 +7,7 @@ impl NodeBlocks {
     /// v = E^-1 b / s, with s of the size of E^-1 b, which is returned.
     pub fn gather(&self, b: &[f64], v: &mut [Vec3A]) -> f64 {
         let size = b.iter().zip(&self.scale).fold(0.0_f64, |size, (b, scale)| size.max((b * scale).abs()));
-        let inverse = if size > 0.0 { size.recip() } else { 0.0 };
+        let inverse = if size >= f64::MIN_POSITIVE { size.recip() } else { 0.0 };
         let single = |u: usize| (b[u] * self.scale[u] * inverse) as f32;
         for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).enumerate() {
             *v = *inverse_root * self.places(g, single);
