@@ -12,6 +12,7 @@ use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
+use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::system::System;
@@ -20,6 +21,7 @@ use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
 use common::{patch, spring_group};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
@@ -36,6 +38,21 @@ fn scene(with_air: bool) -> Network {
         let wind = Series { t: vec![0.0], value: vec![[0.0, 0.0, 5.0]] };
         spec.air = Some(AirSpec { linear: 1.0, quadratic: 0.5, wind });
     }
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+/// A sheet of 5,041 nodes, which force passes go over strip by strip.
+fn large() -> Network {
+    let json = serde_json::json!({"rectangle": {
+        "width": 1.0, "height": 1.0, "columns": 70, "rows": 70, "pattern": "regular"
+    }});
+    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
+    let mesh = source.build(Path::new(".")).expect("a rectangle");
+    let n = mesh.nodes.len();
+    let mut spec = NetworkSpec { mesh, mass: vec![10.0; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    spec.fixed[0] = [true; 3];
+    spec.springs = vec![spring_group(&spec, Slack::None)];
+    spec.gravity = Some([0.0, 0.0, -9.81]);
     build_network(spec, Threads::one()).expect("the fixture is sound")
 }
 
@@ -107,12 +124,13 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
 
 fn main() {
     let _profiler = dhat::Profiler::builder().testing().build();
-    let (calm, windy) = (scene(false), scene(true));
+    let (calm, windy, large) = (scene(false), scene(true), large());
     let full = (Strategy::Full, LinearChoice::Auto);
     for method in methods() {
         assert_eq!(blocks(&calm, method.name, 50, full), 0, "{} on a symmetric scene", method.name);
         assert_eq!(adaptive_blocks(&calm, method.name), 0, "adaptive steps of {}", method.name);
         if method.family != Family::Implicit {
+            assert_eq!(blocks(&large, method.name, 5, full), 0, "{} on a large scene", method.name);
             assert_eq!(blocks(&windy, method.name, 50, full), 0, "{} with air", method.name);
         } else {
             let kept = [

@@ -254,7 +254,8 @@ impl Scenery<'_> {
         let size = |i: usize| {
             let finite = x[i].is_finite() && v[i].is_finite();
             let gained = if finite && inverse[i] > 0.0 { (v[i] * v[i] - v0[i] * v0[i]) / inverse[i] } else { 0.0 };
-            (!finite, gained.max(0.0), if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
+            // A held one is taken along by its neighbours' forces.
+            (!finite && inverse[i] > 0.0, gained.max(0.0), if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
         };
         let larger = |a: &usize, b: &usize| {
             let (a, b) = (size(*a), size(*b));
