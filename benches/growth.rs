@@ -118,7 +118,6 @@ fn force_pass(scene: &dyn Scene) -> f64 {
 }
 
 /// What was measured at one size.
-#[derive(Clone, Copy)]
 struct Row {
     nodes: usize,
     verlet: Cost,
@@ -173,11 +172,11 @@ fn main() {
     println!(
         "     nodes   velocity-verlet        a force pass    newmark auto, iterations    newmark full, iterations"
     );
-    let (mut before, mut first): (Option<Row>, Option<Row>) = (None, None);
+    let mut rows: Vec<Row> = Vec::new();
     for nodes in SIZES.into_iter().filter(|&nodes| nodes <= wishes.most) {
         let row = measure(nodes, wishes.full);
         let exponent = |of: &dyn Fn(&Row) -> Option<f64>| {
-            let found = before.as_ref().and_then(|before| row.exponent_from(before, of));
+            let found = rows.last().and_then(|before| row.exponent_from(before, of));
             found.map_or_else(|| "     ".to_owned(), |e| format!("^{e:<4.2}"))
         };
         let full = row.full.map_or_else(String::new, |c| format!("{:10.2} ms {:5.1}", 1e3 * c.step, c.newton));
@@ -192,11 +191,10 @@ fn main() {
             row.auto.newton,
             exponent(&|r| r.full.map(|c| c.step)),
         );
-        first = first.or(Some(row));
-        before = Some(row);
+        rows.push(row);
     }
-    if let Some((first, last)) = first.zip(before).filter(|(first, last)| first.nodes < last.nodes) {
-        let total = |of: &dyn Fn(&Row) -> Option<f64>| last.exponent_from(&first, of).unwrap_or(f64::NAN);
+    if let [first, .., last] = rows.as_slice() {
+        let total = |of: &dyn Fn(&Row) -> Option<f64>| last.exponent_from(first, of).unwrap_or(f64::NAN);
         println!(
             "from the first to the last: velocity-verlet ^{:.3}, newmark auto ^{:.3}",
             total(&|r| Some(r.verlet.step)),

@@ -5,7 +5,7 @@
 //! memory once a step. All sums are those of `Sweep::pass`, in their order.
 
 use super::NodeState;
-use super::sweep::{Room, Sweep, Terms, Work, by_node, wants};
+use super::sweep::{Room, Round, Sweep, Terms, Work, by_node, wants};
 use super::threads::{SUMS, Threads};
 use crate::model::forces::Tally;
 use crate::model::system::Around;
@@ -40,12 +40,6 @@ impl Moving<'_> {
     fn state(&self) -> NodeState<'_> {
         NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
     }
-}
-
-/// Some strips, and the tiles whose elements may reach them.
-struct Round {
-    nodes: Range<usize>,
-    tiles: Range<usize>,
 }
 
 impl Sweep {
@@ -99,17 +93,16 @@ impl Sweep {
     /// Adds what came from other strips to the sums of a round's nodes, and does what comes after.
     fn complete(
         &self,
-        Round { nodes, tiles }: Round,
+        round: Round,
         (moving, threads): (&mut Moving<'_>, &Threads),
         [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
         Room { beyond: [total_beyond, others_beyond @ ..], .. }: &Room,
     ) {
-        for (out, beyond) in others.iter_mut().zip(others_beyond).filter(|(out, _)| !out.is_empty()) {
-            threads.workers().each(cast_slice_mut(&mut out[nodes.clone()]), |r, out| {
-                self.tiling.add_beyond(tiles.clone(), beyond, (nodes.start + r.start / 3, by_node(out)));
-                0.0
-            });
+        for (out, beyond) in others.iter_mut().zip(others_beyond) {
+            self.add_beyond(&round, threads, beyond, out);
         }
+        // The total and what comes after in one loop.
+        let Round { nodes, tiles } = round;
         let (around, first) = (moving.around, 3 * nodes.start);
         let v = &mut moving.v[first..3 * nodes.end];
         threads.workers().both((cast_slice_mut(&mut total[nodes]), v), |r, f, v| {
@@ -132,9 +125,9 @@ mod tests {
     const NODES: usize = 500;
 
     /// Dashpots to the node after the next 30 in the first sum, links to the next node in the last.
-    struct Terms2(RelativeDashpots, Neighbours);
+    struct Pairs(RelativeDashpots, Neighbours);
 
-    impl Terms for Terms2 {
+    impl Terms for Pairs {
         fn count(&self) -> usize {
             2
         }
@@ -144,11 +137,11 @@ mod tests {
         }
     }
 
-    fn terms(limits: Limits) -> (Terms2, Sweep) {
+    fn terms(limits: Limits) -> (Pairs, Sweep) {
         let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
         let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
         let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };
-        let mut terms = Terms2(Batch::new(data), Batch::new(links));
+        let mut terms = Pairs(Batch::new(data), Batch::new(links));
         let tiling = Tiling::within(limits, NODES, &mut [&mut terms.0, &mut terms.1]);
         (terms, Sweep::of(tiling))
     }
@@ -180,9 +173,7 @@ mod tests {
     type Found = ([Vec<DVec3>; 3], [Tally; 2], Vec<f64>, Vec<f64>);
 
     /// Sums, tallies and state after a pass; `apart` does what comes before and after for all nodes at once.
-    fn found(limits: Limits, threads: usize, apart: bool) -> (Found, Recorded) {
-        let (terms, sweep) = terms(limits);
-        let threads = Threads::new(threads).expect("threads");
+    fn found((terms, sweep): &(Pairs, Sweep), threads: &Threads, apart: bool) -> (Found, Recorded) {
         let start = |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
         let (mut x, mut v, around) = (start(0.0), start(1.0), Recorded::default());
         let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
@@ -192,11 +183,11 @@ mod tests {
         if apart {
             around.before(0..3 * NODES, &mut x, &mut v);
             let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
-            sweep.pass((&terms, at), &threads, out, &mut tallies);
+            sweep.pass((terms, at), threads, out, &mut tallies);
             around.after(0..3 * NODES, &mut v, cast_slice(&sums[0]));
         } else {
             let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
-            sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
+            sweep.pass_around((terms, moving), threads, out, &mut tallies);
         }
         ((sums, tallies, x, v), around)
     }
@@ -204,25 +195,15 @@ mod tests {
     /// Several callers of one scene wait for each other, whichever pass they make.
     #[test]
     fn callers_take_turns() {
-        let (terms, sweep) = terms(Limits { strip: 16, records: 60 });
+        let scene = terms(Limits { strip: 16, records: 60 });
         let threads = Threads::new(2).expect("threads");
-        let pass = |around: bool| {
-            let (mut x, mut v) = (vec![1.0; 3 * NODES], vec![0.5; 3 * NODES]);
-            let (mut first, mut last) = (vec![DVec3::NAN; NODES], vec![DVec3::NAN; NODES]);
-            let mut tallies = [Tally::default(); 2];
-            let out = [first.as_mut_slice(), &mut [], last.as_mut_slice()];
-            if around {
-                let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &Recorded::default() };
-                sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
-            } else {
-                let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
-                sweep.pass((&terms, at), &threads, out, &mut tallies);
-            }
+        let pass = |apart: bool| {
+            let ([first, _, last], ..) = found(&scene, &threads, apart).0;
             assert!(first.iter().chain(&last).all(|f| f.is_finite()));
         };
         std::thread::scope(|scope| {
             for i in 0..4 {
-                scope.spawn(move || (0..300).for_each(|_| pass(i > 0)));
+                scope.spawn(move || (0..300).for_each(|_| pass(i == 0)));
             }
         });
     }
@@ -231,10 +212,10 @@ mod tests {
     #[test]
     fn the_way_through_changes_nothing() {
         for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
-            let limits = Limits { strip, records };
-            let (expected, _) = found(limits, 1, true);
+            let scene = terms(Limits { strip, records });
+            let (expected, _) = found(&scene, &Threads::one(), true);
             for threads in [1, 2, 3] {
-                let (found, calls) = found(limits, threads, false);
+                let (found, calls) = found(&scene, &Threads::new(threads).expect("threads"), false);
                 assert!(found == expected, "strips of {strip}, {threads} threads");
                 for calls in [calls.before, calls.after] {
                     let mut calls = calls.into_inner().expect("no panic");

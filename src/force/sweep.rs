@@ -61,6 +61,12 @@ pub(super) struct Work<'a, T: ?Sized> {
     pub tiling: &'a Tiling,
 }
 
+/// The nodes of some strips, and tiles that hold all whose elements reach them.
+pub(super) struct Round {
+    pub nodes: Range<usize>,
+    pub tiles: Range<usize>,
+}
+
 /// Some strips and where their sums go.
 pub(super) struct Part<'a> {
     strips: Range<usize>,
@@ -92,13 +98,27 @@ impl Sweep {
         let mut room = self.room(terms.count(), &out);
         let work = Work { terms, wants: wants(terms), at, threads, tiling: &self.tiling };
         work.run(self.part(self.tiling.strips(), &mut out, &mut room));
-        for (out, beyond) in out.iter_mut().zip(&room.beyond).filter(|(out, _)| !out.is_empty()) {
-            threads.workers().each(bytemuck::cast_slice_mut(out), |dofs, out| {
-                self.tiling.add_beyond(0..self.tiling.tiles().len(), beyond, (dofs.start / 3, by_node(out)));
+        let all = Round { nodes: self.tiling.nodes_of(self.tiling.strips()), tiles: 0..self.tiling.tiles().len() };
+        for (out, beyond) in out.iter_mut().zip(&room.beyond) {
+            self.add_beyond(&all, threads, beyond, out);
+        }
+        room.add_up(tallies);
+    }
+
+    /// Adds to a sum, unless it is empty, what a round's nodes get from beyond the strips of its tiles.
+    pub(super) fn add_beyond(
+        &self,
+        Round { nodes, tiles }: &Round,
+        threads: &Threads,
+        beyond: &[Padded],
+        out: &mut [DVec3],
+    ) {
+        if !out.is_empty() {
+            threads.workers().each(bytemuck::cast_slice_mut(&mut out[nodes.clone()]), |dofs, out| {
+                self.tiling.add_beyond(tiles.clone(), beyond, (nodes.start + dofs.start / 3, by_node(out)));
                 0.0
             });
         }
-        room.add_up(tallies);
     }
 
     /// Room for a pass of some terms into sums of these sizes.

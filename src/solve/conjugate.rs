@@ -125,7 +125,7 @@ impl ConjugateGradients {
         let found = self.rehearse(0.0, PROBE);
         // A nearly singular M makes rounding look like an indefinite W.
         self.indefinite = indefinite;
-        let small = |(p, q): (&[Vec3A], &[Vec3A])| product(p, q) <= LARGEST * product(p, p);
+        let small = |(p, q): (&[Vec3A], &[Vec3A])| product(p, q) <= LARGEST * squared(p);
         matches!(found, Ok(_) | Err(LinearError::Stalled { .. }))
             && self.p.chunks(RUN).zip(self.q.chunks(RUN)).all(small)
     }
