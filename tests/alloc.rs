@@ -12,16 +12,14 @@ use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
-use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
-use common::{patch, spring_group};
+use common::{patch, spring_group, square};
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
@@ -43,13 +41,7 @@ fn scene(with_air: bool) -> Network {
 
 /// A sheet of 5,041 nodes, which force passes go over strip by strip.
 fn large() -> Network {
-    let json = serde_json::json!({"rectangle": {
-        "width": 1.0, "height": 1.0, "columns": 70, "rows": 70, "pattern": "regular"
-    }});
-    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
-    let mesh = source.build(Path::new(".")).expect("a rectangle");
-    let n = mesh.nodes.len();
-    let mut spec = NetworkSpec { mesh, mass: vec![10.0; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    let mut spec = square(70, 10.0);
     spec.fixed[0] = [true; 3];
     spec.springs = vec![spring_group(&spec, Slack::None)];
     spec.gravity = Some([0.0, 0.0, -9.81]);

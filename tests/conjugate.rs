@@ -7,27 +7,14 @@ use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
-use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
 use common::run::{Run, apart, asset, changed, run, run_with};
-use common::{Random, spring_group};
-use std::path::Path;
+use common::{Random, spring_group, square};
 use std::sync::Arc;
-
-/// A square with `side` springs along an edge and a mass at every node; none is held.
-fn square(side: u32, mass: f64) -> NetworkSpec {
-    let json = serde_json::json!({"rectangle": {
-        "width": 1.0, "height": 1.0, "columns": side, "rows": side, "pattern": "regular"
-    }});
-    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
-    let mesh = source.build(Path::new(".")).expect("a rectangle");
-    let n = mesh.nodes.len();
-    NetworkSpec { mesh, mass: vec![mass; n], fixed: vec![[false; 3]; n], ..Default::default() }
-}
 
 /// A square sheet of plain springs; every fifth node is held in one or two directions.
 fn sheet(side: u32) -> Network {

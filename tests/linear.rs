@@ -5,25 +5,17 @@ mod common;
 
 use canopy_fem::assembly::{Assembler, Pattern};
 use canopy_fem::force::threads::Threads;
-use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};
-use common::{Random, patch, spring_group};
-use std::path::Path;
+use common::{Random, patch, spring_group, square};
 use std::sync::Arc;
 
 /// A square sheet of plain springs, one corner held.
 fn sheet(side: u32) -> Network {
-    let json = serde_json::json!({"rectangle": {
-        "width": 1.0, "height": 1.0, "columns": side, "rows": side, "pattern": "regular"
-    }});
-    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
-    let mesh = source.build(Path::new(".")).expect("a rectangle");
-    let n = mesh.nodes.len();
-    let mut spec = NetworkSpec { mesh, mass: vec![1e-3; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    let mut spec = square(side, 1e-3);
     spec.fixed[0] = [true; 3];
     spec.springs = vec![spring_group(&spec, Slack::None)];
     build_network(spec, Threads::one()).expect("the fixture is sound")

@@ -7,22 +7,16 @@ use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
-use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Scene, build_network};
-use common::spring_group;
+use common::{spring_group, square};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// A sheet with every kind of term, of more than one strip of nodes.
 fn sheet() -> NetworkSpec {
-    let json = serde_json::json!({"rectangle": {"width": 1.0, "height": 1.0, "columns": 70, "rows": 70, "pattern": "regular"}});
-    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
-    let mesh = source.build(Path::new(".")).expect("a rectangle");
-    let n = mesh.nodes.len();
-    let mut spec = NetworkSpec { mesh, mass: vec![1e-3; n], fixed: vec![[false; 3]; n], ..Default::default() };
+    let mut spec = square(70, 1e-3);
     spec.fixed[0] = [true; 3];
     let mut group = spring_group(&spec, Slack::TensionOnly);
     let count = group.edges.len();
@@ -53,7 +47,7 @@ fn sheet() -> NetworkSpec {
         factor: None,
     };
     spec.pressures = vec![PressureLoad { triangles, pressure: 3.0, kind: PressureKind::Follower, factor: None }, dead];
-    let nodes = (0..n as u32).step_by(3).collect();
+    let nodes = (0..spec.mesh.nodes.len() as u32).step_by(3).collect();
     spec.forces = vec![NodalLoad { nodes, force: [1e-4, 0.0, 2e-4], factor: None }];
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
     spec

@@ -5,7 +5,9 @@ pub mod polynomials;
 pub mod run;
 
 use canopy_fem::mesh::Mesh;
+use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{NetworkSpec, Slack, SpringGroup};
+use std::path::Path;
 
 /// Numbers in [-1, 1) from a counter (splitmix64), the same on every machine.
 pub struct Random(pub u64);
@@ -22,6 +24,17 @@ impl Random {
     pub fn vector(&mut self) -> [f64; 3] {
         [self.next(), self.next(), self.next()]
     }
+}
+
+/// A square with `side` springs along an edge and a mass at every node; none is held.
+pub fn square(side: u32, mass: f64) -> NetworkSpec {
+    let json = serde_json::json!({"rectangle": {
+        "width": 1.0, "height": 1.0, "columns": side, "rows": side, "pattern": "regular"
+    }});
+    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
+    let mesh = source.build(Path::new(".")).expect("a rectangle");
+    let n = mesh.nodes.len();
+    NetworkSpec { mesh, mass: vec![mass; n], fixed: vec![[false; 3]; n], ..Default::default() }
 }
 
 /// A 3 x 3 grid of nodes with diagonals: 9 nodes, 16 edges, 8 triangles, all masses different, one corner held.
