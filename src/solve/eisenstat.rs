@@ -2,6 +2,11 @@
 
 use super::blocks::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};
+use prefetch_index::prefetch_index;
+
+/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come: no processor was seen to do so by itself. In the
+/// caches it costs nothing.
+const AHEAD: usize = 192;
 
 impl NodeBlocks {
     /// v = E^-1 b / s, with s of the size of E^-1 b, which is returned.
@@ -30,11 +35,7 @@ impl NodeBlocks {
     /// v <- (I + L)^-1 v
     pub fn forward(&self, v: &mut [Vec3A]) {
         for g in 0..self.nodes() {
-            let y = v[g];
-            let column = self.column(g);
-            for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
-                v[row as usize] -= block.matrix() * y;
-            }
+            self.take_below(g, v);
         }
     }
 
@@ -45,10 +46,29 @@ impl NodeBlocks {
         }
     }
 
-    /// Row g of L^T v
+    /// Asks for as much as most nodes' columns of L have, two cache lines; beyond its ends, for nothing.
+    #[inline(always)]
+    fn fetch(&self, block: usize) {
+        prefetch_index(&self.below, block);
+        prefetch_index(&self.below, block.wrapping_add(2));
+    }
+
+    /// v <- v - (column g of L) v_g, on the way forth; returns v_g.
+    #[inline(always)]
+    fn take_below(&self, g: usize, v: &mut [Vec3A]) -> Vec3A {
+        let (y, column) = (v[g], self.column(g));
+        self.fetch(column.start.wrapping_add(AHEAD));
+        for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
+            v[row as usize] -= block.matrix() * y;
+        }
+        y
+    }
+
+    /// Row g of L^T v, on the way back.
     #[inline(always)]
     fn above(&self, g: usize, v: &[Vec3A]) -> Vec3A {
         let column = self.column(g);
+        self.fetch(column.start.wrapping_sub(AHEAD));
         let mut sums = Mat3A::ZERO;
         for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
             let (block, v) = (block.matrix(), v[row as usize]);
@@ -75,12 +95,7 @@ impl NodeBlocks {
         }
         let (mut along, mut squares) = (DVec3::ZERO, DVec3::ZERO);
         for g in 0..self.nodes() {
-            let y = q[g];
-            let column = self.column(g);
-            for (block, &row) in self.below[column.clone()].iter().zip(&self.row[column]) {
-                q[row as usize] -= block.matrix() * y;
-            }
-            q[g] = y + t[g];
+            q[g] = self.take_below(g, q) + t[g];
             along += (p[g] * q[g]).as_dvec3();
             squares += (p[g] * p[g]).as_dvec3();
         }

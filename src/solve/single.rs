@@ -9,6 +9,7 @@
 
 use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 use multiversion::multiversion;
+use prefetch_index::prefetch_index;
 use std::ops::Range;
 
 /// Sizes of numbers within which their products are told in single precision.
@@ -19,6 +20,10 @@ const WIDE: usize = 8;
 const COLUMNS: usize = 32;
 /// Columns whose sums are under way at once: those of a node.
 const TOGETHER: usize = 3;
+/// Registers that the way back asks the memory for in advance: processors do so by themselves on the way forth only.
+const AHEAD: usize = 384;
+/// Registers of a cache line.
+const LINE: usize = 64 / size_of::<Eight>();
 
 /// A register.
 #[derive(Clone, Copy, Debug)]
@@ -237,6 +242,8 @@ fn products(l: &[Eight], x: &[Eight], sums: &mut [Eight]) {
 fn together<const N: usize>(l: &[Eight], wide: usize, k: usize, x: &[Eight]) -> [Eight; N] {
     let mut sums = [ZERO; N];
     for (chunk, x) in l.chunks_exact(wide).zip(x) {
+        // Pieces are taken from the last to the first: what lies before them is wanted next.
+        (k..k + N).step_by(LINE).for_each(|k| prefetch_index(chunk, k.wrapping_sub(AHEAD)));
         for (sum, l) in sums.iter_mut().zip(&chunk[k..k + N]) {
             for i in 0..WIDE {
                 sum.0[i] += l.0[i] * x.0[i];
