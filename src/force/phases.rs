@@ -75,13 +75,12 @@ impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
         if !rest.is_empty() {
             let (mut nodes, mut kept) = ([[0; N]; LANES], P::Kept::default());
             nodes[..rest.len()].copy_from_slice(rest);
-            let amounts = [0, 1].map(
-                #[inline(always)]
-                |half| {
-                    let measured = phases.measure(unit, Place { block: blocks.len(), half }, &nodes, &mut kept);
-                    (measured + phases.finish(unit, half, &mut kept)).numbers()
-                },
-            );
+            // No `map`: its closure would be compiled for any machine, and every operation in it called.
+            let mut amounts = [[0.0; 4]; 2];
+            for (half, amounts) in amounts.iter_mut().enumerate() {
+                let measured = phases.measure(unit, Place { block: blocks.len(), half }, &nodes, &mut kept);
+                *amounts = (measured + phases.finish(unit, half, &mut kept)).numbers();
+            }
             phases.scatter(unit, rest, &kept, f);
             flat(amounts)[..rest.len()].iter().for_each(|&amount| total.add(&[amount]));
         }
