@@ -9,13 +9,13 @@ use super::coefficient::Place;
 use crate::model::lanes::{LANES, Lanes};
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
-/// Blocks of elements that are measured before their forces are added: what is kept of them fits into the first cache.
-const CHUNK: usize = 16;
-
 /// How elements with `N` nodes are measured, and how their forces go to the nodes. Its functions are `#[inline(always)]`.
 pub(super) trait Phases<const N: usize> {
     /// What is kept of a block between the phases.
     type Kept: Copy + Default;
+
+    /// As many of them as there are blocks in a chunk, an array. A chunk of one leaves it to the processor to measure the next while the forces of one are added.
+    type Chunk: Default + AsMut<[Self::Kept]>;
 
     /// Measures four elements; returns their energies or powers.
     fn measure<U: VectorUnit>(
@@ -55,18 +55,19 @@ impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
     fn run<U: VectorUnit>(self, unit: U) -> f64 {
         let Elements { phases, nodes, f } = self;
         let (blocks, rest) = nodes.as_chunks();
-        let mut kept = [P::Kept::default(); CHUNK];
+        let mut chunk = P::Chunk::default();
+        let kept = chunk.as_mut();
         let mut sums = [unit.splat(0.0); 2];
-        for (blocks, first) in blocks.chunks(CHUNK).zip((0..).step_by(CHUNK)) {
-            for ((nodes, kept), block) in blocks.iter().zip(&mut kept).zip(first..) {
+        for (blocks, first) in blocks.chunks(kept.len()).zip((0..).step_by(kept.len())) {
+            for ((nodes, kept), block) in blocks.iter().zip(&mut *kept).zip(first..) {
                 sums[0] = sums[0] + phases.measure(unit, Place { block, half: 0 }, nodes, kept);
                 sums[1] = sums[1] + phases.measure(unit, Place { block, half: 1 }, nodes, kept);
             }
-            for (_, kept) in blocks.iter().zip(&mut kept) {
+            for (_, kept) in blocks.iter().zip(&mut *kept) {
                 sums[0] = sums[0] + phases.finish(unit, 0, kept);
                 sums[1] = sums[1] + phases.finish(unit, 1, kept);
             }
-            for (nodes, kept) in blocks.iter().zip(&kept) {
+            for (nodes, kept) in blocks.iter().zip(&*kept) {
                 phases.scatter(unit, nodes, kept, f);
             }
         }

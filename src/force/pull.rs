@@ -45,6 +45,7 @@ struct Kept {
 
 impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
     type Kept = Kept;
+    type Chunk = [Kept; 1];
 
     #[inline(always)]
     fn measure<U: VectorUnit>(&self, unit: U, at: Place, nodes: &[[u16; 2]; LANES], kept: &mut Kept) -> U::Quad {
