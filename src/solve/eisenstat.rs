@@ -4,8 +4,8 @@ use super::blocks::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};
 use prefetch_index::prefetch_index;
 
-/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come: no processor was seen to do so by itself. In the
-/// caches it costs nothing.
+/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come: processors that fetch ahead by themselves were seen to fail
+/// at pieces of this size. In the caches it costs nothing.
 const AHEAD: usize = 192;
 
 impl NodeBlocks {

@@ -20,7 +20,7 @@ const WIDE: usize = 8;
 const COLUMNS: usize = 32;
 /// Columns whose sums are under way at once: those of a node.
 const TOGETHER: usize = 3;
-/// Registers that the way back asks the memory for in advance: processors do so by themselves on the way forth only.
+/// Registers that the way back asks the memory for in advance: by themselves processors do so on the way forth only.
 const AHEAD: usize = 384;
 /// Registers of a cache line.
 const LINE: usize = 64 / size_of::<Eight>();
