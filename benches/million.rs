@@ -1,5 +1,5 @@
 //! A velocity-Verlet step of a million nodes beside what the memory can do: a STREAM triad (McCalpin 1995) in the same run, one thread and
-//! two, all in turn.
+//! two, all in turn. Steps one by one, and in strides, with the account that a run takes of each.
 //!
 //! ```text
 //! cargo bench --bench million
@@ -19,6 +19,7 @@ use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
+use canopy_fem::model::stride::{Passed, longest};
 use canopy_fem::model::system::System;
 use canopy_fem::model::workers::Workers;
 use canopy_fem::scene::{Network, Scene, build_network};
@@ -55,6 +56,8 @@ struct Steps<'a> {
     stepper: Stepper<'a>,
     from: Point,
     to: Point,
+    passed: Vec<Passed>,
+    longest: usize,
 }
 
 impl<'a> Steps<'a> {
@@ -64,7 +67,8 @@ impl<'a> Steps<'a> {
         let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
         scene.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from).expect("explicit");
-        Steps { stepper, to: from.clone(), from }
+        let longest = longest(scene.workers());
+        Steps { stepper, to: from.clone(), from, passed: vec![Passed::default(); longest], longest }
     }
 
     fn step(&mut self) {
@@ -72,6 +76,13 @@ impl<'a> Steps<'a> {
         let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + h };
         self.stepper.attempt(attempt, &mut self.to, &mut Counters::default()).expect("explicit");
         self.stepper.accept();
+        std::mem::swap(&mut self.from, &mut self.to);
+    }
+
+    fn stride(&mut self) {
+        let h = 1e-6;
+        let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + self.longest as f64 * h };
+        assert!(self.stepper.stride(attempt, &mut self.to, &mut self.passed, &mut Counters::default()));
         std::mem::swap(&mut self.from, &mut self.to);
     }
 }
@@ -111,21 +122,27 @@ fn main() {
     let workers = [Workers::default(), Workers::new(2).expect("threads")];
     let n = 8_000_000;
     let mut triad = Triad(vec![0.0; n], vec![1.0; n], vec![2.0; n]);
-    let mut times = [const { Vec::new() }; 4];
+    let mut times = [const { Vec::new() }; 6];
     for _ in 0..ROUNDS {
         for i in 0..2 {
             times[i].push(seconds(|| triad.run(&workers[i])));
             times[2 + i].push(seconds(|| steps[i].step()));
+            times[4 + i].push(seconds(|| steps[i].stride()) / steps[i].longest as f64);
         }
     }
-    let [triad_1, triad_2, step_1, step_2] = times.map(median);
+    let [triad_1, triad_2, step_1, step_2, stride_1, stride_2] = times.map(median);
     let (vector, of_springs) = ((24 * nodes) as f64, 12.0 * springs as f64);
     println!("{nodes} nodes, {springs} springs");
-    for (threads, triad, step) in [(1, triad_1, step_1), (2, triad_2, step_2)] {
+    for (threads, kind, triad, step) in [
+        (1, "step", triad_1, step_1),
+        (1, "step of a stride", triad_1, stride_1),
+        (2, "step", triad_2, step_2),
+        (2, "step of a stride", triad_2, stride_2),
+    ] {
         let rate = (24 * n) as f64 / triad;
         let [two_passes, one_pass] = [11.0, 7.0].map(|vectors| (vectors * vector + of_springs) / rate);
         println!(
-            "{threads} thread(s): triad {:.1} GB/s, step {:.1} ms, limit of two passes {:.1} ms: {:.0} % of it, of one {:.1} ms: {:.0} %",
+            "{threads} thread(s): triad {:.1} GB/s, {kind} {:.1} ms, limit of two passes {:.1} ms: {:.0} % of it, of one {:.1} ms: {:.0} %",
             rate / 1e9,
             1e3 * step,
             1e3 * two_passes,
@@ -134,5 +151,10 @@ fn main() {
             100.0 * one_pass / step
         );
     }
-    println!("two threads against one: triad {:.2}, step {:.2} times as fast", triad_1 / triad_2, step_1 / step_2);
+    println!(
+        "two threads against one: triad {:.2}, step {:.2}, step of a stride {:.2} times as fast",
+        triad_1 / triad_2,
+        step_1 / step_2,
+        stride_1 / stride_2
+    );
 }

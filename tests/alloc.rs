@@ -14,6 +14,7 @@ use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
+use canopy_fem::model::stride::{LONGEST, Passed};
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem::solve::LinearChoice;
@@ -69,6 +70,27 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
     advance(10);
     let before = dhat::HeapStats::get().total_blocks;
     advance(steps);
+    dhat::HeapStats::get().total_blocks - before
+}
+
+/// Heap blocks allocated by five strides after one.
+fn stride_blocks(scene: &Network, method: &str) -> u64 {
+    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
+    scene.evaluate(from.state.as_ref(), &mut from.forces);
+    let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
+    let mut passed = vec![Passed::default(); LONGEST];
+    let mut advance = |n: u32| {
+        for _ in 0..n {
+            let attempt = Attempt { from: &from, h, t_next: from.state.t + LONGEST as f64 * h };
+            assert!(stepper.stride(attempt, &mut to, &mut passed, &mut counters), "{method} has strides");
+            std::mem::swap(&mut from, &mut to);
+        }
+    };
+    advance(1);
+    let before = dhat::HeapStats::get().total_blocks;
+    advance(5);
     dhat::HeapStats::get().total_blocks - before
 }
 
@@ -137,6 +159,9 @@ fn main() {
             let newton = (Strategy::Full, LinearChoice::Cg);
             assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
         }
+    }
+    for method in ["velocity-verlet", "euler-cromer"] {
+        assert_eq!(stride_blocks(&large, method), 0, "strides of {method}");
     }
     // The measurement itself sees an allocation when there is one.
     let before = dhat::HeapStats::get().total_blocks;

@@ -5,16 +5,14 @@
 //! memory once a step. All sums are those of `Sweep::pass`, in their order.
 
 use super::NodeState;
-use super::sweep::{Room, Round, Sweep, Terms, Work, by_node, wants};
+use super::stride::Steps;
+use super::sweep::{Sweep, Terms};
 use super::threads::{SUMS, Threads};
 use crate::model::forces::Tally;
 use crate::model::system::Around;
-use bytemuck::{cast_slice, cast_slice_mut};
+use bytemuck::cast_slice;
 use glam::DVec3;
 use std::ops::Range;
-
-/// Strips in a round for each of several threads: enough that none waits long for another.
-const STRIPS: usize = 4;
 
 /// Where a pass is to find nodes, and what moves them there.
 pub struct Moving<'a> {
@@ -29,7 +27,7 @@ pub struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    fn before(&mut self, nodes: Range<usize>, threads: &Threads) {
+    pub(super) fn before(&mut self, nodes: Range<usize>, threads: &Threads) {
         let (first, dofs) = (3 * nodes.start, 3 * nodes.start..3 * nodes.end);
         let around = self.around;
         threads.workers().both((&mut self.x[dofs.clone()], &mut self.v[dofs]), |r, x, v| {
@@ -37,7 +35,7 @@ impl Moving<'_> {
         });
     }
 
-    fn state(&self) -> NodeState<'_> {
+    pub(super) fn state(&self) -> NodeState<'_> {
         NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
     }
 }
@@ -52,68 +50,14 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         // Before the pool is entered: a worker that waits for its share may begin another caller's pass meanwhile.
-        let mut room = self.room(terms.count(), &out);
-        let room: &mut Room = &mut room;
-        match threads.workers().pool().filter(|_| self.tiling.strips().len() > 1) {
-            None => self.rounds((terms, moving), (threads, 1), out, room),
-            Some(pool) => {
-                let strips = STRIPS * pool.current_num_threads();
-                pool.install(|| self.rounds((terms, moving), (threads, strips), out, room));
-            }
-        }
-        room.add_up(tallies);
-    }
-
-    fn rounds<T: Terms + ?Sized>(
-        &self,
-        (terms, mut moving): (&T, Moving<'_>),
-        (threads, strips): (&Threads, usize),
-        mut out: [&mut [DVec3]; SUMS],
-        room: &mut Room,
-    ) {
-        let (tiling, wants) = (&self.tiling, wants(terms));
-        let (mut moved, mut oldest) = (0, 0);
-        for first in tiling.strips().step_by(strips) {
-            let strips = first..(first + strips).min(tiling.strips().end);
-            let (nodes, tiles) = (tiling.nodes_of(strips.clone()), tiling.tiles_of(strips.clone()));
-            let reach = tiling.tiles()[tiles.clone()].iter().fold(nodes.end, |most, plan| most.max(plan.reach.end));
-            if reach > moved {
-                moving.before(moved..reach, threads);
-                moved = reach;
-            }
-            let work = Work { terms, wants, at: moving.state(), threads, tiling };
-            work.run(self.part(strips, &mut out, room));
-            while oldest < tiles.start && tiling.tiles()[oldest].reach.end <= nodes.start {
-                oldest += 1;
-            }
-            self.complete(Round { nodes, tiles: oldest..tiles.end }, (&mut moving, threads), &mut out, room);
-        }
-    }
-
-    /// Adds what came from other strips to the sums of a round's nodes, and does what comes after.
-    fn complete(
-        &self,
-        round: Round,
-        (moving, threads): (&mut Moving<'_>, &Threads),
-        [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
-        Room { beyond: [total_beyond, others_beyond @ ..], .. }: &Room,
-    ) {
-        for (out, beyond) in others.iter_mut().zip(others_beyond) {
-            self.add_beyond(&round, threads, beyond, out);
-        }
-        // The total and what comes after in one loop.
-        let Round { nodes, tiles } = round;
-        let (around, first) = (moving.around, 3 * nodes.start);
-        let v = &mut moving.v[first..3 * nodes.end];
-        threads.workers().both((cast_slice_mut(&mut total[nodes]), v), |r, f, v| {
-            self.tiling.add_beyond(tiles.clone(), total_beyond, ((first + r.start) / 3, by_node(f)));
-            around.after(first + r.start..first + r.end, v, f);
-        });
+        let mut room = self.room((terms.count(), 1), &out);
+        self.steps(Steps { terms, moving, between: None, threads }, out, &mut room);
+        room.add_up(0, tallies);
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::force::batch::{Batch, Summand};
     use crate::force::neighbours::{Links, Neighbours};
@@ -122,10 +66,10 @@ mod tests {
     use crate::force::tiling::{Limits, Tiling};
     use std::sync::Mutex;
 
-    const NODES: usize = 500;
+    pub const NODES: usize = 500;
 
     /// Dashpots to the node after the next 30 in the first sum, links to the next node in the last.
-    struct Pairs(RelativeDashpots, Neighbours);
+    pub struct Pairs(RelativeDashpots, Neighbours);
 
     impl Terms for Pairs {
         fn count(&self) -> usize {
@@ -137,7 +81,7 @@ mod tests {
         }
     }
 
-    fn terms(limits: Limits) -> (Pairs, Sweep) {
+    pub fn terms(limits: Limits) -> (Pairs, Sweep) {
         let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
         let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
         let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };

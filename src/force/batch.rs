@@ -47,6 +47,12 @@ pub trait Summand: Send + Sync {
     /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns
     /// their energy [J] or power [W].
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
+
+    /// [-] Largest l^2/l0^2 of the springs among a tile's elements; -inf where there is none.
+    fn largest_stretch(&self, tile: &Tile<'_>) -> f64 {
+        let _ = tile;
+        f64::NEG_INFINITY
+    }
 }
 
 /// The forces of like elements with `N` nodes each.
@@ -59,6 +65,12 @@ pub trait Kernel<const N: usize>: Send + Sync {
 
     /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power [W].
     fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
+
+    /// [-] Largest l^2/l0^2 of a tile's springs; -inf where elements have no rest length.
+    fn largest_stretch(&self, tile: Elements<'_, N>) -> f64 {
+        let _ = tile;
+        f64::NEG_INFINITY
+    }
 }
 
 /// A kernel, and its elements by tiles.
@@ -80,6 +92,13 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     /// The kernel.
     pub fn kernel(&self) -> &K {
         &self.kernel
+    }
+
+    /// A tile's elements, if it has any.
+    fn elements_of<'a>(&'a self, tile: &'a Tile<'_>) -> Option<Elements<'a, N>> {
+        let elements = self.tiles.get(tile.number).filter(|elements| !elements.is_empty())?;
+        let nodes = &self.local[elements.clone()];
+        Some(Elements { at: tile.at, x: tile.x, v: tile.v, nodes, first: elements.start })
     }
 }
 
@@ -107,12 +126,10 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
     }
 
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        match self.tiles.get(tile.number) {
-            Some(elements) if !elements.is_empty() => {
-                let nodes = &self.local[elements.clone()];
-                self.kernel.add(Elements { at: tile.at, x: tile.x, v: tile.v, nodes, first: elements.start }, f)
-            }
-            _ => Tally::default(),
-        }
+        self.elements_of(tile).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
+    }
+
+    fn largest_stretch(&self, tile: &Tile<'_>) -> f64 {
+        self.elements_of(tile).map_or(f64::NEG_INFINITY, |elements| self.kernel.largest_stretch(elements))
     }
 }

@@ -11,9 +11,10 @@ pub use super::coefficient::Coefficient;
 use super::coefficient::{Column, Place};
 use super::pull::{Pull, PullLaw, pull};
 use super::slack::{Plain, TensionLaw, clamped, tension};
+use super::stretch::{InScene, InWindow, Stretched, largest};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
-use crate::model::quad::{self, Quad, VectorUnit};
+use crate::model::quad::{Quad, VectorUnit};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -59,9 +60,9 @@ impl SpringData {
         (x[b as usize] - x[a as usize]).length() - self.rest_length[i]
     }
 
-    /// [-] largest strain of all springs, -inf without any.
-    pub fn max_strain(&self, x: &[DVec3]) -> f64 {
-        largest_strain(self, x)
+    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
+    pub fn largest_stretch(&self, x: &[DVec3]) -> f64 {
+        largest(Stretched { ends: &self.nodes, rest_length: &self.rest_length, at: InScene(bytemuck::cast_slice(x)) })
     }
 
     /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].
@@ -89,52 +90,6 @@ impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
         let e = l - self.rest_length.quad(unit, place);
         let (force, energy) = self.tension.quad(unit, self.stiffness.quad(unit, place), e);
         Pull { scale: (force / l).where_positive(l), amount: energy }
-    }
-}
-
-/// sqrt(max |d|^2/l0^2) - 1: one root for all, which leaves 2e-16 of springs at their rest length.
-fn largest_strain(data: &SpringData, x: &[DVec3]) -> f64 {
-    let (nodes, rest) = data.nodes.as_chunks::<4>();
-    let (l0, _) = data.rest_length.as_chunks::<4>();
-    let largest =
-        quad::run(Ratios { nodes, l0, x: bytemuck::cast_slice(x) }).into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let last = data.nodes.len() - rest.len()..data.nodes.len();
-    last.map(|i| data.strain(x, i)).fold(if largest < 0.0 { largest } else { largest.sqrt() - 1.0 }, f64::max)
-}
-
-/// Largest |d|^2/l0^2 of springs side by side, -inf without any.
-struct Ratios<'a> {
-    nodes: &'a [[[u32; 2]; 4]],
-    l0: &'a [[f64; 4]],
-    x: &'a [f64],
-}
-
-impl quad::Pass for Ratios<'_> {
-    type Output = [f64; 4];
-
-    #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) -> [f64; 4] {
-        let mut largest = unit.splat(f64::NEG_INFINITY);
-        for (nodes, l0) in self.nodes.iter().zip(self.l0) {
-            let mut d = [unit.splat(0.0); 4];
-            for (d, &[a, b]) in d.iter_mut().zip(nodes) {
-                *d = unit.quad(position(self.x, b)) - unit.quad(position(self.x, a));
-            }
-            let (d, l0) = (U::Quad::columns(d), unit.quad(*l0));
-            let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            largest = (square / (l0 * l0)).larger(largest);
-        }
-        largest.numbers()
-    }
-}
-
-/// A node's coordinates, and a number that means nothing.
-#[inline(always)]
-fn position(x: &[f64], node: u32) -> [f64; 4] {
-    let from = &x[3 * node as usize..];
-    match from.first_chunk() {
-        Some(four) => *four,
-        None => [from[0], from[1], from[2], 0.0],
     }
 }
 
@@ -184,6 +139,11 @@ impl Kernel<2> for SpringData {
             Some(tension) => pull(SpringLaw { tension, stiffness, rest_length }, tile.nodes, tile.x, f),
         };
         Tally { energy, power: 0.0 }
+    }
+
+    fn largest_stretch(&self, tile: Elements<'_, 2>) -> f64 {
+        let rest_length = &self.rest_length[tile.range()];
+        largest(Stretched { ends: tile.nodes, rest_length, at: InWindow(tile.x) })
     }
 }
 

@@ -6,12 +6,14 @@
 
 use super::NodeState;
 use super::batch::{Summand, Wants};
+use super::room::{Part, Room};
 use super::threads::{SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::tiling::{Plan, Tiling};
 use super::window::{Padded, RECORD, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
 use crate::model::forces::Tally;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -40,22 +42,16 @@ impl<S: Summand> Terms for [S] {
 pub struct Sweep {
     pub(super) tiling: Tiling,
     room: Mutex<Room>,
-}
-
-#[derive(Debug, Default)]
-pub(super) struct Room {
-    /// what each sum gets beyond the strips' ends
-    pub beyond: [Vec<Padded>; SUMS],
-    /// of the pass
-    terms: usize,
-    /// tile after tile, term after term
-    tallies: Vec<Tally>,
+    /// of a sum over strips
+    parts: Mutex<Vec<f64>>,
 }
 
 /// What a pass reads, and with which threads.
 pub(super) struct Work<'a, T: ?Sized> {
     pub terms: &'a T,
     pub wants: Wants,
+    /// whether the largest stretch is looked for
+    pub stretch: bool,
     pub at: NodeState<'a>,
     pub threads: &'a Threads,
     pub tiling: &'a Tiling,
@@ -67,14 +63,6 @@ pub(super) struct Round {
     pub tiles: Range<usize>,
 }
 
-/// Some strips and where their sums go.
-pub(super) struct Part<'a> {
-    strips: Range<usize>,
-    out: [&'a mut [DVec3]; SUMS],
-    beyond: [&'a mut [Padded]; SUMS],
-    tallies: &'a mut [Tally],
-}
-
 impl Sweep {
     /// Cuts `nodes` nodes into tiles and tells every summand its elements.
     pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
@@ -82,7 +70,7 @@ impl Sweep {
     }
 
     pub(super) fn of(tiling: Tiling) -> Self {
-        Sweep { tiling, room: Mutex::default() }
+        Sweep { tiling, room: Mutex::default(), parts: Mutex::default() }
     }
 
     /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
@@ -95,14 +83,14 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room(terms.count(), &out);
-        let work = Work { terms, wants: wants(terms), at, threads, tiling: &self.tiling };
-        work.run(self.part(self.tiling.strips(), &mut out, &mut room));
+        let mut room = self.room((terms.count(), 1), &out);
+        let work = Work { terms, wants: wants(terms), stretch: false, at, threads, tiling: &self.tiling };
+        work.run(room.part(&self.tiling, (0, self.tiling.strips()), &mut out));
         let all = Round { nodes: self.tiling.nodes_of(self.tiling.strips()), tiles: 0..self.tiling.tiles().len() };
         for (out, beyond) in out.iter_mut().zip(&room.beyond) {
             self.add_beyond(&all, threads, beyond, out);
         }
-        room.add_up(tallies);
+        room.add_up(0, tallies);
     }
 
     /// Adds to a sum, unless it is empty, what a round's nodes get from beyond the strips of its tiles.
@@ -121,42 +109,28 @@ impl Sweep {
         }
     }
 
-    /// Room for a pass of some terms into sums of these sizes.
-    pub(super) fn room(&self, terms: usize, out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
+    /// A sum over the nodes, strip after strip.
+    pub fn by_strips(&self, threads: &Threads, of: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+        let strips = self.tiling.strips();
+        let of = |strip: usize| of(self.tiling.nodes_of(strip..strip + 1));
+        match threads.workers().pool().filter(|_| strips.len() > 1) {
+            None => strips.map(of).sum(),
+            Some(pool) => {
+                // Before the pool is entered, as for a pass.
+                let mut parts = self.parts.lock().unwrap_or_else(PoisonError::into_inner);
+                parts.resize(strips.len(), 0.0);
+                let parts = &mut **parts;
+                pool.install(|| parts.par_iter_mut().zip(strips).for_each(|(part, strip)| *part = of(strip)));
+                parts.iter().sum()
+            }
+        }
+    }
+
+    /// Room for some terms, in passes of so many levels, into sums of these sizes.
+    pub(super) fn room(&self, (terms, levels): (usize, usize), out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
-        for (beyond, _) in room.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
-            beyond.resize(self.tiling.beyond().len(), Padded::default());
-        }
-        room.terms = terms;
-        room.tallies.resize(self.tiling.tiles().len() * terms, Tally::default());
+        room.fit(&self.tiling, (terms, levels), out);
         room
-    }
-
-    /// The places of some strips.
-    pub(super) fn part<'a>(
-        &self,
-        strips: Range<usize>,
-        out: &'a mut [&mut [DVec3]; SUMS],
-        room: &'a mut Room,
-    ) -> Part<'a> {
-        let (nodes, tiles) = (self.tiling.nodes_of(strips.clone()), self.tiling.tiles_of(strips.clone()));
-        let beyond = self.tiling.beyond_of(tiles.clone());
-        Part {
-            out: out.each_mut().map(|out| if out.is_empty() { &mut **out } else { &mut out[nodes.clone()] }),
-            beyond: room.beyond.each_mut().map(|sums| sums.get_mut(beyond.clone()).unwrap_or_default()),
-            tallies: &mut room.tallies[tiles.start * room.terms..tiles.end * room.terms],
-            strips,
-        }
-    }
-}
-
-impl Room {
-    /// Adds up energies and powers of every term, tile after tile.
-    pub(super) fn add_up(&self, tallies: &mut [Tally]) {
-        tallies.fill(Tally::default());
-        for by_tile in self.tallies.chunks(self.terms.max(1)) {
-            tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
-        }
     }
 }
 
@@ -181,7 +155,7 @@ impl<T: Terms + ?Sized> Work<'_, T> {
     fn in_order(&self, mut part: Part<'_>) {
         while part.strips.len() > 1 {
             let next = part.strips.start + 1;
-            let [one, others] = self.split(part, next);
+            let [one, others] = part.split(self.tiling, next);
             self.strip(one, &mut self.threads.windows(0));
             part = others;
         }
@@ -193,31 +167,18 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             return self.strip(part, &mut self.threads.windows(rayon::current_thread_index().unwrap_or(0)));
         }
         let middle = part.strips.start + part.strips.len() / 2;
-        let [left, right] = self.split(part, middle);
+        let [left, right] = part.split(self.tiling, middle);
         rayon::join(|| self.side_by_side(left), || self.side_by_side(right));
     }
 
-    fn split<'p>(&self, part: Part<'p>, at: usize) -> [Part<'p>; 2] {
-        let Part { strips, out, beyond, tallies } = part;
-        let before = strips.start..at;
-        let tiles = self.tiling.tiles_of(before.clone());
-        let (out, out_after) = halves(out, self.tiling.nodes_of(before.clone()).len());
-        let (beyond, beyond_after) = halves(beyond, self.tiling.beyond_of(tiles.clone()).len());
-        let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * self.terms.count());
-        [
-            Part { strips: before, out, beyond, tallies },
-            Part { strips: at..strips.end, out: out_after, beyond: beyond_after, tallies: tallies_after },
-        ]
-    }
-
     fn strip(&self, part: Part<'_>, windows: &mut Windows) {
-        let Part { strips, mut out, mut beyond, tallies } = part;
+        let Part { strips, mut out, mut beyond, tallies, stretches } = part;
         let numbers = self.tiling.tiles_of(strips);
         let first = self.tiling.beyond_of(numbers.clone()).start;
         let count = self.terms.count();
         for (number, i) in numbers.zip(0..) {
             let plan = &self.tiling.tiles()[number];
-            self.tile(number, windows, &out, &mut tallies[i * count..(i + 1) * count]);
+            stretches[i] = self.tile(number, windows, &out, &mut tallies[i * count..(i + 1) * count]);
             let place = plan.beyond.start - first..plan.beyond.end - first;
             for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
                 if !out.is_empty() {
@@ -233,8 +194,8 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         }
     }
 
-    /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty.
-    fn tile(&self, number: usize, windows: &mut Windows, out: &[&mut [DVec3]; SUMS], tallies: &mut [Tally]) {
+    /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty. Tells its largest stretch, if that is looked for.
+    fn tile(&self, number: usize, windows: &mut Windows, out: &[&mut [DVec3]; SUMS], tallies: &mut [Tally]) -> f64 {
         let plan = &self.tiling.tiles()[number];
         let Windows { x, v, sums } = windows;
         let (x, v) = (x.records(), v.records());
@@ -261,6 +222,12 @@ impl<T: Terms + ?Sized> Work<'_, T> {
                 plus_rows(rows(other, plan.records()), rows(total, plan.records()));
             }
         }
+        match self.stretch {
+            true => (0..tallies.len())
+                .map(|i| self.terms.term(i).0.largest_stretch(&tile))
+                .fold(f64::NEG_INFINITY, f64::max),
+            false => f64::NEG_INFINITY,
+        }
     }
 
     /// Copies a nodal vector into a tile's window.
@@ -277,12 +244,6 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             }
         }
     }
-}
-
-/// What comes before a place and what comes after; nothing of what is empty.
-fn halves<T>(slices: [&mut [T]; SUMS], at: usize) -> ([&mut [T]; SUMS], [&mut [T]; SUMS]) {
-    let [a, b, c] = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
-    ([a.0, b.0, c.0], [a.1, b.1, c.1])
 }
 
 #[cfg(test)]

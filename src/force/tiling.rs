@@ -87,6 +87,11 @@ impl Tiling {
         0..self.first_tile.len() - 1
     }
 
+    /// Nodes of a strip; the last may have less.
+    pub(super) fn strip(&self) -> usize {
+        self.strip
+    }
+
     /// The nodes of some strips.
     pub(super) fn nodes_of(&self, strips: Range<usize>) -> Range<usize> {
         (self.strip * strips.start).min(self.nodes)..(self.strip * strips.end).min(self.nodes)

@@ -3,7 +3,8 @@
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
-use crate::model::system::{Around, System};
+use crate::model::stride::Passed;
+use crate::model::system::{Around, Onward, System};
 
 /// What a run cost, in operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -41,6 +42,19 @@ impl Counters {
     pub fn evaluate<S: System + ?Sized>(&mut self, system: &S, at: StateRef<'_>, out: &mut Forces) {
         self.force_evaluations += 1;
         system.evaluate(at, out);
+    }
+
+    /// Counted force passes of several steps, if the system makes them in one go.
+    pub fn stride<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        to: &mut Point,
+        scheme: &dyn Onward,
+        passed: &mut [Passed],
+    ) -> bool {
+        let made = system.stride(&mut to.state, &mut to.forces, scheme, passed);
+        self.force_evaluations += if made { passed.len() as u64 } else { 0 };
+        made
     }
 
     /// A counted force pass with what comes before and after it.

@@ -7,9 +7,11 @@
 //! Symplectic, not energy-conserving: on an oscillator it keeps v^2 + w^2 x^2 - w^2 h x v. Limit w h < 2 undamped,
 //! 2 (sqrt(1 + zeta^2) - zeta) with damping ratio zeta.
 
+use super::strides::KickDriftKick;
 use super::updates::{BeforeAndAfter, Product, Sizes, kick_then_drift, nothing};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
+use crate::model::stride::Passed;
 use crate::model::system::System;
 use std::ops::Range;
 
@@ -36,5 +38,16 @@ impl Integrator<dyn System> for EulerCromer {
         };
         counters.evaluate_around(system, to, &BeforeAndAfter { before, after: nothing });
         Ok(StepReport { forces_at_end: true, ..Default::default() })
+    }
+
+    fn stride(
+        &mut self,
+        step: StepInput<'_, dyn System>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        let first = Sizes { kick: step.h, drift: step.h };
+        KickDriftKick { first, second: None }.stride(step, to, passed, counters)
     }
 }

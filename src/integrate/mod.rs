@@ -35,6 +35,7 @@ pub mod registry;
 pub mod rk4;
 pub mod stage;
 pub mod stepper;
+mod strides;
 mod tangents;
 mod updates;
 pub mod velocity_verlet;
@@ -44,6 +45,7 @@ pub use kept::KeptFactor;
 
 use crate::assembly::PatternError;
 use crate::model::point::Point;
+use crate::model::stride::Passed;
 use crate::solve::newton::NewtonFailure;
 use crate::solve::{LinearError, LinearStats};
 
@@ -163,6 +165,19 @@ pub trait Integrator<S: ?Sized>: Send {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError>;
+
+    /// Makes several steps into `to`, of one size and an entry of `passed` each; `step.t_next` is the time at the end of the last. Their bits are those of steps
+    /// attempted and accepted one by one. `false`, and `to` means nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
+    fn stride(
+        &mut self,
+        step: StepInput<'_, S>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        let _ = (step, to, passed, counters);
+        false
+    }
 
     /// Takes over what the last attempt carried.
     fn accept(&mut self) {}

@@ -2,6 +2,7 @@
 
 use super::{Carried, Counters, ErrorOut, Integrator, PairInfo, StepError, StepInput, StepReport};
 use crate::model::point::Point;
+use crate::model::stride::Passed;
 use crate::model::system::{Abilities, SpringGraph, System, TangentSystem};
 use crate::solve::LinearStats;
 
@@ -83,6 +84,19 @@ impl<'a> Stepper<'a> {
     ) -> Result<StepReport, StepError> {
         each!(&mut self.0, scheme, system => {
             scheme.attempt(StepInput { system: *system, from, h, t_next }, to, counters)
+        })
+    }
+
+    /// See [`Integrator::stride`].
+    pub fn stride(
+        &mut self,
+        Attempt { from, h, t_next }: Attempt<'_>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        each!(&mut self.0, scheme, system => {
+            scheme.stride(StepInput { system: *system, from, h, t_next }, to, passed, counters)
         })
     }
 

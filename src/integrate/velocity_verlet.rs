@@ -12,9 +12,11 @@
 //! a* over to the next step instead of a_{n+1} would save an evaluation but lose stability (w h < 1.64 instead of 1.84 at damping
 //! ratio 0.1). Without velocity-dependent forces a* = a_{n+1}. Limit w h < 2 undamped.
 
+use super::strides::KickDriftKick;
 use super::updates::{BeforeAndAfter, Product, Sizes, accumulate_product, add_product, kick_then_drift};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
+use crate::model::stride::Passed;
 use crate::model::system::System;
 use std::ops::Range;
 
@@ -56,5 +58,16 @@ impl Integrator<dyn System> for VelocityVerlet {
             counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         }
         Ok(StepReport { forces_at_end: true, ..Default::default() })
+    }
+
+    fn stride(
+        &mut self,
+        step: StepInput<'_, dyn System>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        let first = Sizes { kick: 0.5 * step.h, drift: step.h };
+        KickDriftKick { first, second: Some(0.5 * step.h) }.stride(step, to, passed, counters)
     }
 }

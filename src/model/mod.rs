@@ -8,5 +8,6 @@ pub mod point;
 pub mod quad;
 pub mod spec;
 pub mod state;
+pub mod stride;
 pub mod system;
 pub mod workers;

@@ -6,6 +6,7 @@
 
 use super::forces::{Forces, Role};
 use super::state::{State, StateRef};
+use super::stride::Passed;
 use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 use std::ops::Range;
@@ -26,6 +27,13 @@ pub trait Around: Sync {
 
     /// What follows from their forces f [N], which at fixed ones need not be 0. No force reads these velocities any more.
     fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]);
+}
+
+/// What a scheme does around the force passes of a [stride](super::stride).
+pub trait Onward: Around {
+    /// Moves some degrees of freedom on from where a pass has found them, with the forces f [N] it has found, to where the next is to find them.
+    /// At fixed ones f need not be 0, as in [`Around::after`]: what moves by M^-1 f stays where it is.
+    fn onward(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64], f: &[f64]);
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
@@ -52,6 +60,13 @@ pub trait System: Sync {
         around.before(n.clone(), &mut at.x, &mut at.v);
         self.evaluate(at.as_ref(), out);
         around.after(n, &mut at.v, &out.total);
+    }
+
+    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, [`System::evaluate`], `scheme.after`, then for every further
+    /// step `scheme.onward`, [`System::evaluate`], `scheme.after`. Where forces depend on anything but positions there is no such thing: `false`, and nothing was done.
+    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
+        let _ = (at, out, scheme, passed);
+        false
     }
 
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.

@@ -10,6 +10,7 @@ pub mod network;
 pub mod numbering;
 mod pendulum;
 mod picture;
+mod sums;
 mod suspect;
 
 pub use bound::BoundRoom;

@@ -2,22 +2,23 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
+use super::sums::motion;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::spring::{Coefficient, SpringData};
+use crate::force::stride::Between;
 use crate::force::sweep::{Sweep, Terms};
 use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
-use crate::model::lanes::lane_sum;
 use crate::model::state::{State, StateRef};
-use crate::model::system::{Around, System, TangentSystem, TermInfo, Weights};
+use crate::model::stride::Passed;
+use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
 use glam::DVec3;
-use multiversion::multiversion;
 use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them.
@@ -158,21 +159,6 @@ impl Network {
     }
 }
 
-/// [J] sum of 1/2 m v^2
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
-    let mut buffer = [0.0; 64];
-    let mut sum = 0.0;
-    for (v, m) in by_node(v).chunks(64).zip(mass.chunks(64)) {
-        let buffer = &mut buffer[..m.len()];
-        for ((e, v), m) in buffer.iter_mut().zip(v).zip(m) {
-            *e = 0.5 * m * v.length_squared();
-        }
-        sum += lane_sum(buffer);
-    }
-    sum
-}
-
 /// The terms, each with the sum of its role.
 impl Terms for Network {
     fn count(&self) -> usize {
@@ -240,6 +226,22 @@ impl System for Network {
         self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
     }
 
+    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
+        let from_positions = |info: &TermInfo| matches!(info.role, Role::Elastic | Role::Gravity);
+        if !self.infos.iter().all(from_positions) {
+            return false;
+        }
+        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around: scheme };
+        let between = Between { scheme, sums: &|nodes, at| self.node_sums(nodes, at) };
+        self.pass_into(out, |sums, tallies| {
+            self.sweep.stride((self, moving), between, &self.threads, sums, passed);
+            if let Some(last) = passed.last() {
+                tallies.copy_from_slice(&last.tallies);
+            }
+        });
+        true
+    }
+
     fn inverse_mass(&self) -> &[f64] {
         &self.inverse_mass
     }
@@ -253,7 +255,8 @@ impl System for Network {
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        self.threads.workers().sum(v.len(), |r| kinetic(&v[r.clone()], &self.mass[r.start / 3..r.end / 3]))
+        self.sweep
+            .by_strips(&self.threads, |nodes| motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic)
     }
 
     fn workers(&self) -> &Workers {

@@ -1,9 +1,11 @@
 //! A network as a person sees it: back in the user's numbering.
 
 use super::network::{Network, by_node};
+use super::sums::motion;
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
+use crate::model::stride::strain_of;
 
 impl Picture for Network {
     fn reference(&self) -> &[[f64; 3]] {
@@ -52,11 +54,10 @@ impl Picture for Network {
 
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
-        let max = self.springs.iter().map(|b| b.data.max_strain(x)).fold(f64::NEG_INFINITY, f64::max);
-        if max == f64::NEG_INFINITY { 0.0 } else { max }
+        strain_of(self.springs.iter().map(|b| b.data.largest_stretch(x)).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
-        by_node(at.v).iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt()
+        motion(at.v, &self.mass).largest_square.sqrt()
     }
 }

@@ -123,7 +123,7 @@ fn extent(x: &[DVec3], workers: &Workers) -> f64 {
 }
 
 /// Lowest and highest coordinates.
-fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
+pub(super) fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
     let (rows, rest) = x.as_chunks::<4>();
     let lanes: [[DVec3; 4]; 2] = quad::run(Bounds(bytemuck::cast_slice(rows))).map(bytemuck::cast);
     let [low, high] = lanes.map(|nodes| nodes.into_iter().chain(rest.iter().copied()));

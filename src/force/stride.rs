@@ -1,0 +1,293 @@
+//! The way through the strips in rounds, of one step or of several that follow each other a few strips apart.
+//!
+//! A level is one step's way. Its next round can begin as soon as all nodes that the round's elements reach are complete in the level before, and were moved on.
+//! As elements belong to the strip of their smallest node, that level needs those nodes no more: everything happens in place, and the sums of one level
+//! take the place of those of the level before. The highest level that can go on goes first, so that it meets nodes while they are in cache.
+
+use super::around::Moving;
+use super::room::Room;
+use super::sweep::{Round, Sweep, Terms, Work, by_node, wants};
+use super::threads::{SUMS, Threads};
+use crate::model::stride::{NodeSums, Passed};
+use crate::model::system::Onward;
+use bytemuck::cast_slice_mut;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Strips in a round for each of several threads, enough that none waits long for another: in one step, and in several, where a cache is to hold those
+/// of all levels.
+const STRIPS: [usize; 2] = [4, 2];
+
+/// What some nodes are like by their positions [m], velocities [m/s] and forces [N], when all three belong to the end of one step.
+pub type SumNodes<'a> = &'a (dyn Fn(Range<usize>, [&[f64]; 3]) -> NodeSums + Sync);
+
+/// What is to be done where one step of several ends.
+#[derive(Clone, Copy)]
+pub struct Between<'a> {
+    /// moves nodes on to the next step
+    pub scheme: &'a dyn Onward,
+    /// tells what is left of the step
+    pub sums: SumNodes<'a>,
+}
+
+/// One step, or several with something between them.
+pub(super) struct Steps<'a, 'm, T: ?Sized> {
+    pub terms: &'a T,
+    pub moving: Moving<'m>,
+    pub between: Option<Between<'a>>,
+    pub threads: &'a Threads,
+}
+
+/// How far a step has come.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Level {
+    /// the first strip that is left
+    next: usize,
+    /// nodes whose forces are complete
+    complete: usize,
+    /// the first tile that may still give something to the others
+    oldest: usize,
+    /// whether its largest stretch is asked for
+    stretch: bool,
+}
+
+/// Some strips, their nodes and tiles, and where the nodes end that their elements reach.
+struct Ahead {
+    strips: Range<usize>,
+    nodes: Range<usize>,
+    tiles: Range<usize>,
+    reach: usize,
+}
+
+impl Sweep {
+    /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first. Sums, state and what is told of every step
+    /// have the bits of steps made one by one.
+    pub fn stride<T: Terms + ?Sized>(
+        &self,
+        (terms, moving): (&T, Moving<'_>),
+        between: Between<'_>,
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        passed: &mut [Passed],
+    ) {
+        let mut room = self.room((terms.count(), passed.len()), &out);
+        for (level, passed) in room.levels.iter_mut().zip(&*passed) {
+            level.stretch = passed.stretch_wanted;
+        }
+        self.steps(Steps { terms, moving, between: Some(between), threads }, out, &mut room);
+        for (level, passed) in passed.iter_mut().enumerate() {
+            passed.tallies.resize(terms.count(), Default::default());
+            room.add_up(level, &mut passed.tallies);
+            passed.largest_stretch = room.largest_stretch(level);
+            passed.nodes = room.node_sums(level);
+        }
+    }
+
+    /// A step for every level of `room`.
+    pub(super) fn steps<T: Terms + ?Sized>(&self, steps: Steps<'_, '_, T>, out: [&mut [DVec3]; SUMS], room: &mut Room) {
+        match steps.threads.workers().pool().filter(|_| self.tiling.strips().len() > 1) {
+            None => self.rounds(steps, 1, out, room),
+            Some(pool) => {
+                let strips = STRIPS[usize::from(room.levels.len() > 1)] * pool.current_num_threads();
+                pool.install(|| self.rounds(steps, strips, out, room));
+            }
+        }
+    }
+
+    fn rounds<T: Terms + ?Sized>(
+        &self,
+        mut steps: Steps<'_, '_, T>,
+        strips: usize,
+        mut out: [&mut [DVec3]; SUMS],
+        room: &mut Room,
+    ) {
+        let (tiling, wants, mut moved) = (&self.tiling, wants(steps.terms), 0);
+        let mut levels = std::mem::take(&mut room.levels);
+        while let Some((number, ahead)) = self.next_round(&levels, strips) {
+            let level = &mut levels[number];
+            if number == 0 && ahead.reach > moved {
+                steps.moving.before(moved..ahead.reach, steps.threads);
+                moved = ahead.reach;
+            }
+            let Steps { terms, threads, .. } = steps;
+            let work = Work { terms, wants, stretch: level.stretch, at: steps.moving.state(), threads, tiling };
+            work.run(room.part(tiling, (number, ahead.strips.clone()), &mut out));
+            while level.oldest < ahead.tiles.start && tiling.tiles()[level.oldest].reach.end <= ahead.nodes.start {
+                level.oldest += 1;
+            }
+            (level.next, level.complete) = (ahead.strips.end, ahead.nodes.end);
+            let round = Round { nodes: ahead.nodes, tiles: level.oldest..ahead.tiles.end };
+            self.complete((round, ahead.strips), (number, levels.len()), &mut steps, &mut out, room);
+        }
+        room.levels = levels;
+    }
+
+    /// The highest level that can go on, and with what.
+    fn next_round(&self, levels: &[Level], strips: usize) -> Option<(usize, Ahead)> {
+        (0..levels.len()).rev().find_map(|number| {
+            let ahead = self.ahead(&levels[number], strips)?;
+            (number == 0 || ahead.reach <= levels[number - 1].complete).then_some((number, ahead))
+        })
+    }
+
+    /// The next strips of a level; `None` at its end.
+    fn ahead(&self, level: &Level, strips: usize) -> Option<Ahead> {
+        let end = self.tiling.strips().end;
+        let strips = level.next..(level.next + strips).min(end);
+        if strips.is_empty() {
+            return None;
+        }
+        let (nodes, tiles) = (self.tiling.nodes_of(strips.clone()), self.tiling.tiles_of(strips.clone()));
+        let reach = self.tiling.tiles()[tiles.clone()].iter().fold(nodes.end, |most, plan| most.max(plan.reach.end));
+        Some(Ahead { strips, nodes, tiles, reach })
+    }
+
+    /// Adds what came from other strips to the sums of a round's nodes, and does what comes after, strip by strip.
+    fn complete<T: Terms + ?Sized>(
+        &self,
+        (round, strips): (Round, Range<usize>),
+        (level, levels): (usize, usize),
+        Steps { moving, between, threads, .. }: &mut Steps<'_, '_, T>,
+        [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
+        room: &mut Room,
+    ) {
+        let [total_beyond, others_beyond @ ..] = &room.beyond;
+        for (out, beyond) in others.iter_mut().zip(others_beyond) {
+            self.add_beyond(&round, threads, beyond, out);
+        }
+        let Round { nodes, tiles } = round;
+        let (around, between, dofs) = (moving.around, *between, 3 * nodes.start..3 * nodes.end);
+        let strip = |i: usize, [f, x, v]: [&mut [f64]; 3], sums: &mut NodeSums| {
+            let first = dofs.start + i * 3 * self.tiling.strip();
+            let r = first..first + f.len();
+            self.tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
+            around.after(r.clone(), v, f);
+            if let Some(Between { scheme, sums: of }) = between {
+                *sums = of(r.start / 3..r.end / 3, [x, v, f]);
+                if level + 1 < levels {
+                    scheme.onward(r, x, v, f);
+                }
+            }
+        };
+        let size = 3 * self.tiling.strip();
+        let f: &mut [f64] = cast_slice_mut(&mut total[nodes.clone()]);
+        let (x, v) = (&mut moving.x[dofs.clone()], &mut moving.v[dofs.clone()]);
+        let sums = &mut room.nodes[level * self.tiling.strips().len()..][strips];
+        match threads.workers().pool().filter(|_| sums.len() > 1) {
+            None => {
+                let parts = f.chunks_mut(size).zip(x.chunks_mut(size)).zip(v.chunks_mut(size)).zip(sums);
+                parts.enumerate().for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
+            }
+            Some(_) => {
+                let parts = f.par_chunks_mut(size).zip(x.par_chunks_mut(size)).zip(v.par_chunks_mut(size)).zip(sums);
+                parts.enumerate().for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::NodeState;
+    use crate::force::around::tests::{NODES, Pairs, terms};
+    use crate::force::tiling::Limits;
+    use crate::model::forces::Tally;
+    use crate::model::system::Around;
+
+    /// Moves nodes by numbers of their own and, between two steps, by the forces on them.
+    struct Scheme;
+
+    impl Around for Scheme {
+        fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
+            for ((x, v), i) in x.iter_mut().zip(v).zip(dofs) {
+                *x += (i as f64).sin();
+                *v -= (i as f64).cos();
+            }
+        }
+
+        fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
+            assert_eq!((f.len(), v.len()), (dofs.len(), dofs.len()));
+            v.iter_mut().zip(f).for_each(|(v, f)| *v += 0.1 * f);
+        }
+    }
+
+    impl Onward for Scheme {
+        fn onward(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64], f: &[f64]) {
+            for (((x, v), f), i) in x.iter_mut().zip(v).zip(f).zip(dofs) {
+                *v += 0.2 * f;
+                *x += 0.01 * *v + 1e-3 * i as f64;
+            }
+        }
+    }
+
+    fn sums(nodes: Range<usize>, [x, v, f]: [&[f64]; 3]) -> NodeSums {
+        assert_eq!([x.len(), v.len(), f.len()], [3 * nodes.len(); 3]);
+        let low = [x, v, f].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
+        NodeSums { low, ..NodeSums::default() }
+    }
+
+    /// Sums of forces, state, and what was told of every step.
+    #[derive(Debug, PartialEq)]
+    struct Found {
+        forces: [Vec<DVec3>; 3],
+        x: Vec<f64>,
+        v: Vec<f64>,
+        told: Vec<([f64; 3], Vec<Tally>)>,
+    }
+
+    impl Found {
+        fn start() -> Self {
+            let start = |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
+            let mut forces = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+            forces[1].clear();
+            Found { forces, x: start(0.0), v: start(1.0), told: Vec::new() }
+        }
+    }
+
+    fn in_a_stride((terms, sweep): &(Pairs, Sweep), threads: &Threads, steps: usize) -> Found {
+        let mut found = Found::start();
+        let mut passed = vec![Passed::default(); steps];
+        let Found { forces, x, v, told } = &mut found;
+        let moving = Moving { t: 0.0, x, v, around: &Scheme };
+        let between = Between { scheme: &Scheme, sums: &sums };
+        sweep.stride((terms, moving), between, threads, forces.each_mut().map(Vec::as_mut_slice), &mut passed);
+        told.extend(passed.into_iter().map(|passed| (passed.nodes.low, passed.tallies)));
+        found
+    }
+
+    fn one_by_one((terms, sweep): &(Pairs, Sweep), steps: usize) -> Found {
+        let mut found = Found::start();
+        let Found { forces, x, v, told } = &mut found;
+        for step in 0..steps {
+            let mut tallies = vec![Tally::default(); 2];
+            match step {
+                0 => Scheme.before(0..3 * NODES, x, v),
+                _ => Scheme.onward(0..3 * NODES, x, v, bytemuck::cast_slice(&forces[0])),
+            }
+            let at = NodeState { t: 0.0, x: bytemuck::cast_slice(x), v: bytemuck::cast_slice(v) };
+            let out = forces.each_mut().map(Vec::as_mut_slice);
+            sweep.pass((terms, at), &Threads::one(), out, &mut tallies);
+            Scheme.after(0..3 * NODES, v, bytemuck::cast_slice(&forces[0]));
+            told.push((sums(0..NODES, [x, v, bytemuck::cast_slice(&forces[0])]).low, tallies));
+        }
+        found
+    }
+
+    /// Whatever the tiles, the threads and the number of steps: also where elements reach many strips ahead, so that levels wait for each other.
+    #[test]
+    fn steps_in_one_go_have_the_bits_of_steps_one_by_one() {
+        for (strip, records) in [(500, 600), (250, 600), (64, 300), (16, 300), (16, 60), (40, 50)] {
+            let scene = terms(Limits { strip, records });
+            for steps in [1, 2, 3, 8] {
+                let expected = one_by_one(&scene, steps);
+                assert!(expected.forces[0].iter().chain(&expected.forces[2]).all(|f| f.is_finite()));
+                for threads in [1, 2, 3] {
+                    let found = in_a_stride(&scene, &Threads::new(threads).expect("threads"), steps);
+                    assert!(found == expected, "{steps} steps, strips of {strip}, {threads} threads");
+                }
+            }
+        }
+    }
+}

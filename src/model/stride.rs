@@ -1,0 +1,94 @@
+//! Strides: several steps on end, of which only the last state is seen.
+//!
+//! Explicit steps of a large scene wait for memory. Where all forces follow from positions alone, a node's next step needs no more than the forces around
+//! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
+//! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
+
+use super::forces::Tally;
+use super::workers::Workers;
+
+/// Steps of a stride at most, on one thread: what they all work on still fits into a third-level cache.
+pub const LONGEST: usize = 8;
+
+/// The same for the threads of a scene: several work on more at once.
+pub fn longest(workers: &Workers) -> usize {
+    match workers.pool() {
+        None => LONGEST,
+        Some(_) => LONGEST / 2,
+    }
+}
+
+/// What is left of a state within a stride.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Passed {
+    /// whether `largest_stretch` is asked for; set by the caller
+    pub stretch_wanted: bool,
+    /// what its nodes are like
+    pub nodes: NodeSums,
+    /// [-] largest l^2/l0^2 of all springs, -inf where there is none; told where it is asked for
+    pub largest_stretch: f64,
+    /// energy of every term, in the order of [`crate::model::system::System::terms`]
+    pub tallies: Vec<Tally>,
+}
+
+/// What some nodes of a state are like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeSums {
+    /// [J] kinetic energy
+    pub kinetic: f64,
+    /// [m^2/s^2] the largest speed, squared
+    pub largest_square: f64,
+    /// [m] lowest coordinates
+    pub low: [f64; 3],
+    /// [m] highest coordinates
+    pub high: [f64; 3],
+    /// whether all forces are finite, those at fixed degrees of freedom too
+    pub finite: bool,
+}
+
+/// Of no nodes.
+impl Default for NodeSums {
+    fn default() -> Self {
+        let (low, high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        NodeSums { kinetic: 0.0, largest_square: 0.0, low, high, finite: true }
+    }
+}
+
+impl NodeSums {
+    /// With those of the nodes that follow. A coordinate that is not a number is kept, from wherever it comes.
+    #[must_use]
+    pub fn and(self, next: NodeSums) -> Self {
+        let pick = |a: f64, b: f64, better: bool| if better || a.is_nan() { a } else { b };
+        NodeSums {
+            kinetic: self.kinetic + next.kinetic,
+            largest_square: self.largest_square.max(next.largest_square),
+            low: std::array::from_fn(|i| pick(self.low[i], next.low[i], self.low[i] < next.low[i])),
+            high: std::array::from_fn(|i| pick(self.high[i], next.high[i], self.high[i] > next.high[i])),
+            finite: self.finite && next.finite,
+        }
+    }
+
+    /// [m] half the largest extent
+    pub fn extent(&self) -> f64 {
+        (0..3)
+            .map(|i| 0.5 * (self.high[i] - self.low[i]))
+            .fold(f64::NEG_INFINITY, |most, half| if half > most || half.is_nan() { half } else { most })
+    }
+}
+
+impl Passed {
+    /// [m/s] largest speed
+    pub fn max_speed(&self) -> f64 {
+        self.nodes.largest_square.sqrt()
+    }
+
+    /// [-] largest strain of all springs; 0 where there is none. Meaningful where it was asked for.
+    pub fn max_strain(&self) -> f64 {
+        strain_of(self.largest_stretch)
+    }
+}
+
+/// [-] strain of a spring by its l^2/l0^2, 0 for -inf: one root for all, which leaves 2e-16 of springs at their rest length.
+pub fn strain_of(stretch: f64) -> f64 {
+    if stretch == f64::NEG_INFINITY { 0.0 } else { stretch.sqrt() - 1.0 }
+}
