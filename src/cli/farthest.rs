@@ -1,6 +1,6 @@
 //! The largest displacement at the end of a run.
 
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::scene::Scene;
 
 /// The largest displacement at the end, for the report.
@@ -25,6 +25,10 @@ impl Observer for Farthest<'_> {
 
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         Ok(())
+    }
+
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        coming.len()
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {

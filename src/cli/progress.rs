@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 
 /// Between two updates of the line.
 const REDRAW: Duration = Duration::from_millis(100);
 /// The clock is read at least once in this many steps: rarer would save nothing more, and freeze the line when steps
 /// become slow.
-const LONGEST_STRIDE: u64 = 64;
+const RAREST: u64 = 64;
 /// [-] weight of the newest interval in the smoothed rates
 const NEWEST: f64 = 0.3;
 /// [s] Start-ups longer than this are told phase by phase.
@@ -38,7 +38,7 @@ pub struct Progress {
     clock: Option<Clock>,
     /// steps until the clock is read next
     countdown: u64,
-    stride: u64,
+    every: u64,
     since: Since,
 }
 
@@ -90,27 +90,38 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, display, end, clock: None, countdown: 1, stride: 1, since: Since::default() }
+        Self { bar, display, end, clock: None, countdown: 1, every: 1, since: Since::default() }
     }
 
-    /// Reads the clock: adapts the stride so that this happens several times an update, and draws when due.
-    fn look(&mut self, step: &StepView<'_>) {
+    /// After a step to `t` [s].
+    fn stepped(&mut self, t: f64, step_size: f64, newton: u32) {
+        if self.clock.is_some() {
+            self.since.steps += 1;
+            self.since.newton += u64::from(newton);
+            self.countdown -= 1;
+            if self.countdown == 0 {
+                self.look(t, step_size);
+            }
+        }
+    }
+
+    /// Reads the clock: adapts the steps between so that this happens several times an update, and draws when due.
+    fn look(&mut self, t: f64, step_size: f64) {
         let Some(clock) = &mut self.clock else { return };
         let now = Instant::now();
         let gap = now.duration_since(clock.looked);
         clock.looked = now;
         if gap < REDRAW / 10 {
-            self.stride = (self.stride * 2).min(LONGEST_STRIDE);
+            self.every = (self.every * 2).min(RAREST);
         } else if gap > REDRAW / 3 {
             // At once, not by halves: steps may have become a thousand times slower.
-            self.stride = 1;
+            self.every = 1;
         }
-        self.countdown = self.stride;
+        self.countdown = self.every;
         let interval = now.duration_since(clock.drawn);
         if interval < REDRAW {
             return;
         }
-        let t = step.to.state.t;
         let seconds = interval.as_secs_f64();
         clock.rates.steps = smooth(clock.rates.steps, self.since.steps as f64 / seconds);
         clock.rates.time = smooth(clock.rates.time, (t - clock.t) / seconds);
@@ -118,7 +129,7 @@ impl Progress {
         let line = Line {
             t,
             end: self.end,
-            step_size: t - step.from.state.t,
+            step_size,
             newton: self.since.newton as f64 / self.since.steps.max(1) as f64,
             rates: clock.rates,
         };
@@ -148,14 +159,17 @@ impl Observer for Progress {
     }
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        if self.clock.is_some() {
-            self.since.steps += 1;
-            self.since.newton += u64::from(step.newton_iterations);
-            self.countdown -= 1;
-            if self.countdown == 0 {
-                self.look(&step);
-            }
-        }
+        let t = step.to.state.t;
+        self.stepped(t, t - step.from.state.t, step.newton_iterations);
+        Ok(())
+    }
+
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        coming.len()
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.t, step.t - step.from, 0);
         Ok(())
     }
 
@@ -263,10 +277,10 @@ mod tests {
         for _ in 0..1000 {
             progress.accepted(view).expect("a progress line cannot fail");
         }
-        assert!(progress.stride == LONGEST_STRIDE, "{}", progress.stride);
+        assert!(progress.every == RAREST, "{}", progress.every);
         std::thread::sleep(REDRAW * 2);
-        progress.look(&view);
-        assert_eq!(progress.stride, 1);
+        progress.look(0.1, 0.1);
+        assert_eq!(progress.every, 1);
         assert_eq!(progress.bar.position(), 100);
         assert_eq!(progress.since.steps, 0, "counted anew after drawing");
     }

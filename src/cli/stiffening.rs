@@ -5,10 +5,11 @@
 use super::complain;
 use super::doubts::{place, worth};
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
+use crate::model::stride::LONGEST;
 use crate::model::system::Weights;
 use crate::scene::{BoundRoom, Scene};
 use std::io::IsTerminal;
@@ -19,7 +20,7 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once.
+/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the next multiple of eight steps.
 const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;
@@ -58,6 +59,8 @@ pub(super) struct Stiffening<'a> {
     next: u64,
     /// [J] largest kinetic energy at a look
     kinetic: f64,
+    /// whether some steps are made without being seen; then only some are where a livelier motion is looked at
+    unseen: bool,
     room: BoundRoom,
     /// critical step over measure, where both were last known
     ratio: Option<f64>,
@@ -91,6 +94,7 @@ impl<'a> Stiffening<'a> {
             every,
             next: 1,
             kinetic: 0.0,
+            unseen: false,
             room,
             ratio,
             ask_below: f64::INFINITY,
@@ -103,6 +107,22 @@ impl<'a> Stiffening<'a> {
     /// [s] the least critical step seen after the start, where it is clearly below that at the start.
     pub fn least(&self) -> Option<Least> {
         self.least.filter(|least| least.step < FALLEN * self.watched.start.step)
+    }
+
+    /// After a step, with its end and its size [s] where the end can be seen.
+    fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
+        // By number, so that a run does the same work each time, on any number of threads; closer together early on, for short runs.
+        // A motion that has become much livelier may be one that has begun to diverge.
+        self.unseen |= end.is_none();
+        let may_look = !self.unseen || step.is_multiple_of(LONGEST as u64);
+        let livelier = may_look && kinetic > LIVELIER * self.kinetic;
+        if let Some((end, h)) = end.filter(|_| livelier || step >= self.next) {
+            self.kinetic = self.kinetic.max(kinetic);
+            while self.next <= step {
+                self.next += (self.next / EARLY).clamp(1, self.every);
+            }
+            self.look(end.state.as_ref(), h);
+        }
     }
 
     fn look(&mut self, at: StateRef<'_>, h: f64) {
@@ -163,16 +183,18 @@ impl Observer for Stiffening<'_> {
     }
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        // By number, so that a run does the same work each time; closer together early on, for short runs.
-        // A motion that has become much livelier may be one that has begun to diverge.
-        let livelier = step.ledger.kinetic > LIVELIER * self.kinetic;
-        if livelier || step.step >= self.next {
-            self.kinetic = self.kinetic.max(step.ledger.kinetic);
-            while self.next <= step.step {
-                self.next += (self.next / EARLY).clamp(1, self.every);
-            }
-            self.look(step.to.state.as_ref(), step.to.state.t - step.from.state.t);
-        }
+        self.stepped(step.step, step.ledger.kinetic, Some((step.to, step.to.state.t - step.from.state.t)));
+        Ok(())
+    }
+
+    /// As far as the next look, or where there may be one.
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        let looks = |step: &Coming| step.step >= self.next || step.step.is_multiple_of(LONGEST as u64);
+        coming.iter().position(looks).map_or(coming.len(), |last| last + 1)
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.step, step.ledger.kinetic, step.at.map(|at| (at, step.t - step.from)));
         Ok(())
     }
 

@@ -8,9 +8,10 @@
 
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
-use crate::model::forces::Role;
+use crate::model::forces::{Role, Tally};
 use crate::model::lanes::{LANES, Lanes};
 use crate::model::point::Point;
+use crate::model::stride::Passed;
 use crate::model::system::System;
 use multiversion::multiversion;
 
@@ -27,7 +28,7 @@ impl Ledger {
     /// Opens the account.
     pub fn open(system: &dyn System, at: &Point) -> (Self, LedgerRow) {
         let mut ledger = Ledger::default();
-        ledger.first = ledger.row(system, at);
+        ledger.first = ledger.row(system, system.kinetic_energy(&at.state.v), &at.forces.tallies);
         ledger.first.numerical = 0.0;
         (ledger, ledger.first)
     }
@@ -40,7 +41,16 @@ impl Ledger {
         });
         self.work.external += work.external;
         self.work.dissipated += work.dissipated;
-        let row = self.row(system, to);
+        self.close(system, system.kinetic_energy(&to.state.v), &to.forces.tallies)
+    }
+
+    /// The same for a step of a stride, in which only forces that follow from positions work.
+    pub fn passed(&mut self, system: &dyn System, end: &Passed) -> LedgerRow {
+        self.close(system, end.nodes.kinetic, &end.tallies)
+    }
+
+    fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
+        let row = self.row(system, kinetic, tallies);
         let first = self.first;
         self.largest_numerical = self.largest_numerical.max(row.numerical.abs());
         let parts = [
@@ -59,14 +69,14 @@ impl Ledger {
         if self.exchanged > 0.0 { self.largest_numerical / self.exchanged } else { 0.0 }
     }
 
-    fn row(&self, system: &dyn System, at: &Point) -> LedgerRow {
+    fn row(&self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {
         let mut row = LedgerRow {
-            kinetic: system.kinetic_energy(&at.state.v),
+            kinetic,
             external_work: self.work.external,
             dissipated: self.work.dissipated,
             ..Default::default()
         };
-        for (term, tally) in system.terms().iter().zip(&at.forces.tallies) {
+        for (term, tally) in system.terms().iter().zip(tallies) {
             match term.role {
                 Role::Elastic => row.elastic += tally.energy,
                 Role::Gravity => row.gravity += tally.energy,

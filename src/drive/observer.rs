@@ -1,7 +1,8 @@
-//! What a run tells those who watch it: one view an accepted step.
+//! What a run tells those who watch it: one view an accepted step, or less of one where they let steps be made in one go.
 
 pub use super::snapshot::{Occasion, Resumable};
 pub use crate::model::point::Point;
+use crate::model::stride::Passed;
 
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
 /// keeps its value at t = 0.
@@ -38,6 +39,36 @@ pub struct StepView<'a> {
     pub residual: f64,
 }
 
+/// A step that may be made in a [stride](crate::model::stride).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Coming {
+    /// its number
+    pub step: u64,
+    /// [s] its size
+    pub h: f64,
+    /// [s] time at its end
+    pub t: f64,
+    /// whether the largest strain is to be told of its end; an observer that wants it sets this
+    pub stretch_wanted: bool,
+}
+
+/// An accepted step of a stride.
+#[derive(Clone, Copy, Debug)]
+pub struct Passing<'a> {
+    /// number of the step
+    pub step: u64,
+    /// [s] time at its start
+    pub from: f64,
+    /// [s] time at its end
+    pub t: f64,
+    /// account at its end
+    pub ledger: LedgerRow,
+    /// what is left of its end
+    pub passed: &'a Passed,
+    /// its end; that of the last step of a stride only
+    pub at: Option<&'a Point>,
+}
+
 /// Why an observer stops a run.
 #[derive(Debug, thiserror::Error)]
 pub enum ObserveError {
@@ -70,7 +101,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Before every step, and once more when the run is interrupted: a moment to keep a snapshot.
+    /// Before every step or [stride](Observer::stride), and once more when the run is interrupted: a moment to keep a snapshot.
     ///
     /// # Errors
     /// When it cannot be kept.
@@ -83,6 +114,22 @@ pub trait Observer {
     /// # Errors
     /// When results cannot be written.
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError>;
+
+    /// How many of the coming steps, of which the first begins at `from` [s], may be made in one go: the observer then hears of all of them by
+    /// [`Observer::passed`], with the state at the end of the last only. Below 2: none, as for every observer that does not say otherwise.
+    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
+        let _ = (from, coming);
+        0
+    }
+
+    /// After every step of a stride, in place of [`Observer::accepted`].
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        let _ = step;
+        Ok(())
+    }
 
     /// Once, when the scheme has made energy worth a warning; the run goes on.
     fn doubted(&mut self, _warning: &str) {}

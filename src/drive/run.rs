@@ -1,5 +1,7 @@
 //! The loop.
 
+mod stride;
+
 use super::adaptive::{Bench, Dropped, Kept};
 use super::clock::Tick;
 use super::error::RunError;
@@ -96,6 +98,9 @@ fn go_on(
             status = Status::Interrupted;
             break;
         }
+        if run.stride(stepper, observers)? {
+            continue;
+        }
         if let Err(stopped) = run.advance(stepper, observers)? {
             status = stopped;
             break;
@@ -141,6 +146,7 @@ struct Run<'a> {
     failure: Option<Failure>,
     new_doubt: Option<String>,
     doubt: Option<String>,
+    strides: stride::Strides,
 }
 
 impl<'a> Run<'a> {
@@ -157,7 +163,7 @@ impl<'a> Run<'a> {
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
         let (to, pace) = (from.clone(), Pace::of(scene, stepper, spec, None));
-        let (limit, new_doubt, doubt) = (limit(scene), None, None);
+        let (limit, new_doubt, doubt, strides) = (limit(scene), None, None, Default::default());
         Ok(Run {
             scene,
             spec,
@@ -173,6 +179,7 @@ impl<'a> Run<'a> {
             failure: None,
             new_doubt,
             doubt,
+            strides,
         })
     }
 
@@ -191,8 +198,24 @@ impl<'a> Run<'a> {
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
         let (to, pace) = (from.clone(), Pace::of(scene, stepper, spec, adaptive));
-        let (limit, new_doubt, doubt) = (limit(scene), None, None);
-        Ok(Run { scene, spec, pace, from, to, counters, ledger, watch, row, steps, limit, failure, new_doubt, doubt })
+        let (limit, new_doubt, doubt, strides) = (limit(scene), None, None, Default::default());
+        Ok(Run {
+            scene,
+            spec,
+            pace,
+            from,
+            to,
+            counters,
+            ledger,
+            watch,
+            row,
+            steps,
+            limit,
+            failure,
+            new_doubt,
+            doubt,
+            strides,
+        })
     }
 
     fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {

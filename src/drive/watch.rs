@@ -135,6 +135,13 @@ pub struct Gain {
     pub growth: Option<f64>,
 }
 
+/// [J]
+#[derive(Clone, Copy)]
+struct Bounds {
+    doubtful: f64,
+    impossible: f64,
+}
+
 /// Why a state cannot be right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
@@ -184,6 +191,18 @@ impl Watch {
 
     /// Accounts for a step whose account is finite.
     pub fn step(&mut self, step: Watched<'_>) -> Sight {
+        let calm = self.enter(step);
+        self.judge(step, calm)
+    }
+
+    /// The same where the states at the step's ends are not there (those given are others): `false` if it takes them to judge it.
+    pub fn unseen_step(&mut self, step: Watched<'_>) -> bool {
+        self.enter(step);
+        self.is_calm(step.after)
+    }
+
+    /// Whether the gain could be explained before.
+    fn enter(&mut self, step: Watched<'_>) -> bool {
         let Watched { after, .. } = step;
         let (contrary, missed) = (self.contrary(step), self.missed(step));
         let a = &mut self.account;
@@ -198,7 +217,7 @@ impl Watch {
         a.gains.rotate_left(1);
         a.gains[KEPT - 1] = made - a.least;
         a.largest = a.largest.max(made - a.least);
-        self.judge(step, calm)
+        calm
     }
 
     /// [-] Largest gain over the energy supplied, rounding apart; 0 where nothing was supplied.
@@ -220,15 +239,26 @@ impl Watch {
         Gain { made, supplied, growth: growth.filter(|g| g.is_finite()) }
     }
 
-    fn judge(&mut self, step: Watched<'_>, calm: bool) -> Sight {
-        let (gain, elastic) = (self.gain(), step.after.elastic);
+    /// Gains that are beyond doubt and belief, rounding apart, where so much energy [J] was supplied.
+    fn bounds(&self, supplied: f64) -> Bounds {
         let push = self.push * self.account.longest.powi(2) + self.account.late_push;
-        let doubtful = DOUBTFUL * gain.supplied + BEYOND_PUSH * push;
-        let impossible = DIVERGED * (gain.supplied + push);
-        let strained = elastic > DIVERGED * gain.supplied;
-        if gain.made <= (if self.account.doubted { impossible } else { doubtful }) && !strained {
+        let doubtful = DOUBTFUL * supplied + BEYOND_PUSH * push;
+        Bounds { doubtful, impossible: DIVERGED * (supplied + push) }
+    }
+
+    /// Whether there is nothing to say even if nothing is rounded.
+    fn is_calm(&self, after: &LedgerRow) -> bool {
+        let Gain { made, supplied, .. } = self.gain();
+        let Bounds { doubtful, impossible } = self.bounds(supplied);
+        made <= (if self.account.doubted { impossible } else { doubtful }) && after.elastic <= DIVERGED * supplied
+    }
+
+    fn judge(&mut self, step: Watched<'_>, calm: bool) -> Sight {
+        if self.is_calm(step.after) {
             return Sight::Calm;
         }
+        let (gain, elastic) = (self.gain(), step.after.elastic);
+        let Bounds { doubtful, impossible } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
         if elastic > DIVERGED * gain.supplied + rounding {
             return Sight::Trouble(Trouble::Strain { elastic, gain });

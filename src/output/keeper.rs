@@ -40,6 +40,11 @@ impl Keeper {
         }
     }
 
+    /// Whether one is due at `t` [s].
+    pub(super) fn due(&self, t: f64) -> bool {
+        self.intervals.is_some_and(|mut intervals| intervals.reached(t))
+    }
+
     /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for them;
     /// when interrupted in any case.
     pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderMark) -> Option<Box<Checkpoint>> {

@@ -10,7 +10,7 @@ use super::keeper::Keeper;
 use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, Resumable, StepView};
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
@@ -142,6 +142,11 @@ impl<'a> Recorder<'a> {
         let (max_speed, max_strain) = (self.picture.max_speed(at), self.picture.max_strain(at));
         self.writer.row(HistoryRow { max_speed, max_strain, ..row })
     }
+
+    /// Whether a checkpoint is due at the end of a step.
+    fn keeps_at(&self, t: f64) -> bool {
+        self.keeper.as_ref().is_some_and(|keeper| keeper.due(t))
+    }
 }
 
 impl Observer for Recorder<'_> {
@@ -172,6 +177,37 @@ impl Observer for Recorder<'_> {
         if self.rows.due(step.step, to.t) {
             self.waiting = None;
             self.write_row(row, to)
+        } else {
+            self.waiting = Some(row);
+            Ok(())
+        }
+    }
+
+    /// As far as the end of a step of which there is a frame or a checkpoint, or to the beginning of one within which there is a frame.
+    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
+        let (n, mut rows) = (self.schedule.reach(from, coming.iter().map(|step| step.t)), self.rows);
+        for (step, made) in coming[..n].iter_mut().zip(1..) {
+            step.stretch_wanted |= rows.due(step.step, step.t);
+            if self.keeps_at(step.t) {
+                return made;
+            }
+        }
+        n
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        if let Some(end) = step.at {
+            while let Some(due) = self.schedule.next_in(step.from, step.t) {
+                if due == Due::End {
+                    self.show(end.state.as_ref(), &end.forces)?;
+                }
+            }
+        }
+        let row = HistoryRow { t: step.t, step: step.step, ledger: step.ledger, ..HistoryRow::default() };
+        if self.rows.due(step.step, step.t) {
+            self.waiting = None;
+            let (max_speed, max_strain) = (step.passed.max_speed(), step.passed.max_strain());
+            self.writer.row(HistoryRow { max_speed, max_strain, ..row })
         } else {
             self.waiting = Some(row);
             Ok(())

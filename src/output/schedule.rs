@@ -47,6 +47,20 @@ impl Schedule {
         self.next
     }
 
+    /// How many steps that follow each other from `from` [s] and end at these times can be made before a state is needed: up to the first at whose end there is
+    /// a frame, or to before the first within which there is one.
+    pub fn reach(mut self, mut from: f64, ends: impl IntoIterator<Item = f64>) -> usize {
+        let mut steps = 0;
+        for to in ends {
+            match self.next_in(from, to) {
+                Some(Due::Between(_)) => return steps,
+                Some(Due::End) => return steps + 1,
+                None => (steps, from) = (steps + 1, to),
+            }
+        }
+        steps
+    }
+
     /// The next frame in the step from `from` to `to` [s], if there is one left.
     pub fn next_in(&mut self, from: f64, to: f64) -> Option<Due> {
         let every = self.every?;
@@ -164,6 +178,15 @@ mod tests {
             assert_eq!(all(&mut many, t, to), [Due::End], "step {k}");
             t = to;
         }
+    }
+
+    /// Steps are counted up to a frame at a step's end, or to before one within a step.
+    #[test]
+    fn steps_up_to_a_frame() {
+        let ends = [0.25, 0.5, 0.75, 1.0, 1.25];
+        let reach = |every: Option<f64>| Schedule::new(every, 0.0).reach(0.0, ends);
+        assert_eq!([0.1, 0.25, 0.6, 1.0, 1.1, 2.0].map(|every| reach(Some(every))), [0, 1, 2, 4, 4, 5]);
+        assert_eq!((reach(None), Schedule::new(Some(0.1), 0.0).reach(0.0, [])), (5, 0));
     }
 
     /// A run that starts later has its next frame after that time, and none twice.

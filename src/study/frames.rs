@@ -3,7 +3,7 @@
 //! Frames are what `solve` would write: the state at every multiple of the interval and at the end, a frame between two steps being
 //! their cubic Hermite interpolation.
 
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::model::state::State;
 use crate::output::hermite::interpolate;
 use crate::output::schedule::{Due, Schedule, tolerance};
@@ -181,6 +181,19 @@ impl Observer for Sampler<'_> {
                     self.between = between;
                 }
             }
+        }
+        Ok(())
+    }
+
+    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
+        self.schedule.reach(from, coming.iter().map(|step| step.t))
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        if let Some(end) = step.at
+            && self.schedule.next_in(step.from, step.t).is_some()
+        {
+            self.visit(&end.state);
         }
         Ok(())
     }

@@ -8,7 +8,9 @@ use super::error::StudyError;
 use super::frames::{Frames, Motion, Sampler};
 use super::row::{Job, Measured, Pace, RowStatus};
 use super::store::{Store, Unfinished};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, StepView};
+use crate::drive::observer::{
+    Coming, LedgerRow, ObserveError, Observer, Occasion, Passing, Point, Resumable, StepView,
+};
 use crate::drive::{Outcome, RunError, Status};
 use crate::figures::figures;
 use crate::output::process::{Cost, Stopwatch};
@@ -192,6 +194,14 @@ impl Observer for Attendant<'_> {
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         self.sampler.accepted(step)
+    }
+
+    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
+        self.sampler.stride(from, coming)
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.sampler.passed(step)
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {

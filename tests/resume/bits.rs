@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
@@ -46,6 +46,15 @@ impl Observer for StopAfter<'_> {
         Ok(())
     }
 
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        coming.iter().position(|step| step.step >= self.step).map_or(coming.len(), |last| last + 1)
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.look(step.step);
+        Ok(())
+    }
+
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
@@ -61,6 +70,10 @@ impl Observer for Nobody {
 
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         Ok(())
+    }
+
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        coming.len()
     }
 
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
@@ -167,6 +180,14 @@ fn calm() -> Value {
     case
 }
 
+/// The same without dashpots: some methods make several of its steps in one go.
+fn free() -> Value {
+    let mut case = calm();
+    case["system"]["network"].as_object_mut().expect("a network").remove("damping");
+    case["system"]["network"]["springs"][0].as_object_mut().expect("springs").remove("dashpot");
+    case
+}
+
 fn pendulum() -> Value {
     json!({
         "name": "pendulum",
@@ -236,6 +257,19 @@ fn every_method_resumes_with_the_same_bits_without_wind() {
 #[test]
 fn every_method_resumes_the_pendulum_with_the_same_bits() {
     every_method(&pendulum(), "pendulum");
+}
+
+/// Steps made in one go end where a run is kept or stopped.
+#[test]
+fn of_a_sail_without_damping() {
+    every_method(&free(), "free sail");
+    let case = case_of(&free(), &[("output.checkpoint.every", "0.07"), ("output.frames", "null")]);
+    for method in ["velocity-verlet", "euler-cromer"] {
+        let case = changed(&case, &[("time.method", method)]);
+        for stops in [[7, 31], [22, 23]] {
+            assert_resumes(&case, stops, &format!("{method} of the free sail with checkpoints, stopped at {stops:?}"));
+        }
+    }
 }
 
 /// Adaptive steps: their size, the errors and the motion that they depend on go on where they were, and so do rows of the history by

@@ -6,7 +6,7 @@ use super::course::Window;
 use super::timing::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Resumable, StepView};
+use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Resumable, StepView};
 use crate::drive::watch::Watch;
 use crate::drive::{self, RunError, RunSpec, Snapshot, Status};
 use crate::integrate::Counters;
@@ -14,6 +14,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
+use crate::output::schedule::Schedule;
 use crate::scene::Scene;
 
 /// [-] A step this many times the one before is not yet the size the tolerance allows.
@@ -22,6 +23,8 @@ const GROWING: f64 = 1.4;
 const PATIENCE: f64 = 3.0;
 /// Steps that a trial makes even beyond its allowance, unless they are so dear that its patience ends.
 const LEAST: u64 = 6;
+/// Steps that are made one by one, however dear: their memory is touched for the first time.
+const COLD: u64 = 2;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug)]
@@ -133,16 +136,31 @@ struct Until<'a> {
     made: u64,
 }
 
+impl Until<'_> {
+    fn stepped(&mut self) {
+        self.made += 1;
+        if self.made.is_multiple_of(16) || self.made < 16 {
+            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
+        }
+    }
+}
+
 impl Observer for Until<'_> {
     fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         Ok(())
     }
 
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
-        self.made += 1;
-        if self.made.is_multiple_of(16) || self.made < 16 {
-            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
-        }
+        self.stepped();
+        Ok(())
+    }
+
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        coming.len()
+    }
+
+    fn passed(&mut self, _step: Passing<'_>) -> Result<(), ObserveError> {
+        self.stepped();
         Ok(())
     }
 
@@ -200,13 +218,15 @@ struct Meter<'a> {
     made: u64,
     /// whether a mark is to be made
     due: bool,
+    frames_every: Option<f64>,
     marks: Vec<Mark>,
 }
 
 impl<'a> Meter<'a> {
     fn new(tried: Attempted<'_>, stop: &'a AtomicBool) -> Self {
         let (clock, allowance, adaptive) = (Clock::default(), tried.allowance, tried.step.fixed().is_none());
-        Meter { clock, stop, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, marks: Vec::new() }
+        let (frames_every, marks) = (tried.frames_every, Vec::new());
+        Meter { clock, stop, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, frames_every, marks }
     }
 
     fn mark(&mut self, step: u64, t: f64, counters: Counters) {
@@ -244,8 +264,30 @@ impl Observer for Meter<'_> {
     }
 
     fn accepted(&mut self, view: StepView<'_>) -> Result<(), ObserveError> {
+        self.stepped(view.to.state.t - view.from.state.t);
+        Ok(())
+    }
+
+    /// As a run with these frames makes them, once the first steps have been there.
+    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
+        let frames = Schedule::new(self.frames_every, from);
+        if self.made < COLD { 0 } else { frames.reach(from, coming.iter().map(|step| step.t)) }
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.t - step.from);
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+impl Meter<'_> {
+    /// After a step of h [s].
+    fn stepped(&mut self, h: f64) {
         self.made += 1;
-        let h = view.to.state.t - view.from.state.t;
         let grows = self.adaptive && h > GROWING * self.before;
         self.before = h;
         // Reading the clock is as dear as a step of a pendulum: read it less and less often.
@@ -258,10 +300,5 @@ impl Observer for Meter<'_> {
                 self.stop.store(true, Ordering::Relaxed);
             }
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
     }
 }

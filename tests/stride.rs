@@ -1,0 +1,243 @@
+//! Steps made in one go, of which only the last state is seen, leave what steps made one by one leave: every file, byte for byte, and every counter.
+
+mod common;
+
+use canopy_fem::case::Case;
+use canopy_fem::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use canopy_fem::drive::{self, Outcome, Status};
+use canopy_fem::integrate::registry::methods;
+use canopy_fem::output::frame::Fields;
+use canopy_fem::output::probes::Probe;
+use canopy_fem::output::recorder::{Recorder, RecorderSpec};
+use canopy_fem::simulation::{bind, build_scene};
+use common::run::{case_of, changed};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Schemes that have strides.
+const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
+
+/// Lets steps be made in one go, or does not, and counts.
+struct Witness {
+    lets: bool,
+    alone: u64,
+    in_strides: u64,
+}
+
+impl Observer for Witness {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+        self.alone += 1;
+        assert_eq!(self.alone + self.in_strides, step.step);
+        Ok(())
+    }
+
+    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
+        if self.lets { coming.len() } else { 0 }
+    }
+
+    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.in_strides += 1;
+        assert_eq!(self.alone + self.in_strides, step.step);
+        assert!(step.at.is_none_or(|at| at.state.t == step.t));
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
+/// A sheet of springs of three strips of nodes, held along its edge, that falls and is thrown; taut springs, slack ones and short ones.
+fn sheet() -> Value {
+    json!({
+        "name": "sheet",
+        "system": {"network": {
+            "mesh": {"rectangle": {"width": 1.0, "height": 1.1, "columns": 69, "rows": 79, "pattern": "regular"}},
+            "mass": {"areal_density": 20.0},
+            "springs": [{"on": "all", "stiffness": 300.0, "slack": "tension-only"}],
+            "supports": [{"on": "boundary", "fix": "xyz"}],
+            "initial": {"velocity": [0.3, 0.1, 1.0]},
+            "gravity": [0.0, 0.0, -9.81]
+        }},
+        "time": {"end": 0.06, "step": 1e-3, "method": "velocity-verlet"},
+        "output": {
+            "frames": {"every": 0.013}, "history": {"every": 1}, "probes": [{"name": "middle", "on": {"ids": [2800]}}]
+        }
+    })
+}
+
+/// How a case is run.
+#[derive(Clone, Copy)]
+struct How {
+    threads: usize,
+    keep_going: bool,
+}
+
+fn solve(case: &Case, dir: &Path, How { threads, keep_going }: How, lets: bool) -> (Outcome, Witness) {
+    let problem = case.problem();
+    let scene = build_scene(problem.system.clone(), threads).expect("the case is good");
+    let mut stepper = bind(problem, &*scene).expect("the method fits");
+    let output = &problem.output;
+    let recorded = RecorderSpec {
+        name: problem.name.clone(),
+        out_dir: dir.to_owned(),
+        frames_every: output.frames_every,
+        end: problem.time.end,
+        fields: Fields { force: true, reaction: true, tension: true, strain: true },
+        probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
+        history_every: output.history_every,
+        ..RecorderSpec::default()
+    };
+    let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder");
+    let mut witness = Witness { lets, alone: 0, in_strides: 0 };
+    let stop = AtomicBool::new(false);
+    let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut witness];
+    let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(keep_going), observers, &stop).expect("it starts");
+    (outcome, witness)
+}
+
+fn until_the_end(threads: usize) -> How {
+    How { threads, keep_going: false }
+}
+
+fn files(dir: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(dir).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        if entry.is_dir() {
+            all.extend(files(&entry));
+        } else {
+            all.push((entry.display().to_string(), std::fs::read(&entry).expect("a file")));
+        }
+    }
+    all.sort();
+    all.iter_mut().for_each(|(name, _)| *name = name.rsplit('/').next().unwrap_or_default().to_owned());
+    all
+}
+
+/// Both ways leave the same; returns the outcome and the steps that were made in strides.
+fn assert_same(case: &Case, how: How, what: &str) -> (Outcome, u64) {
+    let folders = [(), ()].map(|()| tempfile::tempdir().expect("a folder"));
+    let (expected, alone) = solve(case, folders[0].path(), How { threads: 1, ..how }, false);
+    let (found, witness) = solve(case, folders[1].path(), how, true);
+    assert_eq!(alone.in_strides, 0, "{what}");
+    assert_eq!((found.status, found.steps, found.t_end), (expected.status, expected.steps, expected.t_end), "{what}");
+    assert_eq!(found.counters, expected.counters, "{what}");
+    assert_eq!((found.ledger, found.energy_error), (expected.ledger, expected.energy_error), "{what}");
+    assert_eq!((found.energy_made, &found.doubt), (expected.energy_made, &expected.doubt), "{what}");
+    assert_eq!(found.failure, expected.failure, "{what}");
+    let [a, b] = folders.each_ref().map(|folder| files(folder.path()));
+    assert_eq!(a.len(), b.len(), "{what}");
+    for ((name, b), (other, a)) in a.into_iter().zip(b) {
+        assert_eq!(name, other, "{what}");
+        if name.ends_with(".csv") {
+            assert_eq!(String::from_utf8_lossy(&a), String::from_utf8_lossy(&b), "{what}: {name}");
+        }
+        assert!(a == b, "{what}: {name} differs");
+    }
+    (found, witness.in_strides)
+}
+
+/// Frames between steps and at their ends, rows of every step, of every third and seventh; one, two and three threads.
+#[test]
+fn every_file_is_the_same() {
+    let case = case_of(&sheet(), &[]);
+    for method in STRIDING {
+        for (threads, frames, history) in [
+            (1, r#"{"every": 0.013}"#, "1"),
+            (2, r#"{"every": 0.0135}"#, "3"),
+            (3, "null", "7"),
+            (1, r#"{"every": 1e-3}"#, "1"),
+        ] {
+            let sets = [("time.method", method), ("output.frames", frames), ("output.history.every", history)];
+            let (outcome, in_strides) =
+                assert_same(&changed(&case, &sets), until_the_end(threads), &format!("{method}, {sets:?}"));
+            assert_eq!(outcome.status, Status::Completed);
+            // Where every step ends a frame, none; else all but the last and the few that a frame falls into.
+            let expected = if frames.contains("1e-3") { 0..1 } else { 45..60 };
+            assert!(expected.contains(&in_strides), "{method}, {sets:?}: {in_strides} of 60 steps");
+        }
+    }
+}
+
+/// So many strips that the steps of a stride on several threads are in different places of the sheet.
+#[test]
+fn a_large_sheet() {
+    let mut large = sheet();
+    large["system"]["network"]["mesh"]["rectangle"]["columns"] = json!(199);
+    large["system"]["network"]["mesh"]["rectangle"]["rows"] = json!(219);
+    large["system"]["network"]["supports"] = json!([]);
+    let case = case_of(&large, &[("time.step", "1e-4"), ("time.end", "2e-3"), ("output.frames", "null")]);
+    for threads in [1, 2, 3] {
+        let (outcome, in_strides) = assert_same(&case, until_the_end(threads), &format!("{threads} threads"));
+        assert_eq!((outcome.status, in_strides > 14), (Status::Completed, true), "{threads} threads: {in_strides}");
+    }
+}
+
+/// What goes wrong within a stride is told of the step in which it does, also if the run goes on.
+#[test]
+fn a_divergence_is_found_at_its_step() {
+    let case = case_of(&sheet(), &[("time.end", "0.3"), ("output.frames", "null")]);
+    for method in STRIDING {
+        for (step, at_least) in [("2e-2", 0), ("4e-3", 0), ("3e-3", 8), ("2.8e-3", 64)] {
+            let case = changed(&case, &[("time.method", method), ("time.step", step)]);
+            let (outcome, in_strides) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
+            let on = assert_same(&case, How { threads: 1, keep_going: true }, &format!("{method}, {step}, and on"));
+            assert!(on.0.steps > outcome.steps);
+            assert_eq!(outcome.status, Status::Diverged, "{method}, {step}");
+            let failure = outcome.failure.expect("a diverged run says why");
+            assert_eq!(failure.step, outcome.steps + 1, "{method}, {step}");
+            assert!(in_strides >= at_least, "{method}, {step}: {in_strides} of {} steps", outcome.steps);
+        }
+    }
+}
+
+/// A warning within a stride is that of the step that gives it; the run then goes on in strides.
+#[test]
+fn a_doubt_is_had_at_its_step() {
+    let mut calm = sheet();
+    let network = calm["system"]["network"].as_object_mut().expect("a network");
+    network.remove("initial");
+    network["springs"][0].as_object_mut().expect("springs").remove("slack");
+    let sets = [("time.end", "0.3"), ("time.step", "2.8e-3"), ("output.frames", "null")];
+    let (outcome, in_strides) = assert_same(&case_of(&calm, &sets), until_the_end(1), "a doubt");
+    assert_eq!(outcome.status, Status::Completed);
+    assert!(outcome.doubt.is_some());
+    assert!(in_strides > 60, "{in_strides} of {} steps", outcome.steps);
+}
+
+/// Other schemes, and forces that depend on more than positions, go step by step.
+#[test]
+fn nothing_else_is_made_in_one_go() {
+    let case = case_of(&sheet(), &[("time.end", "0.012")]);
+    for method in methods().iter().filter(|method| !STRIDING.contains(&method.name)) {
+        let (_, in_strides) =
+            assert_same(&changed(&case, &[("time.method", method.name)]), until_the_end(1), method.name);
+        assert_eq!(in_strides, 0, "{}", method.name);
+    }
+    for (key, value) in [
+        ("system.network.springs.0.dashpot", r#"{"relative": {"coefficient": 1e-3}}"#),
+        ("system.network.damping", r#"{"rayleigh": {"mass": 0.1, "stiffness": 0.0}}"#),
+        ("system.network.loads", r#"[{"on": {"ids": [2800]}, "force": [0, 0, 1e-3]}]"#),
+    ] {
+        let mut scene = sheet();
+        let mut at = &mut scene;
+        let path: Vec<&str> = key.split('.').collect();
+        for part in &path[..path.len() - 1] {
+            at = match part.parse::<usize>() {
+                Ok(i) => &mut at[i],
+                Err(_) => &mut at[*part],
+            };
+        }
+        at[path[path.len() - 1]] = serde_json::from_str(value).expect("JSON");
+        for method in STRIDING {
+            let case = case_of(&scene, &[("time.end", "0.012"), ("time.method", method)]);
+            let (outcome, in_strides) = assert_same(&case, until_the_end(1), key);
+            assert_eq!((outcome.status, in_strides), (Status::Completed, 0), "{method}, {key}");
+        }
+    }
+}
