@@ -9,19 +9,17 @@ mod fixture;
 
 use canopy_fem::force::NodeState;
 use canopy_fem::force::threads::Threads;
-use canopy_fem::integrate::Counters;
-use canopy_fem::integrate::implicit::SolverSpec;
-use canopy_fem::integrate::registry::MethodChoice;
-use canopy_fem::integrate::stepper::{Attempt, Stepper};
-use canopy_fem::model::point::Point;
 use canopy_fem::model::system::System;
-use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem::scene::{Network, build_network};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use fixture::steps::Steps;
 use fixture::{Contents, PlainC, cloth};
 use glam::DVec3;
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
+
+/// [s]
+const H: f64 = 1e-4;
 
 fn spring_pass(c: &mut Criterion) {
     let arrays = fixture::SpringArrays::of_cloth(703, 126);
@@ -62,12 +60,12 @@ fn ratios(_: &mut Criterion) {
     let build = |contents| build_network(cloth(703, 126, contents), Threads::one()).expect("the fixture is sound");
     let (springs, no_air, all) = (build(Contents::BareSprings), build(Contents::Dashpots), build(Contents::Everything));
     let mut pairs = vec![
-        ("kang / explicit-euler, springs", Steps::new(&springs, "kang"), Steps::new(&springs, "explicit-euler")),
-        ("kang / explicit-euler, everything", Steps::new(&all, "kang"), Steps::new(&all, "explicit-euler")),
+        ("kang / explicit-euler, springs", Steps::new(&springs, "kang", H), Steps::new(&springs, "explicit-euler", H)),
+        ("kang / explicit-euler, everything", Steps::new(&all, "kang", H), Steps::new(&all, "explicit-euler", H)),
         (
             "velocity-verlet, with air / without",
-            Steps::new(&all, "velocity-verlet"),
-            Steps::new(&no_air, "velocity-verlet"),
+            Steps::new(&all, "velocity-verlet", H),
+            Steps::new(&no_air, "velocity-verlet", H),
         ),
     ];
     for (what, a, b) in &mut pairs {
@@ -76,36 +74,9 @@ fn ratios(_: &mut Criterion) {
     if let Ok(plain) = PlainC::compile() {
         let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
         let mut f = vec![DVec3::ZERO; arrays.x.len()];
-        let mut verlet = Steps::new(&springs, "velocity-verlet");
+        let mut verlet = Steps::new(&springs, "velocity-verlet", H);
         let ratio = median_ratio(&mut || verlet.step(), &mut || plain.verlet_step(&mut arrays, &mut f));
         println!("velocity-verlet step, 703 nodes, springs: canopy-fem / plain C, taken in turn: {ratio:.3}");
-    }
-}
-
-/// A scene on its way.
-struct Steps<'a> {
-    stepper: Stepper<'a>,
-    from: Point,
-    to: Point,
-    counters: Counters,
-}
-
-impl<'a> Steps<'a> {
-    fn new(scene: &'a Network, method: &str) -> Self {
-        let choice = MethodChoice::new(method, &BTreeMap::new()).expect("a known method");
-        let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
-        scene.evaluate(from.state.as_ref(), &mut from.forces);
-        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
-        stepper.start(&from).expect("a small scene");
-        Steps { stepper, to: from.clone(), from, counters: Counters::default() }
-    }
-
-    fn step(&mut self) {
-        let h = 1e-4;
-        let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + h };
-        self.stepper.attempt(attempt, &mut self.to, &mut self.counters).expect("explicit");
-        self.stepper.accept();
-        std::mem::swap(&mut self.from, &mut self.to);
     }
 }
 
@@ -162,7 +133,7 @@ fn explicit_steps(c: &mut Criterion) {
 }
 
 fn steps(b: &mut criterion::Bencher<'_>, scene: &Network, method: &str) {
-    let mut steps = Steps::new(scene, method);
+    let mut steps = Steps::new(scene, method, H);
     b.iter(|| steps.step());
 }
 

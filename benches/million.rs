@@ -11,81 +11,19 @@
 //! in one:         read x, v, f, 1/m, write x, v, f
 //! ```
 
+mod fixture;
+
 use canopy_fem::force::threads::Threads;
-use canopy_fem::integrate::Counters;
-use canopy_fem::integrate::implicit::SolverSpec;
-use canopy_fem::integrate::registry::MethodChoice;
-use canopy_fem::integrate::stepper::{Attempt, Stepper};
-use canopy_fem::mesh::source::MeshSource;
-use canopy_fem::model::point::Point;
-use canopy_fem::model::spec::*;
-use canopy_fem::model::stride::{Passed, longest};
 use canopy_fem::model::system::System;
 use canopy_fem::model::workers::Workers;
-use canopy_fem::scene::{Network, Scene, build_network};
-use std::collections::BTreeMap;
+use canopy_fem::scene::build_network;
+use fixture::sheet::sheet;
+use fixture::steps::Steps;
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
 const SIDE: u32 = 999;
 const ROUNDS: usize = 15;
-
-fn sheet() -> NetworkSpec {
-    let json = serde_json::json!({"rectangle": {
-        "width": 1.0, "height": 1.0, "columns": SIDE, "rows": SIDE, "pattern": "regular"
-    }});
-    let source: MeshSource = serde_json::from_value(json).expect("a known generator");
-    let mesh = source.build(Path::new(".")).expect("a rectangle");
-    let at = |i: u32| glam::DVec3::from_array(mesh.nodes[i as usize]);
-    let rest_length = mesh.edges.iter().map(|&[a, b]| at(a).distance(at(b))).collect();
-    let m = mesh.edges.len();
-    let springs = vec![SpringGroup {
-        edges: (0..m as u32).collect(),
-        stiffness: vec![1000.0; m],
-        rest_length,
-        slack: Slack::None,
-        dashpot: None,
-    }];
-    let n = mesh.nodes.len();
-    let fixed = mesh.nodes.iter().map(|p| [p[0] < 1e-9; 3]).collect();
-    NetworkSpec { mesh, mass: vec![2e-6; n], fixed, springs, gravity: Some([0.0, 0.0, -9.81]), ..Default::default() }
-}
-
-struct Steps<'a> {
-    stepper: Stepper<'a>,
-    from: Point,
-    to: Point,
-    passed: Vec<Passed>,
-    longest: usize,
-}
-
-impl<'a> Steps<'a> {
-    fn new(scene: &'a Network) -> Self {
-        let choice = MethodChoice::new("velocity-verlet", &BTreeMap::new()).expect("registered");
-        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
-        let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
-        scene.evaluate(from.state.as_ref(), &mut from.forces);
-        stepper.start(&from).expect("explicit");
-        let longest = longest(scene.workers());
-        Steps { stepper, to: from.clone(), from, passed: vec![Passed::default(); longest], longest }
-    }
-
-    fn step(&mut self) {
-        let h = 1e-6;
-        let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + h };
-        self.stepper.attempt(attempt, &mut self.to, &mut Counters::default()).expect("explicit");
-        self.stepper.accept();
-        std::mem::swap(&mut self.from, &mut self.to);
-    }
-
-    fn stride(&mut self) {
-        let h = 1e-6;
-        let attempt = Attempt { from: &self.from, h, t_next: self.from.state.t + self.longest as f64 * h };
-        assert!(self.stepper.stride(attempt, &mut self.to, &mut self.passed, &mut Counters::default()));
-        std::mem::swap(&mut self.from, &mut self.to);
-    }
-}
 
 /// a = b + 3 c over three vectors far larger than any cache.
 struct Triad(Vec<f64>, Vec<f64>, Vec<f64>);
@@ -115,10 +53,10 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    let build = |n| build_network(sheet(), Threads::new(n).expect("threads")).expect("the fixture is sound");
+    let build = |n| build_network(sheet(SIDE, 2e-6), Threads::new(n).expect("threads")).expect("the fixture is sound");
     let (one, two) = (build(1), build(2));
     let (nodes, springs) = (one.n_dof() / 3, one.force_terms().next().expect("springs").elements());
-    let mut steps = [Steps::new(&one), Steps::new(&two)];
+    let mut steps = [&one, &two].map(|scene| Steps::new(scene, "velocity-verlet", 1e-6));
     let workers = [Workers::default(), Workers::new(2).expect("threads")];
     let n = 8_000_000;
     let mut triad = Triad(vec![0.0; n], vec![1.0; n], vec![2.0; n]);
@@ -127,7 +65,9 @@ fn main() {
         for i in 0..2 {
             times[i].push(seconds(|| triad.run(&workers[i])));
             times[2 + i].push(seconds(|| steps[i].step()));
-            times[4 + i].push(seconds(|| steps[i].stride()) / steps[i].longest as f64);
+            let mut made = 0;
+            let stride = seconds(|| made = steps[i].stride());
+            times[4 + i].push(stride / made as f64);
         }
     }
     let [triad_1, triad_2, step_1, step_2, stride_1, stride_2] = times.map(median);

@@ -8,17 +8,12 @@
 mod fixture;
 
 use canopy_fem::force::threads::Threads;
-use canopy_fem::integrate::Counters;
-use canopy_fem::integrate::implicit::SolverSpec;
-use canopy_fem::integrate::registry::MethodChoice;
-use canopy_fem::integrate::stepper::{Attempt, Stepper};
-use canopy_fem::model::point::Point;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
-use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{LinearChoice, solver_for};
 use criterion::{Criterion, criterion_group, criterion_main};
+use fixture::steps::Steps;
 use fixture::{Contents, cloth};
-use std::collections::BTreeMap;
 
 /// The weights of a Newmark step of 1 ms.
 const W: Weights = Weights { m: 4e6, c: 2e3, k: 1.0 };
@@ -64,18 +59,8 @@ fn implicit_steps(c: &mut Criterion) {
 }
 
 fn steps(b: &mut criterion::Bencher<'_>, scene: &Network) {
-    let choice = MethodChoice::new("newmark", &BTreeMap::new()).expect("a known method");
-    let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
-    scene.evaluate(from.state.as_ref(), &mut from.forces);
-    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
-    stepper.start(&from).expect("a small scene");
-    let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
-    b.iter(|| {
-        let t_next = from.state.t + h;
-        stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("an easy step");
-        stepper.accept();
-        std::mem::swap(&mut from, &mut to);
-    });
+    let mut steps = Steps::new(scene, "newmark", 1e-3);
+    b.iter(|| steps.step());
 }
 
 criterion_group!(benches, iteration, implicit_steps);

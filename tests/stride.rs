@@ -7,7 +7,6 @@ use canopy_fem::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Pas
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::methods;
 use canopy_fem::output::frame::Fields;
-use canopy_fem::output::probes::Probe;
 use canopy_fem::output::recorder::{Recorder, RecorderSpec};
 use canopy_fem::simulation::{bind, build_scene};
 use common::run::{case_of, changed};
@@ -82,17 +81,8 @@ fn solve(case: &Case, dir: &Path, How { threads, keep_going }: How, lets: bool) 
     let problem = case.problem();
     let scene = build_scene(problem.system.clone(), threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
-    let output = &problem.output;
-    let recorded = RecorderSpec {
-        name: problem.name.clone(),
-        out_dir: dir.to_owned(),
-        frames_every: output.frames_every,
-        end: problem.time.end,
-        fields: Fields { force: true, reaction: true, tension: true, strain: true },
-        probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
-        history_every: output.history_every,
-        ..RecorderSpec::default()
-    };
+    let fields = Fields { force: true, reaction: true, tension: true, strain: true };
+    let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
     let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder");
     let mut witness = Witness { lets, alone: 0, in_strides: 0 };
     let stop = AtomicBool::new(false);

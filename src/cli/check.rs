@@ -4,7 +4,7 @@
 use super::check_cost::describe_forecast;
 use super::check_json::Report;
 use super::doubts::{check_solver, disk_doubt, place, step_doubt};
-use super::{CheckArgs, CliError, fields};
+use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
@@ -41,7 +41,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let candidates = candidates(&problem, scene, &mut spectrum);
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
     let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
-    let fields = fields(&problem.output.fields);
+    let fields = problem.output.fields.as_slice().into();
     let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline };
     let forecast = forecast(&spec);
     let limit = spectrum.critical_step(&problem.method);

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use super::fields;
 use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable};
 use crate::analysis::rates::Rates;
 use crate::case::spec::Problem;
@@ -98,7 +97,8 @@ fn excess(ratio: f64) -> String {
 pub(super) fn disk_doubt(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<String> {
     let every = problem.output.frames_every;
     let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());
-    let bytes = frame_bytes(scene, fields(&problem.output.fields), problem.output.format.precision) as f64;
+    let fields = problem.output.fields.as_slice().into();
+    let bytes = frame_bytes(scene, fields, problem.output.format.precision) as f64;
     let free = free_bytes(out)? as f64;
     (frames * bytes > free).then(|| {
         format!(

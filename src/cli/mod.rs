@@ -24,8 +24,6 @@ mod tradeoff_text;
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
 
-use crate::case::spec::Field;
-use crate::output::frame::Fields;
 use clap::Parser;
 use std::io::Write;
 use std::path::Path;
@@ -57,17 +55,6 @@ pub fn main() -> ExitCode {
 /// A line on standard error, if anybody listens: `eprintln!` would panic on a closed one.
 fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
-}
-
-/// The fields of a case as output knows them.
-fn fields(asked: &[Field]) -> Fields {
-    let has = |field| asked.contains(&field);
-    Fields {
-        force: has(Field::Force),
-        reaction: has(Field::Reaction),
-        tension: has(Field::Tension),
-        strain: has(Field::Strain),
-    }
 }
 
 /// What a command leaves: text for standard output, and its exit status.

@@ -6,7 +6,7 @@ use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
 use super::resume::{self, Earlier};
 use super::stiffening::{Least, Stiffening, Watched};
-use super::{CliError, Finished, SolveArgs, complain, fields};
+use super::{CliError, Finished, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
@@ -19,7 +19,6 @@ use crate::integrate::stepper::Stepper;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::names::file_stem;
-use crate::output::probes::Probe;
 use crate::output::process::Stopwatch;
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::summary::Summary;
@@ -108,7 +107,7 @@ impl<'a> Job<'a> {
     ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
         let &Job { args, problem, scene, folder, limit, .. } = self;
         let spec = problem.run_spec(args.keep_going);
-        let recorded = recorder_spec(problem, folder);
+        let recorded = RecorderSpec::of(problem, folder.dir());
         let recorder = match &checkpoint {
             Some(checkpoint) => {
                 spec.passes(scene, &checkpoint.snapshot)?;
@@ -152,20 +151,6 @@ fn energy_doubt(outcome: &Outcome) -> Option<String> {
     Some(format!(
         "warning: {made}; do not trust this run: use a smaller step, some damping, or a method that damps, such as backward-euler"
     ))
-}
-
-fn recorder_spec(problem: &Problem, folder: &ResultFolder) -> RecorderSpec {
-    let output = &problem.output;
-    RecorderSpec {
-        name: problem.name.clone(),
-        out_dir: folder.dir().to_owned(),
-        frames_every: output.frames_every,
-        end: problem.time.end,
-        fields: fields(&output.fields),
-        probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
-        history_every: output.history_every,
-        format: output.format,
-    }
 }
 
 fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {

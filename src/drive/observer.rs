@@ -22,6 +22,13 @@ pub struct LedgerRow {
     pub numerical: f64,
 }
 
+impl LedgerRow {
+    /// Whether all that goes into the account is a number.
+    pub(super) fn is_finite(&self) -> bool {
+        (self.kinetic + self.elastic + self.gravity + self.external_work + self.dissipated).is_finite()
+    }
+}
+
 /// One accepted step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepView<'a> {

@@ -193,6 +193,7 @@ mod tests {
     use crate::force::NodeState;
     use crate::force::around::tests::{NODES, Pairs, terms};
     use crate::force::tiling::Limits;
+    use crate::model::bounds::Bounds;
     use crate::model::forces::Tally;
     use crate::model::system::Around;
 
@@ -225,7 +226,7 @@ mod tests {
     fn sums(nodes: Range<usize>, [x, v, f]: [&[f64]; 3]) -> NodeSums {
         assert_eq!([x.len(), v.len(), f.len()], [3 * nodes.len(); 3]);
         let low = [x, v, f].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
-        NodeSums { low, ..NodeSums::default() }
+        NodeSums { bounds: Bounds { low, ..Bounds::default() }, ..NodeSums::default() }
     }
 
     /// Sums of forces, state, and what was told of every step.
@@ -253,7 +254,7 @@ mod tests {
         let moving = Moving { t: 0.0, x, v, around: &Scheme };
         let between = Between { scheme: &Scheme, sums: &sums };
         sweep.stride((terms, moving), between, threads, forces.each_mut().map(Vec::as_mut_slice), &mut passed);
-        told.extend(passed.into_iter().map(|passed| (passed.nodes.low, passed.tallies)));
+        told.extend(passed.into_iter().map(|passed| (passed.nodes.bounds.low, passed.tallies)));
         found
     }
 
@@ -270,7 +271,7 @@ mod tests {
             let out = forces.each_mut().map(Vec::as_mut_slice);
             sweep.pass((terms, at), &Threads::one(), out, &mut tallies);
             Scheme.after(0..3 * NODES, v, bytemuck::cast_slice(&forces[0]));
-            told.push((sums(0..NODES, [x, v, bytemuck::cast_slice(&forces[0])]).low, tallies));
+            told.push((sums(0..NODES, [x, v, bytemuck::cast_slice(&forces[0])]).bounds.low, tallies));
         }
         found
     }

@@ -4,6 +4,7 @@
 //! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
 //! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
 
+use super::bounds::Bounds;
 use super::forces::Tally;
 use super::workers::Workers;
 
@@ -38,10 +39,8 @@ pub struct NodeSums {
     pub kinetic: f64,
     /// [m^2/s^2] the largest speed, squared
     pub largest_square: f64,
-    /// [m] lowest coordinates
-    pub low: [f64; 3],
-    /// [m] highest coordinates
-    pub high: [f64; 3],
+    /// the box they lie in
+    pub bounds: Bounds,
     /// whether all forces are finite, those at fixed degrees of freedom too
     pub finite: bool,
 }
@@ -49,30 +48,20 @@ pub struct NodeSums {
 /// Of no nodes.
 impl Default for NodeSums {
     fn default() -> Self {
-        let (low, high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        NodeSums { kinetic: 0.0, largest_square: 0.0, low, high, finite: true }
+        NodeSums { kinetic: 0.0, largest_square: 0.0, bounds: Bounds::default(), finite: true }
     }
 }
 
 impl NodeSums {
-    /// With those of the nodes that follow. A coordinate that is not a number is kept, from wherever it comes.
+    /// With those of the nodes that follow.
     #[must_use]
     pub fn and(self, next: NodeSums) -> Self {
-        let pick = |a: f64, b: f64, better: bool| if better || a.is_nan() { a } else { b };
         NodeSums {
             kinetic: self.kinetic + next.kinetic,
             largest_square: self.largest_square.max(next.largest_square),
-            low: std::array::from_fn(|i| pick(self.low[i], next.low[i], self.low[i] < next.low[i])),
-            high: std::array::from_fn(|i| pick(self.high[i], next.high[i], self.high[i] > next.high[i])),
+            bounds: self.bounds.and(next.bounds),
             finite: self.finite && next.finite,
         }
-    }
-
-    /// [m] half the largest extent
-    pub fn extent(&self) -> f64 {
-        (0..3)
-            .map(|i| 0.5 * (self.high[i] - self.low[i]))
-            .fold(f64::NEG_INFINITY, |most, half| if half > most || half.is_nan() { half } else { most })
     }
 }
 

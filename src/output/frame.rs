@@ -1,5 +1,7 @@
 //! What one frame holds, and how edge values become cell values.
 
+use crate::case::spec::Field;
+
 /// Fields a case asks for beside positions, displacements and velocities, which are always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fields {
@@ -11,6 +13,19 @@ pub struct Fields {
     pub tension: bool,
     /// strain of every edge and triangle
     pub strain: bool,
+}
+
+impl From<&[Field]> for Fields {
+    /// What a case asks for.
+    fn from(asked: &[Field]) -> Self {
+        let has = |field| asked.contains(&field);
+        Fields {
+            force: has(Field::Force),
+            reaction: has(Field::Reaction),
+            tension: has(Field::Tension),
+            strain: has(Field::Strain),
+        }
+    }
 }
 
 /// A frame on its way to the disk, in the user's numbering. Fields nobody asked for are empty.

@@ -143,6 +143,17 @@ impl<'a> Recorder<'a> {
         self.writer.row(HistoryRow { max_speed, max_strain, ..row })
     }
 
+    /// Writes the row of a step that is due with its largest speed [m/s] and strain [-]; any other waits.
+    fn row(&mut self, row: HistoryRow, largest: impl FnOnce() -> (f64, f64)) -> Result<(), ObserveError> {
+        if !self.rows.due(row.step, row.t) {
+            self.waiting = Some(row);
+            return Ok(());
+        }
+        self.waiting = None;
+        let (max_speed, max_strain) = largest();
+        self.writer.row(HistoryRow { max_speed, max_strain, ..row })
+    }
+
     /// Whether a checkpoint is due at the end of a step.
     fn keeps_at(&self, t: f64) -> bool {
         self.keeper.as_ref().is_some_and(|keeper| keeper.due(t))
@@ -174,13 +185,8 @@ impl Observer for Recorder<'_> {
             residual: step.residual,
             ..HistoryRow::default()
         };
-        if self.rows.due(step.step, to.t) {
-            self.waiting = None;
-            self.write_row(row, to)
-        } else {
-            self.waiting = Some(row);
-            Ok(())
-        }
+        let picture = self.picture;
+        self.row(row, || (picture.max_speed(to), picture.max_strain(to)))
     }
 
     /// As far as the end of a step of which there is a frame or a checkpoint, or to the beginning of one within which there is a frame.
@@ -204,14 +210,7 @@ impl Observer for Recorder<'_> {
             }
         }
         let row = HistoryRow { t: step.t, step: step.step, ledger: step.ledger, ..HistoryRow::default() };
-        if self.rows.due(step.step, step.t) {
-            self.waiting = None;
-            let (max_speed, max_strain) = (step.passed.max_speed(), step.passed.max_strain());
-            self.writer.row(HistoryRow { max_speed, max_strain, ..row })
-        } else {
-            self.waiting = Some(row);
-            Ok(())
-        }
+        self.row(row, || (step.passed.max_speed(), step.passed.max_strain()))
     }
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {

@@ -1,6 +1,6 @@
 //! What a run is to leave behind, and whether it can.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::encode::VtuFormat;
 use super::files::FilesSpec;
@@ -8,7 +8,7 @@ use super::frame::Fields;
 use super::names::file_stem;
 use super::probes::Probe;
 use super::resume::ResumeError;
-use crate::case::spec::RowEvery;
+use crate::case::spec::{Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;
 
@@ -34,6 +34,23 @@ pub struct RecorderSpec {
     pub history_every: RowEvery,
     /// spelling of the frames' arrays
     pub format: VtuFormat,
+}
+
+impl RecorderSpec {
+    /// All a case asks for, into a folder.
+    pub fn of(problem: &Problem, out_dir: &Path) -> Self {
+        let output = &problem.output;
+        RecorderSpec {
+            name: problem.name.clone(),
+            out_dir: out_dir.to_owned(),
+            frames_every: output.frames_every,
+            end: problem.time.end,
+            fields: output.fields.as_slice().into(),
+            probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
+            history_every: output.history_every,
+            format: output.format,
+        }
+    }
 }
 
 /// Why a run cannot be recorded as asked.

@@ -1,19 +1,20 @@
 //! What the nodes of a network are like: kinetic energy, speed, bounds, and whether all is finite.
 
 use super::network::{Network, by_node};
-use super::suspect::bounds;
+use crate::model::bounds::Bounds;
 use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::stride::NodeSums;
-use crate::model::workers::ALONE;
+use crate::model::workers::{ALONE, Workers};
+use glam::DVec3;
 use std::ops::Range;
 
 impl Network {
     /// Of some nodes: their positions [m], velocities [m/s] and forces [N].
     pub(super) fn node_sums(&self, nodes: Range<usize>, [x, v, f]: [&[f64]; 3]) -> NodeSums {
-        let (low, high) = bounds(by_node(x));
+        let bounds = bounds(by_node(x));
         let Motion { kinetic, largest_square } = motion(v, &self.mass[nodes]);
         let finite = ALONE.all_finite(f);
-        NodeSums { kinetic, largest_square, low: low.to_array(), high: high.to_array(), finite }
+        NodeSums { kinetic, largest_square, bounds, finite }
     }
 }
 
@@ -77,6 +78,40 @@ fn squares<U: VectorUnit>(unit: U, v: &[f64; 12]) -> U::Quad {
     let [a, b, c, d] = rows;
     let [x, y, z] = U::Quad::columns([unit.quad(a), unit.quad(b), unit.quad(c), unit.quad(d)]);
     x * x + y * y + z * z
+}
+
+/// [m] half the longest side of the box that nodes lie in
+pub(super) fn extent(x: &[DVec3], workers: &Workers) -> f64 {
+    workers.fold(x.len(), Bounds::default(), |r| bounds(&x[r]), Bounds::and).extent()
+}
+
+/// Coordinates that are no numbers may be left out.
+fn bounds(x: &[DVec3]) -> Bounds {
+    let (rows, rest) = x.as_chunks::<4>();
+    let [low, high]: [[[f64; 3]; 4]; 2] = quad::run(Boxes(bytemuck::cast_slice(rows))).map(bytemuck::cast);
+    let four = (0..4).map(|i| Bounds { low: low[i], high: high[i] });
+    let last = rest.iter().map(|x| Bounds { low: x.to_array(), high: x.to_array() });
+    four.chain(last).fold(Bounds::default(), Bounds::and)
+}
+
+/// Four nodes side by side, in three quads.
+struct Boxes<'a>(&'a [[[f64; 4]; 3]]);
+
+impl quad::Pass for Boxes<'_> {
+    type Output = [[[f64; 4]; 3]; 2];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [[[f64; 4]; 3]; 2] {
+        let mut low = [unit.splat(f64::INFINITY); 3];
+        let mut high = [unit.splat(f64::NEG_INFINITY); 3];
+        for row in self.0 {
+            for i in 0..3 {
+                let x = unit.quad(row[i]);
+                (low[i], high[i]) = (x.smaller(low[i]), x.larger(high[i]));
+            }
+        }
+        [low.map(Quad::numbers), high.map(Quad::numbers)]
+    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,12 @@
 //! Who is at fault: what a failure report says about a node of a network, and its size.
 
 use super::network::{Network, by_node, node_state};
+use super::sums::extent;
 use super::{BoundRoom, Scene, Suspect};
 use crate::force::{ForceTerm, TangentSink};
 use crate::model::forces::Role;
-use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
-use crate::model::workers::Workers;
 use glam::{DMat3, DVec3};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -113,42 +112,6 @@ impl Network {
             }
         }
         worst.map(|(_, edge)| edge)
-    }
-}
-
-fn extent(x: &[DVec3], workers: &Workers) -> f64 {
-    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = workers.fold(x.len(), none, |r| bounds(&x[r]), |a, b| (b.0.min(a.0), b.1.max(a.1)));
-    0.5 * (high - low).max_element()
-}
-
-/// Lowest and highest coordinates.
-pub(super) fn bounds(x: &[DVec3]) -> (DVec3, DVec3) {
-    let (rows, rest) = x.as_chunks::<4>();
-    let lanes: [[DVec3; 4]; 2] = quad::run(Bounds(bytemuck::cast_slice(rows))).map(bytemuck::cast);
-    let [low, high] = lanes.map(|nodes| nodes.into_iter().chain(rest.iter().copied()));
-    // The value that is not a number is left out only on the left.
-    let (least, most) = (|low: DVec3, x: DVec3| x.min(low), |high: DVec3, x: DVec3| x.max(high));
-    (low.fold(DVec3::INFINITY, least), high.fold(DVec3::NEG_INFINITY, most))
-}
-
-/// Four nodes side by side, in three quads.
-struct Bounds<'a>(&'a [[[f64; 4]; 3]]);
-
-impl quad::Pass for Bounds<'_> {
-    type Output = [[[f64; 4]; 3]; 2];
-
-    #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) -> [[[f64; 4]; 3]; 2] {
-        let mut low = [unit.splat(f64::INFINITY); 3];
-        let mut high = [unit.splat(f64::NEG_INFINITY); 3];
-        for row in self.0 {
-            for i in 0..3 {
-                let x = unit.quad(row[i]);
-                (low[i], high[i]) = (x.smaller(low[i]), x.larger(high[i]));
-            }
-        }
-        [low.map(Quad::numbers), high.map(Quad::numbers)]
     }
 }
 

@@ -11,7 +11,6 @@ use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
 use canopy_fem::output::frame::Fields;
-use canopy_fem::output::probes::Probe;
 use canopy_fem::output::process::{Cost, Stopwatch};
 use canopy_fem::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use canopy_fem::simulation::{bind, build_scene};
@@ -106,20 +105,11 @@ fn solve_watched(case: &Case, dir: &Path, part: Part, watch: &mut dyn Observer) 
     let scene = build_scene(problem.system.clone(), part.threads).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let spec = problem.run_spec(part.keep_going);
-    let output = &problem.output;
-    let recorded = RecorderSpec {
-        name: problem.name.clone(),
-        out_dir: dir.to_owned(),
-        frames_every: output.frames_every,
-        end: problem.time.end,
-        fields: Fields { force: true, reaction: true, tension: true, strain: true },
-        probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
-        history_every: output.history_every,
-        ..RecorderSpec::default()
-    };
+    let fields = Fields { force: true, reaction: true, tension: true, strain: true };
+    let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
     let kept = CheckpointSpec {
         case: fingerprint.clone(),
-        every: output.checkpoint_every,
+        every: problem.output.checkpoint_every,
         stopwatch: Stopwatch::start(Cost::default()),
     };
     let stop = AtomicBool::new(false);

@@ -5,7 +5,7 @@
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::Watched;
-use super::{Pace, Run, RunError, is_finite};
+use super::{Pace, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::stride::{LONGEST, Passed, longest};
@@ -80,8 +80,7 @@ impl Run<'_> {
         let report = StepReport { forces_at_end: true, ..Default::default() };
         for ((step, passed), row) in coming.iter().zip(&strides.passed).zip(&mut strides.rows) {
             let after = self.ledger.passed(self.scene, passed);
-            let extent = passed.nodes.extent();
-            if !passed.nodes.finite || !is_finite(&after) || extent.is_nan() || extent > self.limit {
+            if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent()) {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.from, &self.to);

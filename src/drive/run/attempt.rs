@@ -1,0 +1,97 @@
+//! Attempts at the next accepted state: one step of a fixed size, or adaptive ones until one is kept.
+
+use super::super::adaptive::{Bench, Dropped, Kept};
+use super::super::clock::Tick;
+use super::super::observer::Observer;
+use super::super::outcome::Status;
+use super::super::pace::Pace;
+use super::take::{Part, Taken};
+use super::{Run, RunError};
+use crate::integrate::stepper::{Attempt, Stepper};
+use crate::integrate::{StepError, StepReport};
+
+impl Run<'_> {
+    /// Goes on to the next accepted state, which may take several attempts.
+    pub(super) fn advance(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Result<(), Status>, RunError> {
+        while let Some(tick) = self.next() {
+            let kept = match &mut self.pace {
+                Pace::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
+                Pace::Adaptive(_) => match self.adaptive_step(stepper) {
+                    Ok(Some(kept)) => Ok(kept),
+                    Ok(None) => continue,
+                    Err(stopped) => Err(stopped),
+                },
+            };
+            return match kept {
+                Err(stopped) => Ok(Err(stopped)),
+                Ok(Kept::Single(report)) => match self.take(stepper, Part::Last, &report, observers)? {
+                    Ok(Taken::Back) => continue,
+                    Ok(Taken::Over) => Ok(Ok(())),
+                    Err(stopped) => Ok(Err(stopped)),
+                },
+                Ok(Kept::Halves([first, second])) => match self.take(stepper, Part::First, &first, observers)? {
+                    Ok(Taken::Back) => continue,
+                    Ok(Taken::Over) => {
+                        if let Pace::Adaptive(pace) = &mut self.pace
+                            && let Some(end) = pace.second()
+                        {
+                            std::mem::swap(&mut self.to, end);
+                        }
+                        Ok(self.take(stepper, Part::Last, &second, observers)?.map(|_| ()))
+                    }
+                    Err(stopped) => Ok(Err(stopped)),
+                },
+            };
+        }
+        Ok(Ok(()))
+    }
+
+    fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
+        let attempt = Attempt { from: &self.from, h: tick.h, t_next: tick.t };
+        let report = match stepper.attempt(attempt, &mut self.to, &mut self.counters) {
+            Ok(report) => report,
+            Err(error) => {
+                self.failure = Some(self.scenery(tick).not_converged(&error, worst_of(&error, stepper)));
+                return Err(Status::NotConverged);
+            }
+        };
+        if !report.forces_at_end {
+            // The ledger and observers want them; the scheme does not, so they are not counted.
+            self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
+        }
+        Ok(report)
+    }
+
+    /// One attempt; `None` when it is dropped and a smaller one is left to try.
+    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
+        let Pace::Adaptive(pace) = &mut self.pace else { return Ok(None) };
+        let Some(trial) = pace.next(self.from.state.t) else { return Ok(None) };
+        let bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.counters };
+        let dropped = match pace.attempt(bench, trial, &self.from, &mut self.to) {
+            Ok(kept) => return Ok(Some(kept)),
+            Err(dropped) => dropped,
+        };
+        let floor = pace.floor(self.from.state.t);
+        if pace.next(self.from.state.t).is_some_and(|next| next.h >= floor) {
+            return Ok(None);
+        }
+        let scenery = self.scenery(Tick { h: trial.h, t: trial.t });
+        self.failure = Some(match &dropped {
+            Dropped::Error(worst) => scenery.at_the_floor(*worst, floor),
+            Dropped::Unsolved(error) => scenery.not_converged(error, worst_of(error, stepper)),
+        });
+        Err(Status::NotConverged)
+    }
+}
+
+/// The degree of freedom with the largest residual of a step that could not be solved.
+fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> usize {
+    match error {
+        StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
+        _ => 0,
+    }
+}

@@ -1,0 +1,118 @@
+//! What becomes of a step that was made: it is accounted for, looked at, and shown.
+
+use super::super::clock::Tick;
+use super::super::failure::{Scenery, Wreck};
+use super::super::observer::{LedgerRow, Observer, StepView};
+use super::super::outcome::Status;
+use super::super::pace::Pace;
+use super::super::watch::{Sight, Trouble, Watched};
+use super::{BLOW_UP, Run, RunError};
+use crate::integrate::StepReport;
+use crate::integrate::stepper::Stepper;
+
+/// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half, which it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    First,
+    Last,
+}
+
+/// Whether the state is the new one, or an adaptive step was taken back because it cannot be right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Taken {
+    Over,
+    Back,
+}
+
+impl Run<'_> {
+    /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places.
+    pub(super) fn take(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        part: Part,
+        report: &StepReport,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Result<Taken, Status>, RunError> {
+        let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
+        let before = (self.ledger, self.watch);
+        let row = self.ledger.step(self.scene, &self.from, &self.to, report);
+        let finite = row.is_finite() && self.scene.workers().all_finite(&self.to.forces.total);
+        let left = !finite || self.has_left(self.scene.extent(self.to.state.as_ref()));
+        match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
+            Sight::Calm => {}
+            Sight::Doubt(gain) => {
+                self.new_doubt = Some(self.scenery(tick).doubt(gain, self.spec.explain_doubts));
+            }
+            Sight::Trouble(trouble) => {
+                let adaptive = matches!(self.pace, Pace::Adaptive(_));
+                if let Pace::Adaptive(pace) = &mut self.pace
+                    && tick.h > 10.0 * pace.floor(self.from.state.t)
+                {
+                    (self.ledger, self.watch) = before;
+                    pace.take_back(tick.h, (part == Part::First).then_some(stepper))?;
+                    return Ok(Ok(Taken::Back));
+                }
+                self.diverged(tick, trouble, row, left);
+                if !finite || !self.spec.keep_going || adaptive {
+                    (self.ledger, self.watch) = before;
+                    return Ok(Err(Status::Diverged));
+                }
+            }
+        }
+        if part == Part::Last {
+            stepper.accept();
+        }
+        std::mem::swap(&mut self.from, &mut self.to);
+        self.row = row;
+        self.steps += 1;
+        let view = StepView {
+            step: self.steps,
+            from: &self.to,
+            to: &self.from,
+            ledger: row,
+            newton_iterations: report.newton_iterations,
+            residual: report.residual,
+        };
+        let doubt = self.new_doubt.take();
+        for o in observers.iter_mut() {
+            o.accepted(view)?;
+            if let Some(doubt) = &doubt {
+                o.doubted(doubt);
+            }
+        }
+        self.doubt = doubt.or(self.doubt.take());
+        Ok(Ok(Taken::Over))
+    }
+
+    /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
+    fn look(&mut self, tick: Tick, after: &LedgerRow, report: &StepReport, left: Option<bool>) -> Sight {
+        if left == Some(false) {
+            return Sight::Trouble(Trouble::NotFinite);
+        }
+        let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
+        let step = self.steps + 1;
+        let sight = self.watch.step(Watched { scene, from, to, before, after, report, step, h: tick.h });
+        match (sight, left) {
+            (Sight::Calm | Sight::Doubt(_), Some(_)) => {
+                let share = self.watch.share(to, after, step);
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error() })
+            }
+            _ => sight,
+        }
+    }
+
+    fn diverged(&mut self, tick: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
+        if self.failure.is_none() {
+            let wreck = Wreck { trouble, to: &self.to, before: self.row, after, gain: self.watch.gain() };
+            self.failure = Some(self.scenery(tick).diverged(&wreck));
+        }
+        if let Some(failure) = self.failure.as_mut().filter(|_| left) {
+            failure.blow_up_time.get_or_insert(tick.t);
+        }
+    }
+
+    pub(super) fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
+        let Run { scene, from, .. } = self;
+        Scenery { scene: *scene, method: self.spec.method, from, step: self.steps + 1, h, t, end: self.spec.end }
+    }
+}

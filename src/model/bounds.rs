@@ -1,0 +1,62 @@
+//! The box that nodes lie in.
+
+/// The box that some nodes lie in. A coordinate that is not a number stays, wherever it comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// [m] lowest coordinates
+    pub low: [f64; 3],
+    /// [m] highest coordinates
+    pub high: [f64; 3],
+}
+
+/// Of no nodes.
+impl Default for Bounds {
+    fn default() -> Self {
+        Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
+    }
+}
+
+impl Bounds {
+    /// With those of other nodes.
+    #[must_use]
+    pub fn and(self, next: Bounds) -> Self {
+        let pick = |a: f64, b: f64, better: bool| if better || a.is_nan() { a } else { b };
+        Bounds {
+            low: std::array::from_fn(|i| pick(self.low[i], next.low[i], self.low[i] < next.low[i])),
+            high: std::array::from_fn(|i| pick(self.high[i], next.high[i], self.high[i] > next.high[i])),
+        }
+    }
+
+    /// [m] half the longest side; -inf of no nodes
+    pub fn extent(&self) -> f64 {
+        (0..3)
+            .map(|i| 0.5 * (self.high[i] - self.low[i]))
+            .fold(f64::NEG_INFINITY, |most, half| if half > most || half.is_nan() { half } else { most })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(p: [f64; 3]) -> Bounds {
+        Bounds { low: p, high: p }
+    }
+
+    #[test]
+    fn two_nodes_span_their_box() {
+        let both = of([1.0, -2.0, 0.0]).and(of([4.0, 3.0, 0.5]));
+        assert_eq!(both, Bounds { low: [1.0, -2.0, 0.0], high: [4.0, 3.0, 0.5] });
+        assert_eq!(both, both.and(Bounds::default()));
+        assert_eq!(both.extent(), 2.5);
+        assert_eq!(Bounds::default().extent(), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_never_lost() {
+        let lost = of([0.0, f64::NAN, 0.0]);
+        for bounds in [lost.and(of([1.0; 3])), of([1.0; 3]).and(lost), lost.and(Bounds::default())] {
+            assert!(bounds.low[1].is_nan() && bounds.extent().is_nan(), "{bounds:?}");
+        }
+    }
+}
