@@ -5,7 +5,8 @@
 //! memory once a step. All sums are those of `Sweep::pass`, in their order.
 
 use super::NodeState;
-use super::stride::Steps;
+use super::room::Needs;
+use super::stride::{Steps, Then};
 use super::sweep::{Sweep, Terms};
 use super::threads::{SUMS, Threads};
 use crate::model::forces::Tally;
@@ -50,21 +51,39 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         // Before the pool is entered: a worker that waits for its share may begin another caller's pass meanwhile.
-        let mut room = self.room((terms.count(), 1), &out);
-        self.steps(Steps { terms, moving, between: None, threads }, out, &mut room);
+        let mut room = self.room(Needs { terms: terms.count(), levels: 1, keeps: false }, &out);
+        self.steps(Steps { terms, moving, then: Then::Done, threads }, out, &mut room);
         room.add_up(0, tallies);
+    }
+
+    /// [`Sweep::pass_around`], then [`Sweep::pass`] at the velocities that it leaves. What the first sum's own terms give to the first is kept for the second, if
+    /// they are [still](Terms::still).
+    pub fn pass_twice<T: Terms + ?Sized>(
+        &self,
+        (terms, moving): (&T, Moving<'_>),
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) {
+        let keeps = terms.still();
+        let mut room = self.room(Needs { terms: terms.count(), levels: 2, keeps }, &out);
+        self.steps(Steps { terms, moving, then: Then::Again, threads }, out, &mut room);
+        room.add_up(if keeps { 0 } else { 1 }, tallies);
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::force::batch::{Batch, Summand};
+    use crate::force::batch::{Batch, Records, Summand, Wants};
     use crate::force::neighbours::{Links, Neighbours};
     use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
-    use crate::force::spring::Coefficient;
+    use crate::force::spring::{Coefficient, SpringData, Springs};
+    use crate::force::tile::Tile;
     use crate::force::tiling::{Limits, Tiling};
-    use std::sync::Mutex;
+    use crate::model::spec::Slack;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::{Arc, Mutex};
 
     pub const NODES: usize = 500;
 
@@ -150,6 +169,103 @@ pub(super) mod tests {
                 scope.spawn(move || (0..300).for_each(|_| pass(i == 0)));
             }
         });
+    }
+
+    /// Springs in the first sum, which count the tiles they are asked for, and dashpots in the last.
+    struct Damped {
+        springs: Counted,
+        dashpots: RelativeDashpots,
+        still: bool,
+    }
+
+    struct Counted(Springs, AtomicUsize);
+
+    impl Summand for Counted {
+        fn elements(&self) -> usize {
+            self.0.elements()
+        }
+
+        fn wants(&self) -> Wants {
+            self.0.wants()
+        }
+
+        fn element(&self, number: usize) -> Option<&[u32]> {
+            self.0.element(number)
+        }
+
+        fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+            self.0.take(tile, elements, place);
+        }
+
+        fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            self.0.add(tile, f)
+        }
+    }
+
+    impl Terms for Damped {
+        fn count(&self) -> usize {
+            2
+        }
+
+        fn term(&self, i: usize) -> (&dyn Summand, usize) {
+            [(&self.springs as &dyn Summand, 0), (&self.dashpots, 2)][i]
+        }
+
+        fn still(&self) -> bool {
+            self.still
+        }
+    }
+
+    fn damped(limits: Limits, still: bool) -> (Damped, Sweep) {
+        let nodes: Arc<[[u32; 2]]> = (0..NODES as u32 - 31).map(|i| [i, i + 31]).collect();
+        let data = SpringData {
+            rest_length: vec![0.3; nodes.len()].into(),
+            nodes: nodes.clone(),
+            stiffness: Coefficient::Uniform(5.0),
+            slack: Slack::None,
+        };
+        let springs = Counted(Batch::new(data), AtomicUsize::new(0));
+        let dashpots = Batch::new(RelativeData { nodes, coefficient: Coefficient::Uniform(2.0) });
+        let mut terms = Damped { springs, dashpots, still };
+        let tiling = Tiling::within(limits, NODES, &mut [&mut terms.springs, &mut terms.dashpots]);
+        (terms, Sweep::of(tiling))
+    }
+
+    /// Whatever the tiles and threads, the second of two passes at the same positions has the bits of one of its own, and still terms are not asked again.
+    #[test]
+    fn a_second_pass_goes_over_what_velocities_change() {
+        for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
+            for (threads, still) in [1, 2, 3].into_iter().flat_map(|n| [(n, true), (n, false)]) {
+                let (terms, sweep) = damped(Limits { strip, records }, still);
+                let threads = Threads::new(threads).expect("threads");
+                let found = |twice: bool| {
+                    let start =
+                        |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
+                    let (mut x, mut v, around) = (start(0.0), start(1.0), Recorded::default());
+                    let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+                    sums[1].clear();
+                    let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 2];
+                    let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
+                    terms.springs.1.store(0, Ordering::Relaxed);
+                    if twice {
+                        let out = sums.each_mut().map(Vec::as_mut_slice);
+                        sweep.pass_twice((&terms, moving), &threads, out, &mut tallies);
+                    } else {
+                        let out = sums.each_mut().map(Vec::as_mut_slice);
+                        sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
+                        let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
+                        let out = sums.each_mut().map(Vec::as_mut_slice);
+                        sweep.pass((&terms, at), &threads, out, &mut tallies);
+                    }
+                    assert!(sums[0].iter().all(|f| f.is_finite()));
+                    ((sums, tallies, x, v), terms.springs.1.load(Ordering::Relaxed))
+                };
+                let ((apart, asked_apart), (twice, asked)) = (found(false), found(true));
+                assert!(twice == apart, "strips of {strip}, {threads:?}, still: {still}");
+                assert_eq!(asked * if still { 2 } else { 1 }, asked_apart);
+            }
+        }
     }
 
     /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has its turn once.

@@ -24,6 +24,17 @@ pub(super) struct Room {
     /// level after level, strip after strip
     pub nodes: Vec<NodeSums>,
     pub levels: Vec<Level>,
+    /// forces of the still terms, tile after tile, where they are kept
+    kept: Vec<Padded>,
+}
+
+/// What passes need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Needs {
+    pub terms: usize,
+    pub levels: usize,
+    /// whether forces of still terms are kept
+    pub keeps: bool,
 }
 
 /// Some strips and where their sums go.
@@ -33,11 +44,13 @@ pub(super) struct Part<'a> {
     pub beyond: [&'a mut [Padded]; SUMS],
     pub tallies: &'a mut [Tally],
     pub stretches: &'a mut [f64],
+    /// empty where nothing is kept
+    pub kept: &'a mut [Padded],
 }
 
 impl Room {
-    /// Makes room for some terms, in passes of so many levels, into sums of these sizes. All levels are at their beginning.
-    pub fn fit(&mut self, tiling: &Tiling, (terms, levels): (usize, usize), out: &[&mut [DVec3]; SUMS]) {
+    /// Makes room for passes into sums of these sizes. All levels are at their beginning.
+    pub fn fit(&mut self, tiling: &Tiling, Needs { terms, levels, keeps }: Needs, out: &[&mut [DVec3]; SUMS]) {
         for (beyond, _) in self.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
             beyond.resize(tiling.beyond().len(), Padded::default());
         }
@@ -47,6 +60,9 @@ impl Room {
         self.nodes.resize(levels * tiling.strips().len(), NodeSums::default());
         self.levels.clear();
         self.levels.resize(levels, Level::default());
+        if keeps {
+            self.kept.resize(tiling.records_of(0..self.tiles).len(), Padded::default());
+        }
     }
 
     /// The places of some strips, in one of the levels.
@@ -63,6 +79,7 @@ impl Room {
             out: out.each_mut().map(|out| if out.is_empty() { &mut **out } else { &mut out[nodes.clone()] }),
             beyond: self.beyond.each_mut().map(|sums| sums.get_mut(beyond.clone()).unwrap_or_default()),
             tallies: &mut self.tallies[of_level..][tiles.start * self.terms..tiles.end * self.terms],
+            kept: self.kept.get_mut(tiling.records_of(tiles.clone())).unwrap_or_default(),
             stretches: &mut self.stretches[level * self.tiles..][tiles],
             strips,
         }
@@ -92,21 +109,23 @@ impl Room {
 impl Part<'_> {
     /// The strips before one, and the others.
     pub fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
-        let Part { strips, out, beyond, tallies, stretches } = self;
+        let Part { strips, out, beyond, tallies, stretches, kept } = self;
         let (before, after) = (strips.start..at, at..strips.end);
         let (tiles, terms) = (tiling.tiles_of(before.clone()), tallies.len() / stretches.len().max(1));
         let (out, out_after) = halves(out, tiling.nodes_of(before.clone()).len());
         let (beyond, beyond_after) = halves(beyond, tiling.beyond_of(tiles.clone()).len());
         let (tallies, tallies_after) = tallies.split_at_mut(terms * tiles.len());
         let (stretches, stretches_after) = stretches.split_at_mut(tiles.len());
+        let (kept, kept_after) = kept.split_at_mut(tiling.records_of(tiles.clone()).len().min(kept.len()));
         [
-            Part { strips: before, out, beyond, tallies, stretches },
+            Part { strips: before, out, beyond, tallies, stretches, kept },
             Part {
                 strips: after,
                 out: out_after,
                 beyond: beyond_after,
                 tallies: tallies_after,
                 stretches: stretches_after,
+                kept: kept_after,
             },
         ]
     }

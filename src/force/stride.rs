@@ -5,8 +5,8 @@
 //! take the place of those of the level before. The highest level that can go on goes first, so that it meets nodes while they are in cache.
 
 use super::around::Moving;
-use super::room::Room;
-use super::sweep::{Round, Sweep, Terms, Work, by_node, wants};
+use super::room::{Needs, Room};
+use super::sweep::{Round, Still, Sweep, Terms, Work, by_node, wants};
 use super::threads::{SUMS, Threads};
 use crate::model::stride::{NodeSums, Passed};
 use crate::model::system::Onward;
@@ -31,12 +31,33 @@ pub struct Between<'a> {
     pub sums: SumNodes<'a>,
 }
 
-/// One step, or several with something between them.
+/// What follows a level.
+#[derive(Clone, Copy)]
+pub(super) enum Then<'a> {
+    /// nothing
+    Done,
+    /// the same positions again, with the velocities that what came after has left; after that nothing
+    Again,
+    /// the next step
+    Next(Between<'a>),
+}
+
+/// One step, or several levels with something between them.
 pub(super) struct Steps<'a, 'm, T: ?Sized> {
     pub terms: &'a T,
     pub moving: Moving<'m>,
-    pub between: Option<Between<'a>>,
+    pub then: Then<'a>,
     pub threads: &'a Threads,
+}
+
+impl<T: Terms + ?Sized> Steps<'_, '_, T> {
+    /// What a level does with forces that its velocities cannot change.
+    fn still(&self, level: usize) -> Still {
+        match self.then {
+            Then::Again if self.terms.still() => [Still::Kept, Still::Taken][level.min(1)],
+            _ => Still::Found,
+        }
+    }
 }
 
 /// How far a step has come.
@@ -71,11 +92,12 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         passed: &mut [Passed],
     ) {
-        let mut room = self.room((terms.count(), passed.len()), &out);
+        let needs = Needs { terms: terms.count(), levels: passed.len(), keeps: false };
+        let mut room = self.room(needs, &out);
         for (level, passed) in room.levels.iter_mut().zip(&*passed) {
             level.stretch = passed.stretch_wanted;
         }
-        self.steps(Steps { terms, moving, between: Some(between), threads }, out, &mut room);
+        self.steps(Steps { terms, moving, then: Then::Next(between), threads }, out, &mut room);
         for (level, passed) in passed.iter_mut().enumerate() {
             passed.tallies.resize(terms.count(), Default::default());
             room.add_up(level, &mut passed.tallies);
@@ -102,7 +124,7 @@ impl Sweep {
         mut out: [&mut [DVec3]; SUMS],
         room: &mut Room,
     ) {
-        let (tiling, wants, mut moved) = (&self.tiling, wants(steps.terms), 0);
+        let (tiling, mut moved) = (&self.tiling, 0);
         let mut levels = std::mem::take(&mut room.levels);
         while let Some((number, ahead)) = self.next_round(&levels, strips) {
             let level = &mut levels[number];
@@ -110,9 +132,12 @@ impl Sweep {
                 steps.moving.before(moved..ahead.reach, steps.threads);
                 moved = ahead.reach;
             }
-            let Steps { terms, threads, .. } = steps;
-            let work = Work { terms, wants, stretch: level.stretch, at: steps.moving.state(), threads, tiling };
-            work.run(room.part(tiling, (number, ahead.strips.clone()), &mut out));
+            let (still, terms, threads) = (steps.still(number), steps.terms, steps.threads);
+            let (wants, at) = (wants(terms, still), steps.moving.state());
+            let work = Work { terms, wants, stretch: level.stretch, still, at, threads, tiling };
+            // What is taken has its energies where they were left.
+            let account = if still == Still::Taken { number - 1 } else { number };
+            work.run(room.part(tiling, (account, ahead.strips.clone()), &mut out));
             while level.oldest < ahead.tiles.start && tiling.tiles()[level.oldest].reach.end <= ahead.nodes.start {
                 level.oldest += 1;
             }
@@ -148,7 +173,7 @@ impl Sweep {
         &self,
         (round, strips): (Round, Range<usize>),
         (level, levels): (usize, usize),
-        Steps { moving, between, threads, .. }: &mut Steps<'_, '_, T>,
+        Steps { moving, then, threads, .. }: &mut Steps<'_, '_, T>,
         [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
         room: &mut Room,
     ) {
@@ -157,13 +182,15 @@ impl Sweep {
             self.add_beyond(&round, threads, beyond, out);
         }
         let Round { nodes, tiles } = round;
-        let (around, between, dofs) = (moving.around, *between, 3 * nodes.start..3 * nodes.end);
+        let (around, then, dofs) = (moving.around, *then, 3 * nodes.start..3 * nodes.end);
         let strip = |i: usize, [f, x, v]: [&mut [f64]; 3], sums: &mut NodeSums| {
             let first = dofs.start + i * 3 * self.tiling.strip();
             let r = first..first + f.len();
             self.tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
-            around.after(r.clone(), v, f);
-            if let Some(Between { scheme, sums: of }) = between {
+            if level == 0 || !matches!(then, Then::Again) {
+                around.after(r.clone(), v, f);
+            }
+            if let Then::Next(Between { scheme, sums: of }) = then {
                 *sums = of(r.start / 3..r.end / 3, [x, v, f]);
                 if level + 1 < levels {
                     scheme.onward(r, x, v, f);

@@ -6,11 +6,11 @@
 
 use super::NodeState;
 use super::batch::{Summand, Wants};
-use super::room::{Part, Room};
+use super::room::{Needs, Part, Room};
 use super::threads::{SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::tiling::{Plan, Tiling};
-use super::window::{Padded, RECORD, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
+use super::window::{Padded, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
 use crate::model::forces::Tally;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,6 +24,11 @@ pub trait Terms: Sync {
 
     /// A term, and which of the pass's sums it adds to: 0, 1 or 2.
     fn term(&self, i: usize) -> (&dyn Summand, usize);
+
+    /// Whether all terms of the first sum are still: their forces follow from positions alone, so that other velocities change nothing.
+    fn still(&self) -> bool {
+        false
+    }
 }
 
 /// All add to the only sum.
@@ -52,9 +57,28 @@ pub(super) struct Work<'a, T: ?Sized> {
     pub wants: Wants,
     /// whether the largest stretch is looked for
     pub stretch: bool,
+    pub still: Still,
     pub at: NodeState<'a>,
     pub threads: &'a Threads,
     pub tiling: &'a Tiling,
+}
+
+/// What becomes of the forces of still terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Still {
+    /// found as all others
+    Found,
+    /// kept besides
+    Kept,
+    /// taken as they were kept, with their energies
+    Taken,
+}
+
+impl Still {
+    /// Whether the terms of a sum are gone over.
+    fn goes_over(self, sum: usize) -> bool {
+        self != Still::Taken || sum > 0
+    }
 }
 
 /// The nodes of some strips, and tiles that hold all whose elements reach them.
@@ -83,8 +107,9 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room((terms.count(), 1), &out);
-        let work = Work { terms, wants: wants(terms), stretch: false, at, threads, tiling: &self.tiling };
+        let mut room = self.room(Needs { terms: terms.count(), levels: 1, keeps: false }, &out);
+        let still = Still::Found;
+        let work = Work { terms, wants: wants(terms, still), stretch: false, still, at, threads, tiling: &self.tiling };
         work.run(room.part(&self.tiling, (0, self.tiling.strips()), &mut out));
         let all = Round { nodes: self.tiling.nodes_of(self.tiling.strips()), tiles: 0..self.tiling.tiles().len() };
         for (out, beyond) in out.iter_mut().zip(&room.beyond) {
@@ -126,10 +151,10 @@ impl Sweep {
         }
     }
 
-    /// Room for some terms, in passes of so many levels, into sums of these sizes.
-    pub(super) fn room(&self, (terms, levels): (usize, usize), out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
+    /// Room for passes into sums of these sizes.
+    pub(super) fn room(&self, needs: Needs, out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
-        room.fit(&self.tiling, (terms, levels), out);
+        room.fit(&self.tiling, needs, out);
         room
     }
 }
@@ -138,9 +163,10 @@ pub(super) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
     bytemuck::cast_slice_mut(dofs)
 }
 
-/// What any of the terms wants.
-pub(super) fn wants<T: Terms + ?Sized>(terms: &T) -> Wants {
-    (0..terms.count()).map(|i| terms.term(i).0.wants()).fold(Wants::default(), Wants::or)
+/// What any of the terms wants that a pass goes over.
+pub(super) fn wants<T: Terms + ?Sized>(terms: &T, still: Still) -> Wants {
+    let terms = (0..terms.count()).map(|i| terms.term(i)).filter(|(_, sum)| still.goes_over(*sum));
+    terms.map(|(term, _)| term.wants()).fold(Wants::default(), Wants::or)
 }
 
 impl<T: Terms + ?Sized> Work<'_, T> {
@@ -172,13 +198,16 @@ impl<T: Terms + ?Sized> Work<'_, T> {
     }
 
     fn strip(&self, part: Part<'_>, windows: &mut Windows) {
-        let Part { strips, mut out, mut beyond, tallies, stretches } = part;
+        let Part { strips, mut out, mut beyond, tallies, stretches, mut kept } = part;
         let numbers = self.tiling.tiles_of(strips);
         let first = self.tiling.beyond_of(numbers.clone()).start;
         let count = self.terms.count();
         for (number, i) in numbers.zip(0..) {
             let plan = &self.tiling.tiles()[number];
-            stretches[i] = self.tile(number, windows, &out, &mut tallies[i * count..(i + 1) * count]);
+            let (own_kept, others_kept) =
+                std::mem::take(&mut kept).split_at_mut_checked(plan.records()).unwrap_or_default();
+            kept = others_kept;
+            stretches[i] = self.tile((number, own_kept), windows, &out, &mut tallies[i * count..(i + 1) * count]);
             let place = plan.beyond.start - first..plan.beyond.end - first;
             for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
                 if !out.is_empty() {
@@ -195,7 +224,13 @@ impl<T: Terms + ?Sized> Work<'_, T> {
     }
 
     /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty. Tells its largest stretch, if that is looked for.
-    fn tile(&self, number: usize, windows: &mut Windows, out: &[&mut [DVec3]; SUMS], tallies: &mut [Tally]) -> f64 {
+    fn tile(
+        &self,
+        (number, kept): (usize, &mut [Padded]),
+        windows: &mut Windows,
+        out: &[&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) -> f64 {
         let plan = &self.tiling.tiles()[number];
         let Windows { x, v, sums } = windows;
         let (x, v) = (x.records(), v.records());
@@ -208,16 +243,25 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         let sums = sums.each_mut().map(Window::records);
         let mut present = sums.into_iter().zip(out).map(|(sum, out)| (!out.is_empty()).then_some(sum));
         let mut sums: [Option<&mut Records>; SUMS] = std::array::from_fn(|_| present.next().flatten());
-        for sum in sums.iter_mut().flatten() {
-            sum[..RECORD * plan.records()].fill(0.0);
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let Some(sum) = sum.as_deref_mut().map(|sum| rows(sum, plan.records())) else { continue };
+            match self.still.goes_over(i) {
+                true => sum.fill(Padded::default()),
+                false => sum.copy_from_slice(kept),
+            }
         }
         let own = if plan.opens_strip { plan.own.clone() } else { 0..0 };
         let tile = Tile { number, own, at: self.at, x, v };
         for (i, tally) in tallies.iter_mut().enumerate() {
             let (term, sum) = self.terms.term(i);
-            *tally = sums[sum].as_deref_mut().map_or_else(Tally::default, |sum| term.add(&tile, sum));
+            if self.still.goes_over(sum) {
+                *tally = sums[sum].as_deref_mut().map_or_else(Tally::default, |sum| term.add(&tile, sum));
+            }
         }
         if let [Some(total), others @ ..] = &mut sums {
+            if self.still == Still::Kept {
+                kept.copy_from_slice(rows(total, plan.records()));
+            }
             for other in others.iter_mut().flatten() {
                 plus_rows(rows(other, plan.records()), rows(total, plan.records()));
             }

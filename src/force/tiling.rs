@@ -41,6 +41,8 @@ pub(super) struct Plan {
     pub opens_strip: bool,
     /// its part of the list of nodes beyond
     pub beyond: Range<usize>,
+    /// records of all tiles before
+    pub records_before: usize,
     /// the first of them, where they follow each other
     pub run: Option<usize>,
     /// from the first of them to the last; where there is none, from the strip's end to there
@@ -130,6 +132,13 @@ impl Tiling {
         }
     }
 
+    /// The part of some tiles in the list of all tiles' records.
+    pub(super) fn records_of(&self, tiles: Range<usize>) -> Range<usize> {
+        let end = self.tiles.last().map_or(0, |plan| plan.records_before + plan.records());
+        let start = |tile: usize| self.tiles.get(tile).map_or(end, |plan| plan.records_before);
+        start(tiles.start)..start(tiles.end)
+    }
+
     /// The part of some tiles in the list of nodes beyond.
     pub(super) fn beyond_of(&self, tiles: Range<usize>) -> Range<usize> {
         let start = |tile: usize| self.tiles.get(tile).map_or(self.beyond.len(), |plan| plan.beyond.start);
@@ -193,7 +202,9 @@ impl Cutter {
             (Some(&first), Some(&last)) => first as usize..last as usize + 1,
             _ => own.end..own.end,
         };
-        tiling.tiles.push(Plan { own, opens_strip, beyond: begin..tiling.beyond.len(), run, reach });
+        let records_before = tiling.records_of(0..tiling.tiles.len()).end;
+        let beyond = begin..tiling.beyond.len();
+        tiling.tiles.push(Plan { own, opens_strip, beyond, records_before, run, reach });
         full
     }
 }

@@ -62,4 +62,10 @@ impl Counters {
         self.force_evaluations += 1;
         system.evaluate_around(&mut to.state, &mut to.forces, around);
     }
+
+    /// The same, then a counted force pass at the velocities that what came after has left.
+    pub fn evaluate_twice<S: System + ?Sized>(&mut self, system: &S, to: &mut Point, around: &dyn Around) {
+        self.force_evaluations += 2;
+        system.evaluate_twice(&mut to.state, &mut to.forces, around);
+    }
 }

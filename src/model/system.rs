@@ -25,7 +25,7 @@ pub trait Around: Sync {
     /// Moves some degrees of freedom to where the pass is to find them.
     fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]);
 
-    /// What follows from their forces f [N], which at fixed ones need not be 0. No force reads these velocities any more.
+    /// What follows from their forces f [N], which at fixed ones need not be 0. No force of this pass reads these velocities any more.
     fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]);
 }
 
@@ -60,6 +60,13 @@ pub trait System: Sync {
         around.before(n.clone(), &mut at.x, &mut at.v);
         self.evaluate(at.as_ref(), out);
         around.after(n, &mut at.v, &out.total);
+    }
+
+    /// [`System::evaluate_around`], then [`System::evaluate`] at the same positions with the velocities that `around.after` has left. What follows from positions alone
+    /// may be found once.
+    fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        self.evaluate_around(at, out, around);
+        self.evaluate(at.as_ref(), out);
     }
 
     /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, [`System::evaluate`], `scheme.after`, then for every further

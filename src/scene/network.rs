@@ -173,6 +173,10 @@ impl Terms for Network {
         };
         (&*self.terms[i], sum)
     }
+
+    fn still(&self) -> bool {
+        (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.terms[i].velocity_dependent())
+    }
 }
 
 /// Some of the terms, in one sum.
@@ -224,6 +228,11 @@ impl System for Network {
     fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
         let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around };
         self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
+    }
+
+    fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around };
+        self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
     }
 
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
