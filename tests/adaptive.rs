@@ -242,3 +242,29 @@ fn a_late_load_is_met_at_every_tolerance() {
         assert!(off < 10.0 * relative, "{} at {relative:e}: {found}, exactly {exact}", method.name);
     }
 }
+
+/// Steps that a tolerance lets go above the limit of stiff dashpots for a moment: the motion stays right, and the account does not lose what the dashpots took.
+#[test]
+fn dashpots_keep_their_account_where_steps_overshoot() {
+    let ended = |method: &str, tolerance: f64| {
+        let both = format!(r#"{{"relative": {tolerance:e}, "absolute": {:e}}}"#, 1e-2 * tolerance);
+        let sets = [
+            ("time.end", "0.2"),
+            ("time.step", "null"),
+            ("time.tolerance", both.as_str()),
+            ("time.method", method),
+            ("output.frames", "null"),
+        ];
+        let run = run(&asset("cloth-k1000", &sets));
+        assert_eq!(run.outcome.status, Status::Completed, "{method} {tolerance}");
+        run
+    };
+    let exact = ended("dop853", 1e-8);
+    for (method, tolerance) in [("dormand-prince", 1e-3), ("dop853", 1e-2), ("dop853", 1e-3), ("rk4", 1e-2)] {
+        let run = ended(method, tolerance);
+        let (found, expected) = (run.outcome.ledger.dissipated, exact.outcome.ledger.dissipated);
+        let far = common::run::apart(&run, &exact);
+        assert!(far < 2e-2, "{method} {tolerance}: the motion is {far} off");
+        assert!((found - expected).abs() < 0.35 * expected, "{method} {tolerance}: {found} J of {expected} J");
+    }
+}

@@ -166,7 +166,13 @@ impl Question<'_> {
     fn motion(&self, dof: usize, rates: Rates) -> String {
         let place = self.place(dof);
         if rates.damping > 2.0 * rates.frequency {
-            let viscous: Vec<_> = self.scene.terms().iter().filter(|t| is_viscous(t.name)).map(|t| t.name).collect();
+            let mut viscous = Vec::new();
+            for term in self.scene.terms().iter().filter(|t| is_viscous(t.name)) {
+                // One a spring rule, but one name.
+                if !viscous.contains(&term.name) {
+                    viscous.push(term.name);
+                }
+            }
             return format!(
                 "forces that depend on velocity ({}), which act within m/(dF/dv) = {} s {place}",
                 viscous.join(", "),

@@ -20,7 +20,6 @@
 //! what its power at either end of the step comes to, are therefore counted as made.
 
 use super::observer::LedgerRow;
-use crate::integrate::StepReport;
 use crate::integrate::registry::{Family, MethodInfo};
 use crate::model::forces::Role;
 use crate::model::point::Point;
@@ -105,8 +104,8 @@ pub struct Watched<'a> {
     pub before: &'a LedgerRow,
     /// account at its end, finite
     pub after: &'a LedgerRow,
-    /// what the scheme says of it
-    pub report: &'a StepReport,
+    /// whether that account has the works that the scheme integrated itself
+    pub by_stages: bool,
     /// its number
     pub step: u64,
     /// [s] its size
@@ -287,7 +286,7 @@ impl Watch {
     /// [J] Work in a step that the forces at both of its ends would not do.
     fn contrary(&self, step: Watched<'_>) -> f64 {
         let Watched { before, after, .. } = step;
-        if !self.overshoots || step.report.work.is_some() {
+        if !self.overshoots || step.by_stages {
             return 0.0;
         }
         let given = (before.dissipated - after.dissipated).max(0.0);

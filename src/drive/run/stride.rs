@@ -6,7 +6,6 @@
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::Watched;
 use super::{Pace, Run, RunError};
-use crate::integrate::StepReport;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::stride::{LONGEST, Passed, longest};
 
@@ -77,7 +76,6 @@ impl Run<'_> {
     /// Whether all is well.
     fn account_for(&mut self, coming: &[Coming], strides: &mut Strides) -> bool {
         let (mut before, mut t) = (self.row, self.from.state.t);
-        let report = StepReport { forces_at_end: true, ..Default::default() };
         for ((step, passed), row) in coming.iter().zip(&strides.passed).zip(&mut strides.rows) {
             let after = self.ledger.passed(self.scene, passed);
             if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent()) {
@@ -86,7 +84,7 @@ impl Run<'_> {
             let (scene, from, to) = (self.scene, &self.from, &self.to);
             let h = step.t - t;
             let watched =
-                Watched { scene, from, to, before: &before, after: &after, report: &report, step: step.step, h };
+                Watched { scene, from, to, before: &before, after: &after, by_stages: false, step: step.step, h };
             if !self.watch.unseen_step(watched) {
                 return false;
             }

@@ -35,10 +35,10 @@ impl Run<'_> {
     ) -> Result<Result<Taken, Status>, RunError> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
         let before = (self.ledger, self.watch);
-        let row = self.ledger.step(self.scene, &self.from, &self.to, report);
+        let (row, by_stages) = self.ledger.step(self.scene, &self.from, &self.to, report);
         let finite = row.is_finite() && self.scene.workers().all_finite(&self.to.forces.total);
         let left = !finite || self.has_left(self.scene.extent(self.to.state.as_ref()));
-        match self.look(tick, &row, report, if left { Some(finite) } else { None }) {
+        match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
             Sight::Calm => {}
             Sight::Doubt(gain) => {
                 self.new_doubt = Some(self.scenery(tick).doubt(gain, self.spec.explain_doubts));
@@ -85,13 +85,13 @@ impl Run<'_> {
     }
 
     /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
-    fn look(&mut self, tick: Tick, after: &LedgerRow, report: &StepReport, left: Option<bool>) -> Sight {
+    fn look(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> Sight {
         if left == Some(false) {
             return Sight::Trouble(Trouble::NotFinite);
         }
         let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
         let step = self.steps + 1;
-        let sight = self.watch.step(Watched { scene, from, to, before, after, report, step, h: tick.h });
+        let sight = self.watch.step(Watched { scene, from, to, before, after, by_stages, step, h: tick.h });
         match (sight, left) {
             (Sight::Calm | Sight::Doubt(_), Some(_)) => {
                 let share = self.watch.share(to, after, step);
