@@ -11,7 +11,7 @@ use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
 use canopy_fem::output::encode::{Compression, Encoding, VtuFormat};
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::probes::Probe;
-use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec, default_history_every};
+use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use support::read_vtu::{self, Vtu};
 use support::triangle_pair::{Run, TrianglePair, ledger};
 
@@ -472,14 +472,6 @@ fn bad_requests_are_refused() {
     let fault = refuse(RecorderSpec { probes, ..spec(dir.path()) });
     assert_eq!(fault.to_string(), "probe \"far\" follows node 4, but there are 4 nodes, counted from 0");
     assert_eq!(std::fs::read_dir(dir.path()).expect("the folder is there").count(), 0);
-}
-
-/// The default gives at most 10,000 rows beside the first and last, and never 0 steps a row.
-#[test]
-fn default_rows() {
-    let rows = [0, 1, 10_000, 10_001, u64::MAX].map(default_history_every);
-    assert_eq!(rows[..4], [1, 1, 1, 2]);
-    assert!(u64::MAX / rows[4] <= 10_000);
 }
 
 /// Cells and arrays that do not fit are refused, with the numbers.

@@ -1,5 +1,6 @@
 //! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the parts that
-//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others.
+//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others. What nobody asked for
+//! and follows from the end does not differ where it follows from another: the run goes on with what it began with.
 //!
 //! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh, and a value
 //! spelt out that was the default before is the same case.
@@ -31,7 +32,12 @@ struct Part {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Value {
     Text(String),
-    Sum { crc: u32, bytes: u64 },
+    /// follows from the length of the run
+    Derived(String),
+    Sum {
+        crc: u32,
+        bytes: u64,
+    },
 }
 
 /// The parts in which two cases differ; at least one.
@@ -69,7 +75,8 @@ impl Fingerprint {
             }
         }
         made.parts.push(Part { key: "solver".to_owned(), value: Value::Text(format!("{:?}", problem.solver)) });
-        let OutputSpec { frames_every, fields, probes, history_every, checkpoint_every: _, format } = &problem.output;
+        let OutputSpec { frames_every, fields, probes, history_every, history_derived, checkpoint_every: _, format } =
+            &problem.output;
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
         made.text("output.compression", &format.compression)?;
@@ -77,6 +84,9 @@ impl Fingerprint {
         match history_every {
             RowEvery::Steps(steps) => made.text("output.history.every", steps)?,
             RowEvery::Time(every) => made.text("output.history.every", &format!("{every:e} s"))?,
+        }
+        if *history_derived {
+            made.last_follows();
         }
         for probe in probes {
             made.sum("output.probes", &(&probe.name, &probe.nodes))?;
@@ -122,6 +132,15 @@ impl Fingerprint {
         Ok(())
     }
 
+    /// The part that was made last follows from the length of the run.
+    fn last_follows(&mut self) {
+        if let Some(Part { value, .. }) = self.parts.last_mut()
+            && let Value::Text(text) = value
+        {
+            *value = Value::Derived(std::mem::take(text));
+        }
+    }
+
     fn sum(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
         let sum = || {
             let sum = BufWriter::with_capacity(1 << 16, Sum::default());
@@ -139,7 +158,9 @@ impl Fingerprint {
         let keys = self.parts.iter().chain(&now.parts).map(|part| part.key.as_str());
         for key in keys {
             let (before, after) = (self.at(key), now.at(key));
-            let words = if before == after { None } else { Some(describe(key, &before, &after)) };
+            let same =
+                before.len() == after.len() && before.iter().zip(&after).all(|(before, after)| before.agrees(after));
+            let words = if same { None } else { Some(describe(key, &before, &after)) };
             found.extend(words.filter(|words| !found.contains(words)));
         }
         (!found.is_empty()).then_some(Differences(found))
@@ -150,9 +171,21 @@ impl Fingerprint {
     }
 }
 
+impl Value {
+    fn agrees(&self, other: &Value) -> bool {
+        match (self, other) {
+            (Value::Derived(_), Value::Derived(_)) => true,
+            (Value::Text(a) | Value::Derived(a), Value::Text(b) | Value::Derived(b)) => a == b,
+            _ => self == other,
+        }
+    }
+}
+
 fn describe(key: &str, before: &[&Value], after: &[&Value]) -> String {
     match (before, after) {
-        ([Value::Text(before)], [Value::Text(after)]) => format!("{key} was {before} and is {after} now"),
+        ([Value::Text(before) | Value::Derived(before)], [Value::Text(after) | Value::Derived(after)]) => {
+            format!("{key} was {before} and is {after} now")
+        }
         _ => format!("{key} is not what it was"),
     }
 }

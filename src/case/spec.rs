@@ -87,6 +87,8 @@ pub struct OutputSpec {
     pub probes: Vec<ProbeSpec>,
     /// how often `history.csv` has a row
     pub history_every: RowEvery,
+    /// whether nobody asked for that, so that it follows from the length of the run
+    pub history_derived: bool,
     /// [s] a checkpoint at every multiple of this; `None`: only when interrupted
     pub checkpoint_every: Option<f64>,
     /// how frames are written

@@ -103,7 +103,7 @@ pub struct SolveArgs {
     #[arg(long)]
     pub force: bool,
     /// Go on from the checkpoint in the folder: one is kept when a run is interrupted, and as often as the case's
-    /// output.checkpoint says; a later --end is allowed
+    /// output.checkpoint says; a later --end is allowed where steps are fixed
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
     /// Go on past a blow-up until a value stops being finite

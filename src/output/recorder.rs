@@ -10,13 +10,14 @@ use super::keeper::Keeper;
 use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
+use crate::case::spec::RowEvery;
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, Resumable, StepView};
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
 pub use super::keeper::CheckpointSpec;
-pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec, default_history_every};
+pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 
 /// What a recorder is to record next; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,6 +28,8 @@ pub struct RecorderMark {
     shown: Option<f64>,
     /// the newest step, if the history does not show it yet
     waiting: Option<HistoryRow>,
+    /// how often there is a row; a run that is carried further goes on with it
+    history_every: RowEvery,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv` and `probes.csv`.
@@ -38,6 +41,7 @@ pub struct Recorder<'a> {
     picture: &'a dyn Picture,
     fields: Fields,
     frames_every: Option<f64>,
+    history_every: RowEvery,
     rows: Rows,
     schedule: Schedule,
     /// [s] time of the newest frame
@@ -58,7 +62,8 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let writer = ResultWriter::start(&files_spec(picture, spec))?;
-        Ok(Self::around(picture, spec, writer, RecorderMark::default()))
+        let mark = RecorderMark { history_every: spec.history_every, ..RecorderMark::default() };
+        Ok(Self::around(picture, spec, writer, mark))
     }
 
     /// Takes up the files of an earlier run where its checkpoint was written: what came later is cut off.
@@ -76,12 +81,13 @@ impl<'a> Recorder<'a> {
     }
 
     fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderMark) -> Self {
-        let RecorderMark { next_frame, shown, waiting } = mark;
+        let RecorderMark { next_frame, shown, waiting, history_every } = mark;
         Self {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
-            rows: Rows::of(spec.history_every),
+            history_every,
+            rows: Rows::of(history_every),
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
@@ -222,7 +228,8 @@ impl Observer for Recorder<'_> {
     }
 
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        let mark = RecorderMark { next_frame: self.schedule.position(), shown: self.shown, waiting: self.waiting };
+        let Self { shown, waiting, history_every, .. } = *self;
+        let mark = RecorderMark { next_frame: self.schedule.position(), shown, waiting, history_every };
         match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),

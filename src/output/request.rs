@@ -30,7 +30,7 @@ pub struct RecorderSpec {
     pub fields: Fields,
     /// nodes to follow at each frame time
     pub probes: Vec<Probe>,
-    /// how often there is a history row; see [`default_history_every`]
+    /// how often there is a history row
     pub history_every: RowEvery,
     /// spelling of the frames' arrays
     pub format: VtuFormat,
@@ -95,11 +95,6 @@ pub enum RecorderError {
     /// The files of an earlier run cannot be taken up.
     #[error(transparent)]
     Resume(#[from] ResumeError),
-}
-
-/// Steps a row such that a run of `total_steps` gets at most 10,000 rows beside its first and last.
-pub fn default_history_every(total_steps: u64) -> u64 {
-    total_steps.div_ceil(10_000).max(1)
 }
 
 /// What the writing thread must know of it.

@@ -65,6 +65,23 @@ fn a_full_disk() {
     assert_survived(&bench, &ended, "No space left on device");
 }
 
+/// A finished run is carried further, past the length from which rows would be told less often: they come as often as they did.
+#[test]
+fn a_later_end() {
+    let bench = Bench::new();
+    let keep = ["--set", "output.frames=null", "--step", "1e-4"];
+    let first = bench.solve(&[&keep[..], &["--set", "output.checkpoint.every=0.5", "--end", "0.9"]].concat());
+    assert_eq!(first.code, Some(0), "{}", first.stderr);
+    let on = bench.solve(&[&keep[..], &["--end", "1.1", "--resume"]].concat());
+    assert_eq!(on.code, Some(0), "{}", on.stderr);
+    let whole = Bench::new();
+    let once = whole.solve(&[&keep[..], &["--end", "1.1", "--set", "output.history.every=1"]].concat());
+    assert_eq!(once.code, Some(0), "{}", once.stderr);
+    let rows = |bench: &Bench| std::fs::read_to_string(bench.path("out/history.csv")).expect("rows");
+    assert_eq!(rows(&whole).lines().count(), 11_002);
+    assert!(rows(&bench) == rows(&whole), "rows differ");
+}
+
 /// The folder is taken away while the run is writing into it.
 #[test]
 fn a_vanished_folder() {

@@ -41,6 +41,7 @@ pub(super) fn output(
         probes,
         checkpoint_every: section.checkpoint.map(|c| c.every),
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
+        history_derived: history.is_none(),
         history_every: match (history, time?.steps()) {
             (Some(every), _) => RowEvery::Steps(every.max(1)),
             (None, Some(steps)) => RowEvery::Steps(steps.div_ceil(rows).max(1)),

@@ -50,8 +50,8 @@ pub struct Every {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EveryCheckpoint {
-    /// [s] At t = 0, after the first step that reaches a multiple of this, and before the last step, so that a finished run can
-    /// be resumed with a later end.
+    /// [s] At t = 0, after the first step that reaches a multiple of this, and before the last step, so that a finished run
+    /// in fixed steps can be resumed with a later end.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub every: f64,
 }
