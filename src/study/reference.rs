@@ -7,9 +7,9 @@
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders a column. What is affordable is estimated from counts, so the reference is the same on every machine.
+//! gains two orders a column. What is affordable is estimated from counts, before and while it is made, so the reference is the same on every machine.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +18,7 @@ use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Spectrum;
 use crate::drive::clock::{Step, Tolerance};
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::Counters;
@@ -38,6 +39,8 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
+/// How many times its allowance the explicit solutions may take together: the first is estimated by its longest steps, and one at a time.
+const PATIENCE: f64 = 4.0;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
 /// Tolerance of Newton's iteration for a reference.
@@ -85,7 +88,7 @@ pub enum NoWay {
     Failed(String),
     /// Two solutions do not agree.
     #[error(
-        "two solutions differ by {0:.1e} of the motion; motion that multiplies errors has no reference over this span: shorten it with --end"
+        "two solutions differ by {0:.1e} of the motion: it multiplies errors, or is too fast for what is affordable; shorten the run with --end, or raise --budget"
     )]
     NotAgreed(f64),
 }
@@ -106,6 +109,33 @@ pub struct Workshop<'a> {
 #[derive(Default)]
 struct Spent {
     counters: Counters,
+    /// [s] of the present way, by nominal figures
+    seconds: f64,
+}
+
+/// Ends a run after so many steps, or when the user interrupts.
+struct Limit<'a> {
+    left: u64,
+    user: &'a AtomicBool,
+    stop: &'a AtomicBool,
+}
+
+impl Observer for Limit<'_> {
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 || self.user.load(Ordering::Relaxed) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
 }
 
 impl Workshop<'_> {
@@ -121,6 +151,7 @@ impl Workshop<'_> {
             Ok(found) => Ok(found),
             Err(_) if self.interrupted() => return Err(StudyError::Interrupted),
             Err(explicit) => {
+                spent.seconds = 0.0;
                 self.extrapolated(&mut spent).map_err(|implicit| StudyError::NoReference { explicit, implicit })
             }
         };
@@ -138,7 +169,7 @@ impl Workshop<'_> {
     }
 
     fn interrupted(&self) -> bool {
-        self.stop.load(std::sync::atomic::Ordering::Relaxed)
+        self.stop.load(Ordering::Relaxed)
     }
 
     /// By the two pairs.
@@ -153,8 +184,13 @@ impl Workshop<'_> {
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
-            let a = self.solve(&fine, self.tolerance(tight), spent)?;
-            let b = self.solve(&coarse, self.tolerance(wide), spent)?;
+            let both = self.solve(&fine, self.tolerance(tight), spent);
+            let both = both.and_then(|a| Ok((a, self.solve(&coarse, self.tolerance(wide), spent)?)));
+            let (a, b) = match both {
+                Ok(both) => both,
+                Err(NoWay::TooLong { .. }) if best.is_some() => break,
+                Err(why) => return Err(why),
+            };
             let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
             let found = agreed(a, &b, how)?;
             let better = best.as_ref().is_none_or(|best| found.account.error < best.account.error);
@@ -249,12 +285,22 @@ impl Workshop<'_> {
         let mut solver: SolverSpec = self.bench.problem.solver;
         solver.newton.relative = solver.newton.relative.min(NEWTON);
         let what = Try { method, step, solver, from: None };
-        let run = self.bench.run(what, &mut [&mut sampler], self.stop);
-        let Outcome { status, counters, failure, .. } = run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
+        let (nominal, stop) = (self.bench.nominal_step(method), AtomicBool::new(false));
+        let left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
+        let mut limit = Limit { left, user: self.stop, stop: &stop };
+        let run = self.bench.run(what, &mut [&mut sampler, &mut limit], &stop);
+        let Outcome { status, counters, failure, steps, t_end, .. } =
+            run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
         spent.counters = spent.counters.plus(counters);
+        let earlier = spent.seconds;
+        spent.seconds += nominal * steps as f64;
         match status {
             Status::Completed => Ok(sampler.into_frames()),
-            Status::Interrupted => Err(NoWay::Failed("interrupted".to_owned())),
+            Status::Interrupted if self.interrupted() => Err(NoWay::Failed("interrupted".to_owned())),
+            Status::Interrupted => {
+                let whole = nominal * steps as f64 * self.bench.end() / t_end;
+                Err(NoWay::TooLong { seconds: earlier + whole, allowance: self.allowance })
+            }
             Status::Diverged | Status::NotConverged => {
                 let why = failure.map_or_else(String::new, |failure| format!(": {}", failure.cause));
                 Err(NoWay::Failed(format!("{told} failed{why}")))

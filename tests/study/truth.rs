@@ -4,8 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use canopy_fem::case::Case;
 use canopy_fem::simulation::{FollowSpec, follow};
+use canopy_fem::study::StudyError;
 use canopy_fem::study::bench::Bench;
-use canopy_fem::study::reference::Workshop;
+use canopy_fem::study::reference::{NoWay, Workshop};
 use canopy_fem::study::row::{Pace, RowStatus};
 use serde_json::json;
 
@@ -121,6 +122,25 @@ fn references_are_worth_what_they_say() {
         ways.push(made.account.how);
     }
     assert!(ways[0].starts_with("dop853") && ways[1].starts_with("newmark"), "{ways:?}");
+}
+
+/// Steps at the limit of stability would be affordable, but those that accuracy asks for are far shorter: the pairs are given up while they are under way.
+#[test]
+fn a_reference_keeps_within_its_allowance() {
+    let case = asset("oscillator", &[("system.network.springs.0.stiffness", "1e7")]);
+    let stop = AtomicBool::new(false);
+    let bench = Bench::of(case.problem().clone(), 1).expect("good");
+    let told = std::cell::RefCell::new(Vec::new());
+    let tell = |what: &str| told.borrow_mut().push(what.to_owned());
+    match (Workshop { bench: &bench, allowance: 0.05, stop: &stop, tell: &tell }).make() {
+        Err(StudyError::NoReference { explicit: NoWay::TooLong { seconds, allowance }, .. }) => {
+            assert!(seconds > 4.0 * allowance, "{seconds}");
+        }
+        Ok(made) => assert!(made.account.how.starts_with("newmark"), "{}", made.account.how),
+        Err(other) => panic!("{other}"),
+    }
+    let of_pairs = told.borrow().iter().filter(|what| !what.starts_with("newmark")).count();
+    assert_eq!(of_pairs, 1, "{told:?}");
 }
 
 /// A run above its limit diverges, a method that does not fit and a step beyond the end are refused: both are rows with a reason, and none is on the front.
