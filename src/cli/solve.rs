@@ -189,7 +189,8 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     );
     let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
     // Of adaptive steps, what they came to on average.
-    let step = problem.time.step.fixed().unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
+    let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
+    let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
     if let Some(tolerance) = problem.time.step.tolerance() {
         let _ = writeln!(
             text,

@@ -63,7 +63,7 @@ pub struct Support {
     /// Which nodes.
     pub on: NodeSelection,
     /// Which directions are held: any of the letters x, y and z, each at most once. Supports add up.
-    #[schemars(extend("enum" = ["x", "y", "z", "xy", "xz", "yz", "xyz"]))]
+    #[schemars(regex(pattern = r"^(x(yz?|zy?)?|y(xz?|zx?)?|z(xy?|yx?)?)$"))]
     pub fix: String,
 }
 
