@@ -117,6 +117,8 @@ impl<'a> Job<'a> {
         };
         let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
         let every = problem.output.checkpoint_every;
+        // What was derived at the start stays in force.
+        let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
         let display = if args.quiet { Display::Quiet } else { Display::Terminal };
         let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));

@@ -33,8 +33,18 @@ impl Ledger {
         (ledger, ledger.first)
     }
 
-    /// Accounts for an accepted step; tells also whether by works that the scheme has integrated itself.
-    pub fn step(&mut self, system: &dyn System, from: &Point, to: &Point, report: &StepReport) -> (LedgerRow, bool) {
+    /// Accounts for an accepted step after the account `before`; tells also whether by works that the scheme has integrated itself.
+    ///
+    /// Stages of a step above the limit of a stiff dashpot have velocities that no state has, and weights of either sign: their sum may be off by any
+    /// factor, though the step is good. Where the ends of the step say something quite different and leave less of the energy unexplained, they count; where steps
+    /// resolve what happens, stages leave by far the least.
+    pub fn step(
+        &mut self,
+        system: &dyn System,
+        (from, to): (&Point, &Point),
+        report: &StepReport,
+        before: &LedgerRow,
+    ) -> (LedgerRow, bool) {
         let kinetic = system.kinetic_energy(&to.state.v);
         let ends = || StageWork {
             external: trapezoid(system, (&from.forces.external, &to.forces.external), from, to),
@@ -45,8 +55,14 @@ impl Ledger {
             Some(stages) if from.forces.dissipative.is_empty() => (stages, true),
             Some(stages) => {
                 let ends = ends();
-                let there = kinetic + self.row(system, kinetic, &to.forces.tallies).elastic.abs();
-                if resolved(stages.dissipated, ends.dissipated, there) { (stages, true) } else { (ends, false) }
+                let rest = self.row(system, kinetic, &to.forces.tallies).numerical - before.numerical;
+                let unexplained = |work: StageWork| (rest + work.external - work.dissipated).abs();
+                let apart = (stages.dissipated - ends.dissipated).abs();
+                let differ = apart > 0.5 * stages.dissipated.abs().max(ends.dissipated.abs());
+                match differ && unexplained(stages) > unexplained(ends) {
+                    false => (stages, true),
+                    true => (ends, false),
+                }
             }
         };
         self.work.external += work.external;
@@ -101,17 +117,6 @@ impl Ledger {
         row
     }
 }
-
-/// Whether a scheme's own account of what dashpots take in a step [J] can be believed, beside that of the step's ends, where so much energy is there. Stages of a
-/// step above the limit of a stiff dashpot have velocities that no state has, and weights of either sign: their sum may be off by any factor, though the
-/// step is good.
-fn resolved(stages: f64, ends: f64, there: f64) -> bool {
-    let apart = (stages - ends).abs();
-    apart <= 0.5 * stages.abs().max(ends.abs()) || apart <= UNSEEN * there
-}
-
-/// [-] Share of the energy there below which nobody looks at a difference: around a turning point the ends of a good step know little of what lies between.
-const UNSEEN: f64 = 1e-3;
 
 /// [J] Work of a force that changes from `f_n` to `f_n1` along the step.
 fn trapezoid(system: &dyn System, f: (&[f64], &[f64]), from: &Point, to: &Point) -> f64 {

@@ -1,7 +1,7 @@
 //! A force pass with what a scheme does to nodes just before and just after, in one way through them.
 //!
 //! Strips are gone over in rounds. Nodes are moved before the first round that reaches them; what follows from the forces of a round's own nodes happens
-//! when they are complete. No later round reads those nodes, since elements belong to the strip of their smallest node. So a large scene crosses the
+//! when they are complete. No later round of the pass reads those nodes, since elements belong to the strip of their smallest node. So a large scene crosses the
 //! memory once a step. All sums are those of `Sweep::pass`, in their order.
 
 use super::NodeState;

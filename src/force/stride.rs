@@ -1,6 +1,6 @@
 //! The way through the strips in rounds, of one step or of several that follow each other a few strips apart.
 //!
-//! A level is one step's way. Its next round can begin as soon as all nodes that the round's elements reach are complete in the level before, and were moved on.
+//! A level is one pass on its way: of one step, or of the next, or the second of the same. Its next round can begin as soon as all nodes that the round's elements reach are complete in the level before, and were moved on.
 //! As elements belong to the strip of their smallest node, that level needs those nodes no more: everything happens in place, and the sums of one level
 //! take the place of those of the level before. The highest level that can go on goes first, so that it meets nodes while they are in cache.
 

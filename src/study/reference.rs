@@ -39,7 +39,7 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
-/// How many times its allowance the explicit solutions may take together: the first is estimated by its longest steps, and one at a time.
+/// How many times its allowance the accepted steps of the explicit solutions may take together: it was estimated by the longest steps of the first.
 const PATIENCE: f64 = 4.0;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
@@ -239,6 +239,7 @@ impl Workshop<'_> {
             let h = self.bench.every / 2f64.powi(j);
             let newest = match self.solve(&newmark, Step::Fixed(h), spent) {
                 Ok(frames) => frames,
+                Err(why) if self.interrupted() => return Err(why),
                 Err(why) => {
                     // A finer step may be solvable; what was made with coarser ones has lost its neighbour.
                     (row, failed) = (Vec::new(), Some(why));
@@ -285,7 +286,7 @@ impl Workshop<'_> {
         let mut solver: SolverSpec = self.bench.problem.solver;
         solver.newton.relative = solver.newton.relative.min(NEWTON);
         let what = Try { method, step, solver, from: None };
-        let (nominal, stop) = (self.bench.nominal_step(method), AtomicBool::new(false));
+        let (nominal, stop) = (self.bench.nominal_step(method), AtomicBool::new(self.interrupted()));
         let left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
         let mut limit = Limit { left, user: self.stop, stop: &stop };
         let run = self.bench.run(what, &mut [&mut sampler, &mut limit], &stop);

@@ -72,8 +72,18 @@ fn a_later_end() {
     let keep = ["--set", "output.frames=null", "--step", "1e-4"];
     let first = bench.solve(&[&keep[..], &["--set", "output.checkpoint.every=0.5", "--end", "0.9"]].concat());
     assert_eq!(first.code, Some(0), "{}", first.stderr);
-    let on = bench.solve(&[&keep[..], &["--end", "1.1", "--resume"]].concat());
+    let on = bench.solve(&[&keep[..], &["--end", "1.1", "--resume", "--set", "output.checkpoint.every=0.5"]].concat());
     assert_eq!(on.code, Some(0), "{}", on.stderr);
+    // What is in force may be said, and nothing else asked for.
+    for (rows, code) in [("1", 0), ("2", 2)] {
+        std::fs::remove_file(bench.path("out/summary.json")).expect("was there");
+        let every = format!("output.history.every={rows}");
+        let said = bench.solve(
+            &[&keep[..], &["--end", "1.1", "--resume", "--set", &every, "--set", "output.checkpoint.every=0.5"]]
+                .concat(),
+        );
+        assert_eq!(said.code, Some(code), "{rows}: {}", said.stderr);
+    }
     let whole = Bench::new();
     let once = whole.solve(&[&keep[..], &["--end", "1.1", "--set", "output.history.every=1"]].concat());
     assert_eq!(once.code, Some(0), "{}", once.stderr);

@@ -35,7 +35,7 @@ impl Run<'_> {
     ) -> Result<Result<Taken, Status>, RunError> {
         let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
         let before = (self.ledger, self.watch);
-        let (row, by_stages) = self.ledger.step(self.scene, &self.from, &self.to, report);
+        let (row, by_stages) = self.ledger.step(self.scene, (&self.from, &self.to), report, &self.row);
         let finite = row.is_finite() && self.scene.workers().all_finite(&self.to.forces.total);
         let left = !finite || self.has_left(self.scene.extent(self.to.state.as_ref()));
         match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
