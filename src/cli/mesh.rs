@@ -181,10 +181,10 @@ pub enum MeshCliError {
 }
 
 impl MeshCliError {
-    /// Exit status of the program: 2 for bad input, 1 if writing failed.
+    /// Exit status of the program: 2 for bad input or a bad name for the output, 1 if writing failed.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Input(_) | Self::ChainEnds => 2,
+            Self::Input(_) | Self::ChainEnds | Self::Output(MeshError::Target { .. }) => 2,
             Self::Output(_) => 1,
         }
     }

@@ -201,6 +201,14 @@ pub enum MeshError {
         /// what is wrong with that
         reason: &'static str,
     },
+    /// No mesh may be written there.
+    #[error("{}: {reason}", path.display())]
+    Target {
+        /// the file
+        path: PathBuf,
+        /// why and what to do
+        reason: &'static str,
+    },
     /// A mesh file cannot be read or written.
     #[error("{}: {reason}", path.display())]
     File {

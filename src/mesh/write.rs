@@ -9,13 +9,14 @@ use std::path::Path;
 /// Writes a mesh; the format follows from the name's extension. A file of that name is replaced only with `replace`.
 ///
 /// # Errors
-/// [`MeshError::File`] with the file's name and the reason.
+/// [`MeshError::Target`] for a name of no known kind or a file that is there, [`MeshError::File`] where the system refuses.
 pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
+    let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };
     let text = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("vtu") => vtu_text(mesh),
         Some("obj") => obj_text(mesh),
-        _ => return Err(fault("cannot be written: name an output that ends in .vtu or .obj".into())),
+        _ => return Err(refused("cannot be written: name an output that ends in .vtu or .obj")),
     };
     let mut options = std::fs::OpenOptions::new();
     options.write(true);
@@ -25,7 +26,7 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshErr
         options.create_new(true)
     };
     let mut file = options.open(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::AlreadyExists => fault("exists already; name another file or add --force".into()),
+        std::io::ErrorKind::AlreadyExists => refused("exists already; name another file or add --force"),
         _ => fault(format!("cannot be written: {error}")),
     })?;
     file.write_all(text.as_bytes()).map_err(|error| fault(format!("cannot be written: {error}")))

@@ -88,6 +88,21 @@ fn kang_refuses_a_pendulum() {
     assert_eq!(bench.run(&["solve", "p.json", "--method", "newmark", "--quiet"]).code, Some(0));
 }
 
+/// A name that no mesh can be written to is bad usage: status 2, and nothing is made or changed.
+#[test]
+fn names_no_mesh_is_written_to_are_status_2() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("there.obj"), "mine").expect("a file");
+    let annulus = ["mesh", "annulus", "--inner", "0.1", "--outer", "1", "--nodes", "60", "--output"];
+    for (output, words) in [("net.stl", "ends in .vtu or .obj"), ("there.obj", "exists already")] {
+        let ended = bench.run(&[&annulus[..], &[output]].concat());
+        assert_eq!(ended.code, Some(2), "{output}: {}", ended.stderr);
+        assert!(ended.stderr.contains(output) && ended.stderr.contains(words), "{}", ended.stderr);
+    }
+    assert!(!bench.path("net.stl").exists());
+    assert_eq!(std::fs::read_to_string(bench.path("there.obj")).expect("still there"), "mine");
+}
+
 /// What cannot be read or written is the system's fault: status 1, with the path.
 #[test]
 fn unreadable_and_unwritable_files_are_status_1() {

@@ -17,7 +17,8 @@ pub struct Load {
     /// How a pressure follows the surface; `follower` if not given. Only with `pressure`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PressureKindKey>,
-    /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's initial normal.
+    /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's normal at t = 0, initial displacements
+    /// included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// [N] Force on each of the nodes.
@@ -37,6 +38,6 @@ pub enum PressureKindKey {
     /// p A N on the current area along the current normal.
     #[default]
     Follower,
-    /// p A0 on the initial area in a fixed direction.
+    /// p A0 on the area at t = 0, initial displacements included, in a fixed direction.
     Dead,
 }
