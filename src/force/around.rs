@@ -135,22 +135,39 @@ pub(super) mod tests {
 
     type Found = ([Vec<DVec3>; 3], [Tally; 2], Vec<f64>, Vec<f64>);
 
-    /// Sums, tallies and state after a pass; `apart` does what comes before and after for all nodes at once.
-    fn found((terms, sweep): &(Pairs, Sweep), threads: &Threads, apart: bool) -> (Found, Recorded) {
+    #[derive(Clone, Copy)]
+    enum Way {
+        /// what comes before and after for all nodes at once, apart from the pass
+        Apart,
+        Around,
+        /// a pass of its own after it, at the same positions
+        AroundAndAgain,
+        Twice,
+    }
+
+    /// Sums, tallies and state after a pass, or two.
+    fn found<T: Terms>((terms, sweep): &(T, Sweep), threads: &Threads, way: Way) -> (Found, Recorded) {
         let start = |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
         let (mut x, mut v, around) = (start(0.0), start(1.0), Recorded::default());
         let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
         sums[1].clear();
         let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 2];
-        let out = sums.each_mut().map(Vec::as_mut_slice);
-        if apart {
+        if let Way::Apart = way {
             around.before(0..3 * NODES, &mut x, &mut v);
-            let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
-            sweep.pass((terms, at), threads, out, &mut tallies);
-            around.after(0..3 * NODES, &mut v, cast_slice(&sums[0]));
         } else {
             let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
-            sweep.pass_around((terms, moving), threads, out, &mut tallies);
+            let out = sums.each_mut().map(Vec::as_mut_slice);
+            match way {
+                Way::Twice => sweep.pass_twice((terms, moving), threads, out, &mut tallies),
+                _ => sweep.pass_around((terms, moving), threads, out, &mut tallies),
+            }
+        }
+        if let Way::Apart | Way::AroundAndAgain = way {
+            let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
+            sweep.pass((terms, at), threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+        }
+        if let Way::Apart = way {
+            around.after(0..3 * NODES, &mut v, cast_slice(&sums[0]));
         }
         ((sums, tallies, x, v), around)
     }
@@ -160,13 +177,13 @@ pub(super) mod tests {
     fn callers_take_turns() {
         let scene = terms(Limits { strip: 16, records: 60 });
         let threads = Threads::new(2).expect("threads");
-        let pass = |apart: bool| {
-            let ([first, _, last], ..) = found(&scene, &threads, apart).0;
+        let pass = |way: Way| {
+            let ([first, _, last], ..) = found(&scene, &threads, way).0;
             assert!(first.iter().chain(&last).all(|f| f.is_finite()));
         };
         std::thread::scope(|scope| {
             for i in 0..4 {
-                scope.spawn(move || (0..300).for_each(|_| pass(i == 0)));
+                scope.spawn(move || (0..300).for_each(|_| pass(if i == 0 { Way::Apart } else { Way::Around })));
             }
         });
     }
@@ -237,31 +254,15 @@ pub(super) mod tests {
     fn a_second_pass_goes_over_what_velocities_change() {
         for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
             for (threads, still) in [1, 2, 3].into_iter().flat_map(|n| [(n, true), (n, false)]) {
-                let (terms, sweep) = damped(Limits { strip, records }, still);
+                let scene = damped(Limits { strip, records }, still);
                 let threads = Threads::new(threads).expect("threads");
-                let found = |twice: bool| {
-                    let start =
-                        |phase: f64| (0..3 * NODES).map(|i| (0.37 * i as f64 + phase).sin()).collect::<Vec<_>>();
-                    let (mut x, mut v, around) = (start(0.0), start(1.0), Recorded::default());
-                    let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
-                    sums[1].clear();
-                    let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 2];
-                    let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
-                    terms.springs.1.store(0, Ordering::Relaxed);
-                    if twice {
-                        let out = sums.each_mut().map(Vec::as_mut_slice);
-                        sweep.pass_twice((&terms, moving), &threads, out, &mut tallies);
-                    } else {
-                        let out = sums.each_mut().map(Vec::as_mut_slice);
-                        sweep.pass_around((&terms, moving), &threads, out, &mut tallies);
-                        let at = NodeState { t: 0.0, x: cast_slice(&x), v: cast_slice(&v) };
-                        let out = sums.each_mut().map(Vec::as_mut_slice);
-                        sweep.pass((&terms, at), &threads, out, &mut tallies);
-                    }
-                    assert!(sums[0].iter().all(|f| f.is_finite()));
-                    ((sums, tallies, x, v), terms.springs.1.load(Ordering::Relaxed))
+                let counted = |way: Way| {
+                    scene.0.springs.1.store(0, Ordering::Relaxed);
+                    let found = found(&scene, &threads, way).0;
+                    assert!(found.0[0].iter().all(|f| f.is_finite()));
+                    (found, scene.0.springs.1.load(Ordering::Relaxed))
                 };
-                let ((apart, asked_apart), (twice, asked)) = (found(false), found(true));
+                let ((apart, asked_apart), (twice, asked)) = (counted(Way::AroundAndAgain), counted(Way::Twice));
                 assert!(twice == apart, "strips of {strip}, {threads:?}, still: {still}");
                 assert_eq!(asked * if still { 2 } else { 1 }, asked_apart);
             }
@@ -273,9 +274,9 @@ pub(super) mod tests {
     fn the_way_through_changes_nothing() {
         for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
             let scene = terms(Limits { strip, records });
-            let (expected, _) = found(&scene, &Threads::one(), true);
+            let (expected, _) = found(&scene, &Threads::one(), Way::Apart);
             for threads in [1, 2, 3] {
-                let (found, calls) = found(&scene, &Threads::new(threads).expect("threads"), false);
+                let (found, calls) = found(&scene, &Threads::new(threads).expect("threads"), Way::Around);
                 assert!(found == expected, "strips of {strip}, {threads} threads");
                 for calls in [calls.before, calls.after] {
                     let mut calls = calls.into_inner().expect("no panic");
