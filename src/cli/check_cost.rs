@@ -145,12 +145,16 @@ fn describe_advice(text: &mut String, advice: &Advice) {
     let Advice { accuracy, compared, best, runner_up, factor } = advice;
     let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
     if let (Some(other), Some(factor)) = (runner_up, factor) {
-        let than = if *factor < TIE {
+        let concluded = |choice: &Choice| choice.known_by == Proof::LocalErrors;
+        let than = if *factor < 1.0 / TIE {
+            format!("single steps promise {} times cheaper integration by", figures(1.0 / factor, 2))
+        } else if *factor < TIE {
             "in integration about as cheap as".to_owned()
         } else {
             format!("in integration {} times cheaper than", figures(*factor, 2))
         };
-        let _ = write!(text, ";\n  {than} {}", options(other));
+        let but = if concluded(other) && !concluded(best) { ", which could not be compared" } else { "" };
+        let _ = write!(text, ";\n  {than} {}{but}", options(other));
     }
     let _ = writeln!(text, "\n  ({}; `canopy-fem tradeoff` measures all methods)", known_by(best, *compared));
 }

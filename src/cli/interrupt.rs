@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks, the second ends the program at once.
+//! Ctrl-C: the first asks, the second ends the program at once. A `SIGTERM`, with which batch systems announce the end of a job, asks too.
 
 use super::complain;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Interrupts closer than this are one.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
-/// A flag that Ctrl-C sets.
+/// A flag that Ctrl-C and `SIGTERM` set.
 pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
@@ -22,6 +22,11 @@ pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     // Without a handler Ctrl-C still ends the program, only without a summary.
     if let Err(e) = ctrlc::set_handler(handler) {
         complain(&format!("warning: Ctrl-C will not be caught: {e}"));
+    }
+    // Not by ctrlc, which would catch SIGHUP as well, and so end what was started with nohup.
+    #[cfg(unix)]
+    if let Err(e) = signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop)) {
+        complain(&format!("warning: SIGTERM will not be caught: {e}"));
     }
     stop
 }

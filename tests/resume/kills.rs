@@ -1,4 +1,4 @@
-//! Stopped from outside: `kill -9` at any moment, and Ctrl-C.
+//! Stopped from outside: `kill -9` at any moment, Ctrl-C, and the SIGTERM of a batch system.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -105,8 +105,8 @@ fn killed_at_any_moment_a_run_resumes_with_the_same_bytes() {
     }
 }
 
-/// Ctrl-C finishes the step, keeps a checkpoint though the case asks for none, and exits 130; resumed with two threads the run
-/// ends with the bytes of one in one piece, and leaves no checkpoint.
+/// Ctrl-C finishes the step, keeps a checkpoint though the case asks for none, and exits 130, and so does SIGTERM; resumed with two
+/// threads the run ends with the bytes of one in one piece, and leaves no checkpoint.
 #[test]
 fn an_interrupted_run_resumes() {
     let bench = Bench::new();
@@ -115,20 +115,26 @@ fn an_interrupted_run_resumes() {
         |out: &str, more: &[&str]| Running::start(&bench, &[&["solve"], &long[..], &["--out", out], more].concat());
     let (whole, out) = (start("whole", &[]).end(), bench.path("out"));
     assert_quiet(&whole);
-    let mut running = start("out", &[]);
-    running.until("some frames", |_| out.join("frames/sail_000003.vtu").exists());
-    interrupt(&running.0);
-    assert_eq!(running.end().0, Some(130));
-    let summary = bench.results().summary();
-    assert_eq!([&summary["status"], &summary["resumed_from"]], [&json!("interrupted"), &json!(null)]);
-    let kept = checkpoint(&out).expect("a checkpoint");
-    assert_eq!([summary["steps"].as_u64(), Some(kept.snapshot.step)], [Some(kept.snapshot.step); 2]);
-    assert_readable(&out, "sail");
+    let mut before = None;
+    for (signal, frame, more) in [("-INT", 3, &[][..]), ("-TERM", 6, &["--resume"])] {
+        let mut running = start("out", more);
+        running.until("some frames", |_| out.join(format!("frames/sail_{frame:06}.vtu")).exists());
+        send(signal, &running.0);
+        assert_eq!(running.end().0, Some(130), "{signal}");
+        let summary = bench.results().summary();
+        assert_eq!([&summary["status"], &summary["resumed_from"]], [&json!("interrupted"), &json!(before)], "{signal}");
+        let kept = checkpoint(&out).expect("a checkpoint");
+        assert_eq!([summary["steps"].as_u64(), Some(kept.snapshot.step)], [Some(kept.snapshot.step); 2], "{signal}");
+        assert!(before < Some(kept.snapshot.t), "{signal}");
+        assert_readable(&out, "sail");
+        before = Some(kept.snapshot.t);
+    }
+    let spent = checkpoint(&out).expect("a checkpoint").spent.wall.as_secs_f64();
     assert_quiet(&start("out", &["--resume", "--threads", "2"]).end());
     assert_same(&out, &bench.path("whole"), "resumed");
     let summary = bench.results().summary();
-    assert_eq!(summary["resumed_from"].as_f64(), Some(kept.snapshot.t));
-    assert!(summary["wall_seconds"].as_f64() > Some(kept.spent.wall.as_secs_f64()), "the parts are added up");
+    assert_eq!(summary["resumed_from"].as_f64(), before);
+    assert!(summary["wall_seconds"].as_f64() > Some(spent), "the parts are added up");
 }
 
 /// Done, and no word but that the sail is heavy.
@@ -137,8 +143,8 @@ fn assert_quiet((code, said): &(Option<i32>, String)) {
     assert!(*code == Some(0) && heavy, "{code:?}: {said}");
 }
 
-fn interrupt(child: &Child) {
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill(1)");
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill(1)");
     assert!(sent.success());
 }
 
@@ -157,7 +163,7 @@ fn two_runs_do_not_write_into_one_folder() {
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains("history.csv is being written by another run"), "{}", ended.stderr);
     }
-    interrupt(&running.0);
+    send("-INT", &running.0);
     assert_eq!(running.end().0, Some(130));
     assert_readable(&bench.path("out"), "sail");
 }

@@ -43,7 +43,8 @@ pub struct Advice {
     pub best: Choice,
     /// the cheapest of the other family: implicit against explicit
     pub runner_up: Option<Choice>,
-    /// [-] how many times the runner-up's integration costs what the best's does; null where the error of only one of them was measured
+    /// [-] how many times the runner-up's integration costs what the best's does, by counted work; below 1 where the best was measured and
+    /// the runner-up, which was not, seems cheaper
     pub factor: Option<f64>,
 }
 
@@ -55,7 +56,11 @@ const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
 
-/// Share of the mean step that local errors allow which is told where nothing was measured.
+/// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that are told wrong
+/// by hundreds are steps, and so costs, told wrong by tens.
+const FAR: f64 = 100.0;
+
+/// [-] Share of the mean step that local errors allow which is told where nothing was measured.
 const UNKNOWN: f64 = 0.2;
 
 /// A method and its step.
@@ -151,13 +156,9 @@ impl<'s, 'a> Adviser<'s, 'a> {
         };
         let families: [Vec<Offer<'a>>; 2] = [of(false), of(true)];
         let cheapest: Vec<Offer<'a>> = families.iter().filter_map(|family| prefer(family, own)).collect();
-        // What was measured goes before what is concluded from single steps.
-        let measured: Vec<Offer<'a>> =
-            cheapest.iter().filter(|(_, found)| found.proof != Proof::LocalErrors).copied().collect();
-        let best = prefer(&measured, own).or_else(|| prefer(&cheapest, own))?;
+        let best = best_of(&cheapest, own)?;
         let other = cheapest.iter().find(|(c, _)| c.method.info.name != best.0.method.info.name);
-        let alike = |found: &Found| (found.proof == Proof::LocalErrors) == (best.1.proof == Proof::LocalErrors);
-        let factor = other.filter(|(_, found)| alike(found)).map(|(_, found)| found.seconds / best.1.seconds);
+        let factor = other.map(|(_, found)| found.seconds / best.1.seconds);
         let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut complete);
         Some(Advice {
             accuracy: self.spec.accuracy,
@@ -193,6 +194,15 @@ impl<'s, 'a> Adviser<'s, 'a> {
     }
 }
 
+/// What was measured goes before what is concluded from single steps, unless that is far cheaper.
+fn best_of<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
+    let (concluded, measured): (Vec<Offer<'c>>, Vec<Offer<'c>>) =
+        offers.iter().copied().partition(|(_, found)| found.proof == Proof::LocalErrors);
+    let concluded = prefer(&concluded, own);
+    let Some(measured) = prefer(&measured, own) else { return concluded };
+    Some(concluded.filter(|(_, found)| FAR * found.seconds < measured.1.seconds).unwrap_or(measured))
+}
+
 /// Of all that cost about what the cheapest does, the case's own method or else the first.
 fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let least = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
@@ -200,4 +210,31 @@ fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let error = |(_, found): &&Offer<'c>| found.error.unwrap_or(f64::INFINITY);
     let exact = equal.clone().min_by(|a, b| error(a).total_cmp(&error(b)))?;
     Some(*equal.find(|(c, _)| c.method.info.name == own).unwrap_or(exact))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(seconds: f64, proof: Proof) -> Found {
+        Found { step: 1e-3, error: None, proof, seconds, run: None }
+    }
+
+    /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its cost.
+    #[test]
+    fn what_was_measured_goes_first_unless_the_other_is_far_cheaper() {
+        let candidates = ["velocity-verlet", "newmark"].map(|name| Candidate {
+            method: crate::study::bench::plain(name).expect("in the registry"),
+            limit: None,
+        });
+        let best = |explicit: Found, implicit: Found| {
+            let offers = [(&candidates[0], explicit), (&candidates[1], implicit)];
+            best_of(&offers, "rk4").expect("there are two").0.method.info.name
+        };
+        for (ratio, expected) in [(0.5, "velocity-verlet"), (50.0, "velocity-verlet"), (150.0, "newmark")] {
+            assert_eq!(best(found(ratio, Proof::Part), found(1.0, Proof::LocalErrors)), expected, "{ratio}");
+        }
+        assert_eq!(best(found(2.0, Proof::Part), found(1.0, Proof::Run)), "newmark");
+        assert_eq!(best(found(2.0, Proof::LocalErrors), found(1.0, Proof::LocalErrors)), "newmark");
+    }
 }
