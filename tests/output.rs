@@ -416,7 +416,7 @@ fn summary_keeps_the_contract() {
     let keys = "status method method_parameters steps rejected_steps t_end cpu_seconds wall_seconds peak_memory_bytes startup \
                 force_evaluations tangent_assemblies factorizations linear_solves newton_iterations cg_iterations unknowns \
                 matrix_nonzeros factor_nonzeros linear_solver linear critical_step energy_error final_ledger failure resumed_from \
-                case version";
+                case case_digest version";
     let mut expected: Vec<&str> = keys.split_whitespace().collect();
     expected.sort_unstable();
     let mut found: Vec<&String> = json.as_object().expect("an object").keys().collect();

@@ -1,6 +1,6 @@
 //! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the parts that
-//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others. What nobody asked for
-//! and follows from the end does not differ where it follows from another: the run goes on with what it began with.
+//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others. A default that is
+//! derived from the end, as the spacing of rows is, counts as the same for every end: the resumed run keeps the one it began with.
 //!
 //! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh, and a value
 //! spelt out that was the default before is the same case.
@@ -92,6 +92,26 @@ impl Fingerprint {
             made.sum("output.probes", &(&probe.name, &probe.nodes))?;
         }
         Ok(made)
+    }
+
+    /// A sum over all parts, in which cases differ that do (but for one in 2^32): `"5f3a…-1234"`. What follows from the length of the run is not in it.
+    pub fn digest(&self) -> String {
+        let mut sum = Sum::default();
+        let mut add = |bytes: &[u8]| {
+            // Its length too, lest parts run into each other.
+            sum.add(&(bytes.len() as u64).to_le_bytes());
+            sum.add(bytes);
+        };
+        for Part { key, value } in &self.parts {
+            add(key.as_bytes());
+            match value {
+                Value::Text(text) => add(text.as_bytes()),
+                Value::Derived(_) => add(&[]),
+                Value::Sum { crc, bytes } => add(format!("{crc:08x}-{bytes}").as_bytes()),
+            }
+        }
+        let Sum { crc, bytes } = sum;
+        format!("{:08x}-{bytes}", crc.finalize())
     }
 
     /// Adds the end of the runs, for a study: its runs cannot be taken further.
@@ -203,10 +223,16 @@ struct Sum {
     bytes: u64,
 }
 
-impl Write for Sum {
-    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+impl Sum {
+    fn add(&mut self, data: &[u8]) {
         self.crc.update(data);
         self.bytes += data.len() as u64;
+    }
+}
+
+impl Write for Sum {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        self.add(data);
         Ok(data.len())
     }
 

@@ -7,7 +7,6 @@ use crate::drive::Status;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::summary::Summary;
-use serde_json::Value;
 use std::path::Path;
 
 /// What a folder holds of a case.
@@ -21,7 +20,7 @@ pub(super) enum Earlier {
 /// Looks at the folder; changes nothing.
 pub(super) fn look(dir: &Path, problem: &Problem, case: &Fingerprint) -> Result<Earlier, CliError> {
     let folder = ResultFolder::reopen(dir, &problem.name)?;
-    if let Some(summary) = Summary::read(&folder.file(SUMMARY)).filter(|summary| is_done(summary, problem)) {
+    if let Some(summary) = Summary::read(&folder.file(SUMMARY)).filter(|summary| is_done(summary, problem, case)) {
         return Ok(Earlier::Done(Box::new(summary)));
     }
     let checkpoint = Checkpoint::read(&folder.file(CHECKPOINT), case)?;
@@ -29,26 +28,9 @@ pub(super) fn look(dir: &Path, problem: &Problem, case: &Fingerprint) -> Result<
 }
 
 /// Whether this very case has reached this very end.
-fn is_done(summary: &Summary, problem: &Problem) -> bool {
+fn is_done(summary: &Summary, problem: &Problem, case: &Fingerprint) -> bool {
     summary.status == Status::Completed
         && summary.t_end == problem.time.end
         && summary.version == env!("CARGO_PKG_VERSION")
-        && results_of(&summary.case) == results_of(&problem.case_json)
-}
-
-/// A case but for what a resumed run may change.
-fn results_of(case: &Value) -> Value {
-    let mut case = case.clone();
-    for (section, key) in [("/time", "end"), ("/output", "checkpoint")] {
-        if let Some(section) = case.pointer_mut(section).and_then(Value::as_object_mut) {
-            section.remove(key);
-        }
-    }
-    // A section that held nothing else says nothing.
-    if let Some(case) =
-        case.as_object_mut().filter(|case| case.get("output") == Some(&Value::Object(Default::default())))
-    {
-        case.remove("output");
-    }
-    case
+        && summary.case_digest == case.digest()
 }

@@ -119,6 +119,7 @@ impl<'a> Job<'a> {
         let every = problem.output.checkpoint_every;
         // What was derived at the start stays in force.
         let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
+        let case_digest = case.digest();
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
         let display = if args.quiet { Display::Quiet } else { Display::Terminal };
         let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
@@ -136,7 +137,7 @@ impl<'a> Job<'a> {
             None => drive::run(scene, stepper, spec, observers, stop)?,
         };
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
-        let summary = Summary { resumed_from, startup: self.account.read(), ..summary };
+        let summary = Summary { resumed_from, case_digest, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // That of an interrupt; nobody has asked for one to stay.
         if outcome.status == Status::Completed && every.is_none() {

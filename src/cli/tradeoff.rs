@@ -7,6 +7,7 @@ use super::{CliError, Finished, complain};
 use crate::case::Case;
 use crate::output::names::file_stem;
 use crate::study::answers::Answers;
+use crate::study::bench::fingerprint_of;
 use crate::study::plan::{Plan, Planner};
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
@@ -237,6 +238,13 @@ impl Command<'_> {
         let other = |difference: String| StudyError::OtherStudy { folder: self.out.clone(), difference };
         if plan.case != case.problem().case_json {
             return Err(other(format!("its case is not {} as it is now", path.display())));
+        }
+        // The files that it names may have changed though it has not. One variant tells: others differ in stiffness only.
+        if let Some(variant) = plan.variants.first() {
+            let now = fingerprint_of(case.with(&variant.overrides)?.problem())?;
+            if let Some(differences) = variant.fingerprint.differences(&now) {
+                return Err(other(differences.to_string()));
+            }
         }
         // A shard or a merge does what was planned; wishes are those of the plan.
         let asks = self.args.shard.is_none() && self.args.merge.is_none();

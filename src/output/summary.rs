@@ -105,6 +105,9 @@ pub struct Summary {
     pub resumed_from: Option<f64>,
     /// the case as it was run
     pub case: serde_json::Value,
+    /// sum over the case as it was resolved, files that it names included: two folders with the same hold the same run
+    #[serde(default)]
+    pub case_digest: String,
     /// version of the program
     pub version: String,
 }
@@ -136,6 +139,7 @@ impl Summary {
             failure: outcome.failure.clone(),
             resumed_from: None,
             case: problem.case_json.clone(),
+            case_digest: String::new(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::error::StudyError;
 use super::row::Pace;
-use crate::case::fingerprint::Fingerprint;
+use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::schema::Method;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
@@ -54,6 +54,16 @@ pub struct Try<'a> {
     pub from: Option<Snapshot>,
 }
 
+/// What a study is a study of: the case, and its end, beyond which its runs cannot be taken.
+///
+/// # Errors
+/// A case that cannot be summed up.
+pub fn fingerprint_of(problem: &Problem) -> Result<Fingerprint, FingerprintError> {
+    let mut fingerprint = Fingerprint::of(problem)?;
+    fingerprint.note_end(problem.time.end);
+    Ok(fingerprint)
+}
+
 /// Why a run gave nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum TryError {
@@ -71,9 +81,7 @@ impl Bench {
     /// # Errors
     /// A scene that cannot be built, or a case that cannot be summed up.
     pub fn of(mut problem: Problem, threads: usize) -> Result<Self, StudyError> {
-        let mut fingerprint = Fingerprint::of(&problem)?;
-        // The study's own methods and steps replace those of the case; its end is part of the study.
-        fingerprint.note_end(problem.time.end);
+        let fingerprint = fingerprint_of(&problem)?;
         let system: SystemSpec = problem.take_system();
         let scene = build_scene(system, threads)?;
         let every = interval(&problem, &*scene);

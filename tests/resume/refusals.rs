@@ -208,3 +208,21 @@ fn a_finished_run_goes_on_only_beyond_its_end() {
     assert_eq!(bench.run(&arguments).code, Some(0));
     assert_same(&bench.path("out"), &bench.path("whole"), "longer still");
 }
+
+/// A finished run on a mesh from a file is not that of the case any more once the file holds another mesh, though the case is the same to the letter.
+#[test]
+fn another_mesh_in_the_same_file() {
+    let bench = Bench::new();
+    let arguments =
+        ["--set", r#"system.network.mesh={"file":"net.obj"}"#, "--set", "system.network.supports.0.on={\"ids\":[0]}"];
+    let mesh = |x: f64| {
+        let text = format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
+        std::fs::write(bench.path("net.obj"), text).expect("written");
+    };
+    mesh(0.0);
+    let ended = bench.solve(&arguments);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(bench.solve(&[&arguments[..], &["--resume"]].concat()).code, Some(0));
+    mesh(0.25);
+    assert_refused(&bench, &arguments, &["out holds no checkpoint.bin"]);
+}
