@@ -118,6 +118,11 @@ impl Scenery<'_> {
                           range of a double, which a smaller step seldom mends";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
+        if let StepError::Newton(NewtonFailure::Hidden { .. }) = error {
+            let advice = "make the stiffest springs softer, or put the origin nearer to the scene: stiffness times coordinates, times 1e-15, \
+                          must stay far below the forces that move the scene";
+            return self.report(suspect, error.to_string(), advice.to_owned());
+        }
         let (why, step) = self.question().unsolved(worst);
         let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(

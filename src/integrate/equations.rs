@@ -208,6 +208,10 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.ask(accuracy);
     }
 
+    fn stopping_force(&mut self) -> f64 {
+        stopping_force(self.system, self.from, self.map, self.wide[0])
+    }
+
     fn factor_cost(&self) -> f64 {
         self.tangents.factor_cost()
     }
@@ -236,10 +240,15 @@ pub(super) fn scales(
     system.mass_times(a, product);
     let mut residual = system.force_scale(&from.forces).max(norm(product));
     if residual == 0.0 {
-        // A start without any force: what moves is compared with the force that would stop it within the step.
-        system.mass_times(&from.state.v, product);
-        residual = norm(product) * (map.ca / map.cv).abs();
+        // A start without any force.
+        residual = stopping_force(system, from, map, product);
     }
     let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
     Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
+}
+
+/// [N] The force that would stop what moves within the step.
+fn stopping_force(system: &dyn TangentSystem, from: &Point, map: StageMap, product: &mut [f64]) -> f64 {
+    system.mass_times(&from.state.v, product);
+    norm(product) * (map.ca / map.cv).abs()
 }

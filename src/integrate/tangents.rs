@@ -53,7 +53,7 @@ pub fn kept_factor(
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
     let factor = Factor::kept(assembler, choice)?;
     // What is not factorised is cheap to make, and cheaper to keep.
-    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
+    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), system.symmetric());
     Ok(keeps.then_some(factor))
 }
 
@@ -62,6 +62,7 @@ pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Opt
     match choice {
         LinearChoice::Cholesky if !symmetric => Some(LinearError::NotSymmetric),
         LinearChoice::Cg if !symmetric && strategy == Strategy::Full => Some(LinearError::FullNotSymmetric),
+        LinearChoice::Lu if matches!(strategy, Strategy::Modified | Strategy::Quasi) => Some(LinearError::NotKept),
         _ => None,
     }
 }

@@ -39,6 +39,20 @@ pub enum NewtonFailure {
         /// an unknown whose residual is not finite
         worst: usize,
     },
+    /// The residual of the first guess is no more than rounding, which is as large as what moves the scene, and no iteration leads on.
+    #[error(
+        "the forces of the stiffest springs are rounded by {rounding:.1e} N, and {forces:.1e} N are all that act: rounding hides the motion"
+    )]
+    Hidden {
+        /// iterations made
+        iterations: u32,
+        /// [N] rounding of the residual
+        rounding: f64,
+        /// [N] largest of the sums of inertia, internal and external forces
+        forces: f64,
+        /// unknown with the largest residual
+        worst: usize,
+    },
     /// The tangent could not be factorised.
     #[error("iteration {iterations}: {error}")]
     Linear {
@@ -57,6 +71,7 @@ impl NewtonFailure {
         match self {
             NewtonFailure::MaxIterations { iterations, .. }
             | NewtonFailure::Stuck { iterations, .. }
+            | NewtonFailure::Hidden { iterations, .. }
             | NewtonFailure::Linear { iterations, .. } => *iterations,
             NewtonFailure::NotFinite { .. } => 0,
         }
@@ -67,6 +82,7 @@ impl NewtonFailure {
         match self {
             NewtonFailure::MaxIterations { worst, .. }
             | NewtonFailure::Stuck { worst, .. }
+            | NewtonFailure::Hidden { worst, .. }
             | NewtonFailure::NotFinite { worst }
             | NewtonFailure::Linear { worst, .. } => *worst,
         }

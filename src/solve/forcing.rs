@@ -4,10 +4,9 @@ use super::{Accuracy, KEPT_RELATIVE};
 
 /// [-] Share of the residual that the first solve may leave.
 const FIRST: f64 = 1e-3;
-/// Of the squared reduction of the residual, and the share from which on the last forcing still binds the next.
+/// [-] Share of the squared reduction of the residual that the next solve may leave.
 const GAMMA: f64 = 0.9;
-const BINDS: f64 = 0.1;
-/// A solve need not go below this share of the tolerance on the residual.
+/// [-] A solve need not go below this share of the tolerance on the residual.
 const ENOUGH: f64 = 0.1;
 
 /// [-] No solve may leave more.
@@ -23,11 +22,12 @@ pub(super) fn kept(residual: f64, tolerance: f64) -> Accuracy {
     Accuracy { relative: KEPT_RELATIVE.max(enough), enough }
 }
 
-/// The forcing terms of Eisenstat & Walker (1996, choice 2 with its safeguard), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20).
+/// The forcing terms of Eisenstat & Walker (1996, choice 2), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20). Their safeguard,
+/// by which a term is not far below a large one before it, is not needed: terms here are small from the first on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Forcing {
-    /// [-] the last term and [N] the residual it was for; nothing before the first
-    last: Option<(f64, f64)>,
+    /// [N] the last residual; nothing before the first
+    last: Option<f64>,
 }
 
 impl Forcing {
@@ -35,15 +35,10 @@ impl Forcing {
     pub fn next(&mut self, residual: f64, tolerance: f64) -> f64 {
         let wanted = match self.last {
             None => FIRST,
-            Some((last, before)) => {
-                let reduced = GAMMA * (residual / before).powi(2);
-                let bound = GAMMA * last * last;
-                if bound > BINDS { reduced.max(bound) } else { reduced }
-            }
+            Some(before) => GAMMA * (residual / before).powi(2),
         };
-        let term = wanted.min(FIRST).max(enough(residual, tolerance)).clamp(f64::EPSILON, LOOSEST);
-        self.last = Some((term, residual));
-        term
+        self.last = Some(residual);
+        wanted.min(FIRST).max(enough(residual, tolerance)).clamp(f64::EPSILON, LOOSEST)
     }
 }
 

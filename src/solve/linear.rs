@@ -110,6 +110,12 @@ pub enum LinearError {
          which the strategy \"full\" does not use; use \"strategy\": \"auto\", or \"linear\": \"lu\""
     )]
     FullNotSymmetric,
+    /// LU was asked for together with a factor that is kept.
+    #[error(
+        "\"lu\" factorises the exact tangent in every iteration, and the strategies \"modified\" and \"quasi\" keep a symmetric one; use \
+         \"linear\": \"auto\", or \"strategy\": \"full\" or \"auto\""
+    )]
+    NotKept,
     /// Conjugate gradients met a direction p with p . W p <= 0.
     #[error("the tangent matrix is not positive definite: conjugate gradients found it in iteration {iterations}")]
     Indefinite {

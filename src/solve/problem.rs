@@ -68,6 +68,11 @@ pub trait NonlinearProblem {
         let _ = accuracy;
     }
 
+    /// [N] Force that would stop the motion within the step: what moves on its own needs no other.
+    fn stopping_force(&mut self) -> f64 {
+        0.0
+    }
+
     /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.
     fn factor_cost(&self) -> f64 {
         0.0

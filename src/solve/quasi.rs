@@ -91,6 +91,9 @@ impl Pairs {
             self.rho[i] = 1.0 / curvature;
             self.next += 1;
             self.held = (self.held + 1).min(room);
+        } else {
+            // It has taken the place of the oldest, if all places were held.
+            self.held = self.held.min(room - 1);
         }
     }
 
@@ -263,5 +266,33 @@ impl Iteration<'_> {
             self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
         }
         Ok(lambda)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pair that bends the wrong way is not used, nor is what it was written over: H y = s for every pair that is.
+    #[test]
+    fn a_pair_that_bends_the_wrong_way_is_not_used() {
+        let mut pairs = Pairs::new(3, 2);
+        let steps = [
+            ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
+            ([0.0, 1.0, 0.0], [0.0, 4.0, 0.0]),
+            ([0.0, 0.0, 1.0], [0.0, 0.0, -2.0]),
+        ];
+        for (s, y) in steps {
+            pairs.before.fill(0.0);
+            pairs.push(1.0, &s, &y);
+        }
+        assert_eq!(pairs.held, 1);
+        let mut g = [1.0, 4.0, 1.0];
+        pairs.apply(&mut g, |_| Ok(())).expect("nothing is solved");
+        assert_eq!(g, [1.0, 1.0, 1.0], "the second pair alone");
+        pairs.push(1.0, &[0.0, 0.0, 1.0], &[0.0, 0.0, 8.0]);
+        let mut g = [1.0, 4.0, 8.0];
+        pairs.apply(&mut g, |_| Ok(())).expect("nothing is solved");
+        assert_eq!(g, [1.0, 1.0, 1.0], "the second and the fourth");
     }
 }

@@ -73,6 +73,70 @@ fn motion_below_the_digits_of_a_place_is_right_or_told() {
     assert!(right > 100 && told > 100, "{right} right, {told} told");
 }
 
+/// A taut string moves as Newmark's recurrence does, cos(n theta) with tan(theta/2) = w h/2 (Hughes 2000, section 9.1), however small the
+/// motion: what moves it may be less than the rounding of what its springs hold.
+#[test]
+fn motion_below_the_rounding_of_tension_is_right() {
+    let (h, steps) = (1e-3_f64, 200);
+    // T = k (l - l0) = 10 N, m = 0.1 kg, l = 0.1 m: w^2 = 2 T/(m l) (1 - cos(pi/10))
+    let w = (2.0 * 10.0 / (0.1 * 0.1) * (1.0 - (std::f64::consts::PI / 10.0).cos())).sqrt();
+    let expected = (f64::from(steps) * 2.0 * (0.5 * w * h).atan()).cos();
+    for amplitude in [1e-6, 1e-9, 1e-12, 1e-14] {
+        let shape = |i: i32| json!([0, 0, amplitude * (std::f64::consts::PI / 10.0 * f64::from(i)).sin()]);
+        let string = json!({"name": "string", "system": {"network": {
+            "mesh": {"chain": {"from": [0, 0, 0], "to": [1, 0, 0], "segments": 10}},
+            "mass": {"nodal": 0.1}, "springs": [{"on": "all", "stiffness": 1000, "rest_scale": 0.9}],
+            "supports": [{"on": {"ids": [0, 10]}, "fix": "xyz"}],
+            "initial": {"displacement": (0..=10).map(shape).collect::<Vec<_>>()}}},
+            "time": {"end": h * f64::from(steps), "method": "newmark", "step": h}});
+        for strategy in ["full", "auto"] {
+            let ran = complete(&string, &[("solver.newton.strategy", strategy)]);
+            let off = (ran.positions[5][2] / amplitude - expected).abs();
+            assert!(off < 1e-9, "{amplitude:e} m, {strategy}: {} of the motion, not {expected}", off + expected);
+        }
+    }
+}
+
+/// Where springs are so stiff that the rounding of their forces is as large as all that acts, the motion is right or refused with the cause: no
+/// method that solves says that nothing moves.
+#[test]
+fn motion_below_the_rounding_of_stiff_springs_is_right_or_refused() {
+    let (mut right, mut refused) = (0, 0);
+    for (method, step, end) in [
+        ("newmark", "1e-3", "0.02"),
+        ("backward-euler", "1e-3", "0.02"),
+        ("newmark", "1e-2", "0.2"),
+        ("backward-euler", "1e-2", "0.2"),
+        ("generalized-alpha", "1e-2", "0.2"),
+    ] {
+        let sets = |k| {
+            let sets = [
+                ("system.network.springs.0.stiffness", k),
+                ("time.method", method),
+                ("time.step", step),
+                ("time.end", end),
+            ];
+            sets.map(|(key, value): (&str, &str)| (key.to_owned(), value.to_owned()))
+        };
+        let expected = completed(attempt(&chain(), &sets("1e6"))).positions[4][2];
+        for k in ["1e14", "1e16", "1e18", "1e20", "1e300"] {
+            let End::Ran(ran) = attempt(&chain(), &sets(k)) else { panic!("{k} N/m, {method}: not run") };
+            match &ran.outcome.failure {
+                None => {
+                    right += 1;
+                    let z = ran.positions[4][2];
+                    assert!((z / expected - 1.0).abs() < 0.01, "{k} N/m, {method}, {step} s: {z} m, not {expected} m");
+                }
+                Some(failure) => {
+                    refused += usize::from(failure.cause.contains("rounding hides the motion"));
+                    assert_eq!(ran.outcome.status, Status::NotConverged, "{k} N/m, {method}: {}", failure.cause);
+                }
+            }
+        }
+    }
+    assert!(right > 3 && refused > 6, "{right} right, {refused} refused");
+}
+
 /// A single mass falls on its parabola from any step on; first-order methods miss it by a step's share.
 #[test]
 fn one_node_falls_on_its_parabola() {

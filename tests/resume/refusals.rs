@@ -216,7 +216,8 @@ fn another_mesh_in_the_same_file() {
     let arguments =
         ["--set", r#"system.network.mesh={"file":"net.obj"}"#, "--set", "system.network.supports.0.on={\"ids\":[0]}"];
     let mesh = |x: f64| {
-        let text = format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
+        let text =
+            format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
         std::fs::write(bench.path("net.obj"), text).expect("written");
     };
     mesh(0.0);

@@ -91,7 +91,8 @@ fn another_mesh_in_the_same_file() {
     let more = ["--methods", "rk4", "--steps", "1e-2", "--tolerances", "none", "--repeat", "1", "--out", "out"];
     let study = || bench.run(&[&["tradeoff", "sail.json"][..], &flags, &more].concat());
     let mesh = |x: f64| {
-        let text = format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
+        let text =
+            format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
         std::fs::write(bench.path("net.obj"), text).expect("written");
     };
     mesh(0.0);
