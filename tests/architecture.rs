@@ -128,3 +128,20 @@ fn nothing_a_user_can_cause_panics_by_design() {
         }
     }
 }
+
+/// What a diagnosis or a scheme wants to know of a force is in its `TermInfo`: a list of names would miss the next force.
+#[test]
+fn forces_are_known_by_what_they_say_and_not_by_name() {
+    let named = |line: &str| Some(line.split_once("name: \"")?.1.split_once('"')?.0.to_owned());
+    let forces = sources("force");
+    let names: Vec<String> = forces.iter().flat_map(|(_, text)| code(text).filter_map(|(_, l)| named(l))).collect();
+    assert!(names.len() >= 9, "{names:?}");
+    for folder in ["analysis", "drive", "integrate"] {
+        for (path, text) in sources(folder) {
+            for (number, line) in code(&text).take_while(|(_, line)| !line.starts_with("#[cfg(test)]")) {
+                let quoted = names.iter().any(|name| line.contains(&format!("\"{name}\"")));
+                assert!(!quoted, "{}:{number} knows a force by name: {}", path.display(), line.trim());
+            }
+        }
+    }
+}

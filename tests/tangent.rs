@@ -1,5 +1,5 @@
 //! Every force term against finite differences, at random states, slack and compressed springs included; and its energy or
-//! power against its force. A failure names the term, the state and the bad entry.
+//! power against its force; and what its information says against its forces. A failure names the term, the state and the bad entry.
 
 mod common;
 
@@ -360,4 +360,35 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
         .sum();
     let energy: f64 = forces.tallies.iter().map(|t| t.energy).sum();
     assert!((energy + work).abs() < 1e-12 * (1.0 + work.abs()), "{name}: {energy} {work}");
+}
+
+/// What diagnoses ask of a term is what its forces do. A term that says nothing of itself would be missing from them in silence.
+#[test]
+fn terms_are_what_they_say() {
+    for (name, spec) in scenes() {
+        let on_triangles = spec.air.is_some() || !spec.pressures.is_empty();
+        let scene = build(spec);
+        assert_eq!(scene.terms().iter().any(|t| t.on_triangles), on_triangles, "{name}: on_triangles");
+        for (i, info) in scene.terms().iter().enumerate() {
+            let (mut follows_velocity, mut turns) = (false, false);
+            for seed in 0..STATES {
+                let Sample { t, x, v } = Sample::new(&scene, seed);
+                let [other, turned] = [v.iter().map(|v| 1.0 - v).collect(), turned(&x)];
+                let [here, moving, there] = [(&x, &v), (&x, &other), (&turned, &v)].map(|(x, v)| {
+                    let mut f = vec![0.0; scene.n_dof()];
+                    scene.term_alone(i, StateRef { t, x, v }, &mut f).map(|_| f)
+                });
+                follows_velocity |= moving != here;
+                turns |= info.role == Role::External && there != here;
+            }
+            assert_eq!(info.velocity_dependent, follows_velocity, "{name}, {}: velocity_dependent", info.name);
+            assert_eq!(info.follower, turns, "{name}, {}: follower", info.name);
+        }
+    }
+}
+
+/// A net turned as a whole about an axis that is none of it.
+fn turned(x: &[f64]) -> Vec<f64> {
+    let turn = glam::DQuat::from_scaled_axis(glam::DVec3::new(0.4, -0.7, 0.2));
+    x.chunks(3).flat_map(|p| (turn * glam::DVec3::from_slice(p)).to_array()).collect()
 }

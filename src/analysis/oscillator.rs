@@ -5,8 +5,10 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TangentSystem, TermInfo, Weights};
 
-static TERMS: [TermInfo; 2] =
-    [TermInfo { name: "spring", role: Role::Elastic }, TermInfo { name: "damping", role: Role::Dissipative }];
+const SPRING: TermInfo =
+    TermInfo { name: "spring", role: Role::Elastic, velocity_dependent: false, follower: false, on_triangles: false };
+const DAMPING: TermInfo = TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..SPRING };
+static TERMS: [TermInfo; 2] = [SPRING, DAMPING];
 
 /// The oscillator; x = 1, v = 0 at the start.
 #[derive(Clone, Copy, Debug)]

@@ -17,7 +17,9 @@ use crate::model::state::{State, StateRef};
 use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
 use std::sync::Arc;
 
-static TERMS: [TermInfo; 1] = [TermInfo { name: "tangent", role: Role::Elastic }];
+/// K x and C v together.
+static TERMS: [TermInfo; 1] =
+    [TermInfo { name: "tangent", role: Role::Elastic, velocity_dependent: true, follower: false, on_triangles: false }];
 
 /// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
 const CONVERGED: f64 = 0.005;

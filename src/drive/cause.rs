@@ -6,7 +6,9 @@ use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::model::forces::Role;
 use crate::model::state::State;
+use crate::model::system::TermInfo;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 
@@ -167,7 +169,7 @@ impl Question<'_> {
         let place = self.place(dof);
         if rates.damping > 2.0 * rates.frequency {
             let mut viscous = Vec::new();
-            for term in self.scene.terms().iter().filter(|t| is_viscous(t.name)) {
+            for term in self.scene.terms().iter().filter(|t| t.velocity_dependent) {
                 // One a spring rule, but one name.
                 if !viscous.contains(&term.name) {
                     viscous.push(term.name);
@@ -179,8 +181,7 @@ impl Question<'_> {
                 figures(1.0 / rates.damping, 3)
             );
         }
-        let follows = |name: &str| name == "air" || name == "follower pressure";
-        let turning: Vec<_> = self.scene.terms().iter().filter(|t| follows(t.name)).map(|t| t.name).collect();
+        let turning: Vec<_> = self.scene.terms().iter().filter(|t| t.follower).map(|t| t.name).collect();
         let why = match self.springs_alone() {
             Some(springs) if rates.frequency > springs && !turning.is_empty() => {
                 format!(
@@ -228,13 +229,14 @@ impl Question<'_> {
         Answer { why, advice, critical: Some(0.0), dof: Some(dof) }
     }
 
-    /// What acts outside Kang's filter is explicit: the air.
+    /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not tell.
     fn outside_filter(&self, at: &State) -> Option<Answer> {
-        let air = self.scene.terms().iter().any(|t| t.name == "air");
+        let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
+        let loaded = self.scene.terms().iter().any(outside);
         let rates = Spectrum::of(self.scene, at.as_ref()).rates();
         // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that resolves.
         let critical = 2.0 / rates.damping;
-        if !air || self.h <= NEAR * critical {
+        if !loaded || self.h <= NEAR * critical {
             return None;
         }
         let dof = rates.damping_dof;
@@ -388,9 +390,4 @@ fn times(ratio: f64) -> String {
         "1" => "just".to_owned(),
         ratio => format!("{ratio} times"),
     }
-}
-
-/// Whether a term's force depends on velocity, by its name.
-fn is_viscous(name: &str) -> bool {
-    name == "air" || name.contains("damping") || name.contains("dashpots")
 }

@@ -22,7 +22,7 @@ pub struct Failure {
     pub node: Option<u32>,
     /// most strained spring at that node
     pub spring: Option<u32>,
-    /// fastest triangle at that node, where the air or a pressure acts
+    /// fastest triangle at that node, where something acts on triangles
     pub triangle: Option<u32>,
     /// force term with the largest force on that node
     pub term: Option<String>,
@@ -139,7 +139,7 @@ impl Scenery<'_> {
 
     pub(super) fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {
         let Suspect { node, spring, term } = suspect;
-        let term = term.map(str::to_owned);
+        let term = term.map(|term| term.name.to_owned());
         Failure { time: self.t, step: self.step, node, spring, term, cause, advice, ..Failure::default() }
     }
 
@@ -239,8 +239,7 @@ impl Scenery<'_> {
     /// The triangle at the suspected node whose nodes move fastest, if what acts on triangles is under suspicion.
     fn fastest_triangle(&self, to: &Point, suspect: &Suspect) -> Option<u32> {
         let node = suspect.node?;
-        let loaded = |term: &&'static str| *term == "air" || term.contains("pressure");
-        suspect.term.as_ref().filter(|term| loaded(term))?;
+        suspect.term.filter(|term| term.on_triangles)?;
         let n = self.scene.reference().len();
         let (mut x, mut v) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
         self.scene.trace(to.state.as_ref(), &mut x, &mut v);

@@ -100,11 +100,7 @@ impl PushLaw for AirLaw<'_> {
 
 impl ForceTerm for Air {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "air", role: Role::External }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        true
+        TermInfo { name: "air", role: Role::External, velocity_dependent: true, follower: true, on_triangles: true }
     }
 
     fn symmetric(&self) -> bool {

@@ -84,11 +84,13 @@ impl Kernel<2> for AxialData {
 
 impl ForceTerm for AxialDashpots {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "axial dashpots", role: Role::Dissipative }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        true
+        TermInfo {
+            name: "axial dashpots",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {

@@ -48,11 +48,13 @@ impl Kernel<3> for FollowerData {
 
 impl ForceTerm for FollowerPressure {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "follower pressure", role: Role::External }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        false
+        TermInfo {
+            name: "follower pressure",
+            role: Role::External,
+            velocity_dependent: false,
+            follower: true,
+            on_triangles: true,
+        }
     }
 
     fn symmetric(&self) -> bool {

@@ -105,11 +105,13 @@ impl Summand for Gravity {
 
 impl ForceTerm for Gravity {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "gravity", role: Role::Gravity }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        false
+        TermInfo {
+            name: "gravity",
+            role: Role::Gravity,
+            velocity_dependent: false,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {

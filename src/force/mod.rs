@@ -8,9 +8,12 @@
 //!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
 //!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`,
 //!    see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
-//! 2. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
+//! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
+//!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one.
+//! 3. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
 //!    there and to [`crate::model::spec`].
-//! 3. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states.
+//! 4. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states, and what its
+//!    [`TermInfo`] says with its forces.
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.
@@ -70,11 +73,8 @@ pub trait TangentSink {
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: batch::Summand {
-    /// Name in reports and role in the ledger.
+    /// Its name in reports, its role in the ledger and what diagnoses ask of it; the same at every state.
     fn info(&self) -> TermInfo;
-
-    /// Whether the force depends on velocity.
-    fn velocity_dependent(&self) -> bool;
 
     /// Whether both tangents are symmetric at every state.
     fn symmetric(&self) -> bool;

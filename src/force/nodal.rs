@@ -12,11 +12,18 @@ use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::DVec3;
 
+/// Forces that are given node by node.
+pub const FORCES: TermInfo =
+    TermInfo { name: "forces", role: Role::External, velocity_dependent: false, follower: false, on_triangles: false };
+
+/// Forces that a pressure leaves on the nodes of its triangles.
+const DEAD_PRESSURE: TermInfo = TermInfo { name: "dead pressure", on_triangles: true, ..FORCES };
+
 /// Given forces on some nodes.
 #[derive(Clone, Debug)]
 pub struct NodalForces {
-    /// `forces` or `dead pressure`
-    pub name: &'static str,
+    /// [`FORCES`], or those of a dead pressure
+    pub info: TermInfo,
     /// the nodes, ascending
     pub nodes: Vec<u32>,
     /// [N] force on each of them at factor 1
@@ -51,7 +58,7 @@ impl DeadPressure<'_> {
         }
         let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != DVec3::ZERO).collect();
         let force = nodes.iter().map(|&i| sum[i as usize]).collect();
-        NodalForces { name: "dead pressure", nodes, force, factor: self.factor }
+        NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
     }
 }
 
@@ -76,11 +83,7 @@ impl Summand for NodalForces {
 
 impl ForceTerm for NodalForces {
     fn info(&self) -> TermInfo {
-        TermInfo { name: self.name, role: Role::External }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        false
+        self.info
     }
 
     fn symmetric(&self) -> bool {

@@ -40,11 +40,13 @@ impl Summand for RayleighMass {
 
 impl ForceTerm for RayleighMass {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "rayleigh mass damping", role: Role::Dissipative }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        true
+        TermInfo {
+            name: "rayleigh mass damping",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {
@@ -93,11 +95,13 @@ impl Kernel<2> for RayleighData {
 
 impl ForceTerm for RayleighStiffness {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "rayleigh stiffness damping", role: Role::Dissipative }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        true
+        TermInfo {
+            name: "rayleigh stiffness damping",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {

@@ -55,11 +55,13 @@ impl PullLaw for DashpotLaw<'_> {
 
 impl ForceTerm for RelativeDashpots {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "relative dashpots", role: Role::Dissipative }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        true
+        TermInfo {
+            name: "relative dashpots",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {

@@ -149,11 +149,13 @@ impl Kernel<2> for SpringData {
 
 impl ForceTerm for Springs {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "springs", role: Role::Elastic }
-    }
-
-    fn velocity_dependent(&self) -> bool {
-        false
+        TermInfo {
+            name: "springs",
+            role: Role::Elastic,
+            velocity_dependent: false,
+            follower: false,
+            on_triangles: false,
+        }
     }
 
     fn symmetric(&self) -> bool {

@@ -11,13 +11,20 @@ use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 use std::ops::Range;
 
-/// Name and role of a force term, as they appear in a failure report and the ledger.
+/// What is known of a force term before it is evaluated: its name and role, as they appear in a failure report and the ledger, and what a diagnosis
+/// asks of it. All is asked here, so that nothing need know a force by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TermInfo {
     /// e.g. `springs`, `air`
     pub name: &'static str,
     /// its place in the ledger
     pub role: Role,
+    /// whether the force depends on velocity
+    pub velocity_dependent: bool,
+    /// whether it is a follower load: one that turns with the surface it acts on, and so adds to the stiffness
+    pub follower: bool,
+    /// whether it acts on triangles, also where it is lumped to their nodes
+    pub on_triangles: bool,
 }
 
 /// What a scheme does around a force pass. Called for ranges that together are all degrees of freedom, in any order, once each.

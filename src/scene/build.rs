@@ -7,7 +7,7 @@ use crate::force::air::{Air, AirData};
 use crate::force::axial_dashpot::{AxialDashpots, AxialData};
 use crate::force::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::gravity::Gravity;
-use crate::force::nodal::{DeadPressure, NodalForces};
+use crate::force::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::series::vectors;
@@ -191,7 +191,7 @@ impl Builder<'_> {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
             let force = vec![DVec3::from_array(load.force); nodes.len()];
-            self.terms.push(Box::new(NodalForces { name: "forces", nodes, force, factor: load.factor.clone() }));
+            self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor: load.factor.clone() }));
         }
     }
 

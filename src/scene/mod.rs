@@ -20,7 +20,7 @@ pub use pendulum::Pendulum;
 
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
-use crate::model::system::{Abilities, TangentSystem};
+use crate::model::system::{Abilities, TangentSystem, TermInfo};
 
 /// What a failure report points at, in the user's numbering.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Suspect {
     /// the most strained spring at that node
     pub spring: Option<u32>,
     /// the term with the largest force on that node
-    pub term: Option<&'static str>,
+    pub term: Option<TermInfo>,
 }
 
 /// What a run needs of a scene beyond forces, tangents and looks.

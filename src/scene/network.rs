@@ -175,7 +175,7 @@ impl Terms for Network {
     }
 
     fn still(&self) -> bool {
-        (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.terms[i].velocity_dependent())
+        (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.infos[i].velocity_dependent)
     }
 }
 
@@ -277,7 +277,7 @@ impl System for Network {
     }
 
     fn velocity_dependent(&self) -> bool {
-        self.terms.iter().any(|t| t.velocity_dependent())
+        self.infos.iter().any(|i| i.velocity_dependent)
     }
 }
 

@@ -24,9 +24,16 @@ pub struct Pendulum {
 impl Pendulum {
     /// Makes a pendulum; the case reader has checked the numbers.
     pub fn new(spec: PendulumSpec) -> Self {
-        let mut terms = vec![TermInfo { name: "gravity", role: Role::Gravity }];
+        let gravity = TermInfo {
+            name: "gravity",
+            role: Role::Gravity,
+            velocity_dependent: false,
+            follower: false,
+            on_triangles: false,
+        };
+        let mut terms = vec![gravity];
         if spec.damping != 0.0 {
-            terms.push(TermInfo { name: "damping", role: Role::Dissipative });
+            terms.push(TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..gravity });
         }
         let inverse_inertia = [1.0 / (spec.mass * spec.length * spec.length)];
         let mut pendulum = Pendulum { spec, inverse_inertia, reference: [[0.0; 3]], terms };
@@ -173,7 +180,7 @@ impl Scene for Pendulum {
     }
 
     fn suspect(&self, _at: StateRef<'_>, _dof: usize) -> Suspect {
-        Suspect { node: Some(0), spring: None, term: self.terms.first().map(|t| t.name) }
+        Suspect { node: Some(0), spring: None, term: self.terms.first().copied() }
     }
 
     fn name_of(&self, _dof: usize) -> (u32, &'static str) {

@@ -34,7 +34,7 @@ impl Scene for Network {
             // A force that is not finite is the strongest there is.
             let size = if size.is_finite() { size } else { f64::INFINITY };
             if size > strongest.0 {
-                strongest = (size, Some(term.info().name));
+                strongest = (size, Some(term.info()));
             }
         }
         Suspect {
