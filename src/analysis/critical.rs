@@ -2,10 +2,11 @@
 //!
 //! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over the
 //! elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
-//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k = 0 with the quotients
-//! k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved in the same way.
+//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k z = 0 with the quotients
+//! k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved in the same way
+//! ([`Pencil`], which a method may give).
 //! Else estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so
-//! outer eigenvalues of L (Arnoldi) tell; schemes that treat x and v differently are stepped.
+//! outer eigenvalues of L (Arnoldi) tell; explicit partitioned schemes are stepped.
 //! Motion that grows by itself (buckling, flutter) limits no step: it must grow.
 
 use super::certificate::Certifier;
@@ -16,6 +17,7 @@ use super::motions::{Motion, Motions};
 use super::rates::Rates;
 use super::step_map::{LinearScene, Search};
 use crate::figures::two_digits;
+use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
@@ -31,8 +33,6 @@ const CLOSE: f64 = 1.003;
 const USEFUL: f64 = 1.15;
 /// Share by which rounding may lift an element bound.
 const ROUNDING: f64 = 1e-10;
-/// Schemes whose linear step is no function of L.
-const SPLIT: [&str; 2] = ["euler-cromer", "velocity-verlet"];
 
 /// How far a critical step can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,11 +59,6 @@ pub struct CriticalStep {
     pub dof: usize,
     /// the rates of that motion
     pub rates: Rates,
-}
-
-/// Whether a step of the method treats positions and velocities differently, so that it is no function of h times the scene's roots.
-pub fn is_split(method: &MethodChoice) -> bool {
-    SPLIT.contains(&method.info.name)
 }
 
 /// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one that
@@ -209,8 +204,8 @@ impl<'a> Spectrum<'a> {
             return self.undamped(method);
         }
         if self.symmetric()
-            && method.info.name == "euler-cromer"
-            && let Some(found) = self.euler_cromer()
+            && let Some(pencil) = method.info.linear.pencil
+            && let Some(found) = self.definite_below(pencil)
         {
             return found;
         }
@@ -254,24 +249,23 @@ impl<'a> Spectrum<'a> {
         self.certifier.as_mut().is_some_and(|certifier| certifier.definite(scene, at, w))
     }
 
-    /// 4 M - 2 h C - h^2 K; any quotients (k, c) give a step that is too large, so the iteration comes down to the limit.
-    fn euler_cromer(&mut self) -> Option<CriticalStep> {
-        let (h, shape) = self.euler_cromer_at_most()?;
+    /// Any quotients of K and C give a step that is too large, so the iteration comes down to the limit.
+    fn definite_below(&mut self, pencil: Pencil) -> Option<CriticalStep> {
+        let (h, shape) = self.definite_at_most(pencil)?;
         let dof = self.linear.place(&shape);
         let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.linear.quotients(&shape)? };
         let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(|&h| {
-            let (bound, _) =
-                self.linear.scene.rate_bound(self.linear.at, Weights { m: 0.0, c: 2.0 * h, k: h * h }, &mut self.room);
-            bound * (1.0 + ROUNDING) < 4.0 || self.definite(Weights { m: 4.0, c: -2.0 * h, k: -h * h })
+            let (bound, _) = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.room);
+            bound * (1.0 + ROUNDING) < pencil.m || self.definite(pencil.at(h))
         })?;
         Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
     }
 
     /// [s] A step at which a root has passed -1, close to the first such, and its shape.
-    fn euler_cromer_at_most(&self) -> Option<(f64, Vec<f64>)> {
+    fn definite_at_most(&self, pencil: Pencil) -> Option<(f64, Vec<f64>)> {
         let (mut h, mut shape) = (f64::INFINITY, Vec::new());
         for vector in [&self.stiffest.vector, &self.most_damped.vector] {
-            let at_most = self.first_step_to_minus_one(vector)?;
+            let at_most = self.singular_at(pencil, vector)?;
             if at_most < h {
                 (h, shape) = (at_most, vector.clone());
             }
@@ -280,8 +274,8 @@ impl<'a> Spectrum<'a> {
             return None;
         }
         for _ in 0..4 {
-            let ritz = largest(&self.linear, Weights { m: 0.0, c: 2.0 * h, k: h * h });
-            let next = self.first_step_to_minus_one(&ritz.vector)?;
+            let ritz = largest(&self.linear, taken(pencil, h));
+            let next = self.singular_at(pencil, &ritz.vector)?;
             if next >= h {
                 break;
             }
@@ -294,10 +288,10 @@ impl<'a> Spectrum<'a> {
         Some((h, shape))
     }
 
-    /// [s] h with h^2 k + 2 h c = 4 for the Rayleigh quotients of a shape.
-    fn first_step_to_minus_one(&self, shape: &[f64]) -> Option<f64> {
+    /// [s] The step at which a pencil is 0 for the Rayleigh quotients of a shape.
+    fn singular_at(&self, pencil: Pencil, shape: &[f64]) -> Option<f64> {
         let Rates { frequency, damping, .. } = self.linear.quotients(shape)?;
-        Some(4.0 / (damping + (damping * damping + 4.0 * frequency * frequency).sqrt()))
+        Some(pencil.singular_at(frequency, damping))
     }
 
     /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer eigenvalues of L.
@@ -314,7 +308,9 @@ impl<'a> Spectrum<'a> {
         let (mut step, motion) = motions.limit(method)?;
         let mut dof = motion.dof;
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
-        if is_split(method) && steppable && step < self.effort.sharpen_below && step > 0.0 {
+        // What an implicit scheme carries it would need from every state.
+        let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
+        if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let search = Search { guess: step, unit, growth: self.natural_growth() };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
             (step, dof) = stepped.unwrap_or((step, dof));
@@ -337,6 +333,12 @@ impl<'a> Spectrum<'a> {
         let unit = self.stiffest.value.max(0.0).sqrt().max(self.most_damped.value);
         if unit > 0.0 { unit } else { 1.0 }
     }
+}
+
+/// What a pencil takes from its part in M.
+fn taken(pencil: Pencil, h: f64) -> Weights {
+    let Weights { c, k, .. } = pencil.at(h);
+    Weights { m: 0.0, c: -c, k: -k }
 }
 
 fn largest(linear: &Linearised<'_>, w: Weights) -> Ritz {

@@ -160,7 +160,88 @@ fn step_map(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrate::registry::methods;
     use std::collections::BTreeMap;
+
+    /// All methods that an oscillator can be stepped with (Kang's needs springs), some with parameters of either kind.
+    fn steppable() -> Vec<MethodChoice> {
+        let plain = methods().iter().filter(|info| info.family != Family::MatrixFree).map(|info| (info.name, None));
+        let other = [
+            ("newmark", Some(("beta", 1.0 / 6.0))),
+            ("newmark", Some(("gamma", 0.6))),
+            ("hht", Some(("alpha", 0.0))),
+            ("generalized-alpha", Some(("rho_inf", 1.0))),
+        ];
+        let given = |p: Option<(&str, f64)>| p.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        plain.chain(other).map(|(name, p)| MethodChoice::new(name, &given(p)).unwrap()).collect()
+    }
+
+    /// States (x, v) of steps of `h` [s] from x = 1, the start among them.
+    fn states(method: &MethodChoice, (oscillator, v): (Oscillator, f64), h: f64, steps: u32) -> Vec<[f64; 2]> {
+        let system = &oscillator;
+        let abilities = Abilities { system, tangent: system, graph: None };
+        let mut from = Point { state: system.initial_state(), forces: system.new_forces() };
+        from.state.v[0] = v;
+        system.evaluate(from.state.as_ref(), &mut from.forces);
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).unwrap();
+        stepper.start(&from).unwrap();
+        let mut states = vec![[1.0, v]];
+        for n in 1..=steps {
+            let mut to = from.clone();
+            let attempt = Attempt { from: &from, h, t_next: f64::from(n) * h };
+            stepper.attempt(attempt, &mut to, &mut Counters::default()).unwrap();
+            stepper.accept();
+            system.evaluate(to.state.as_ref(), &mut to.forces);
+            from = to;
+            states.push([from.state.x[0], from.state.v[0]]);
+        }
+        states
+    }
+
+    /// A function of h L leaves x e^(lambda t) in its own direction (1, lambda), and makes the same of it whatever the other eigenvalue is.
+    #[test]
+    fn a_step_is_a_function_of_h_l_unless_the_method_is_partitioned() {
+        for method in steppable() {
+            let with = |fast: f64| Oscillator { k: -0.9 * fast, c: 0.9 - fast };
+            let [one, other] = [-1.6, -2.3].map(|fast| states(&method, (with(fast), -0.9), 0.4, 5));
+            let apart = |[x, v]: [f64; 2], [y, _]: [f64; 2]| (x - y).abs().max((v + 0.9 * x).abs());
+            let most = one.iter().zip(&other).map(|(a, b)| apart(*a, *b)).fold(0.0, f64::max);
+            let name = (method.info.name, &method.values);
+            match method.partitioned() {
+                true => assert!(most > 1e-5, "{name:?}: no function of h L, but {most:e} apart"),
+                false => assert!(most < 1e-12, "{name:?}: a function of h L, but {most:e} apart"),
+            }
+        }
+    }
+
+    #[test]
+    fn energy_falls_in_every_step_where_a_method_says_so() {
+        let oscillator = Oscillator { k: 1.0, c: 0.0 };
+        for info in methods().iter().filter(|info| info.family != Family::MatrixFree) {
+            let method = MethodChoice::new(info.name, &BTreeMap::new()).unwrap();
+            let falls = |wh: f64| {
+                let energies = states(&method, (oscillator, 0.0), wh, SWING).into_iter().map(|[x, v]| x * x + v * v);
+                energies.is_sorted_by(|before, after| after < before)
+            };
+            let always = [0.3, 0.6, 1.0, 1.5, 2.0].into_iter().all(falls);
+            assert_eq!(always, info.linear.always_dissipates, "{}", info.name);
+        }
+    }
+
+    #[test]
+    fn a_pencil_is_singular_at_the_limit() {
+        let given = methods().iter().filter_map(|info| info.linear.pencil.map(|pencil| (info.name, pencil)));
+        for (name, pencil) in given {
+            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            // Undamped, two eigenvalues meet at the limit, where rounding counts by its root.
+            for zeta in [0.0, 0.05, 0.4, 1.0, 3.0] {
+                let (frequency, damping) = (20.0, 40.0 * zeta);
+                let found = critical_step(&method, Rates { frequency, damping, ..Rates::default() });
+                let expected = pencil.singular_at(frequency, damping);
+                assert!((found / expected - 1.0).abs() < 1e-7, "{name} at {zeta}: {found}, {expected}");
+            }
+        }
+    }
 
     /// The table "Critical steps" of structural dynamics: w h at damping ratio 0, 0.1 and 1.
     #[test]

@@ -276,8 +276,8 @@ impl Question<'_> {
             figures(found.frequency, 4),
             self.place(found.frequency_dof),
         );
-        let damping = match (self.method.info.family, self.method.info.name) {
-            (_, "backward-euler" | "rk4" | "dop853") => "",
+        let damping = match (self.method.info.family, self.method.info.linear.always_dissipates) {
+            (_, true) => "",
             (Family::Explicit, _) => ", or --method rk4",
             _ => ", or --method backward-euler",
         };

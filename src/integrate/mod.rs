@@ -7,8 +7,9 @@
 //! # How to add a scheme
 //! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
 //!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
-//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source. The case format, the JSON
-//!    Schema, `canopy-fem methods` and every test that loops over methods read that entry.
+//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and what its step is on linear scenes
+//!    ([`linear_step`], which limits and diagnoses go by instead of names). The case format, the JSON Schema, `canopy-fem methods` and every
+//!    test that loops over methods read that entry; those of `analysis/limit` measure on oscillators whether what it says of the step is so.
 //! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/order.rs` measures its order.
 //!
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
@@ -30,6 +31,7 @@ pub mod improved_euler;
 pub mod improved_euler_pec;
 pub mod kang;
 mod kept;
+pub mod linear_step;
 pub mod newmark;
 pub mod registry;
 pub mod rk4;

@@ -11,6 +11,7 @@ use super::implicit::{Implicit, SolverSpec};
 use super::improved_euler::ImprovedEuler;
 use super::improved_euler_pec::ImprovedEulerPec;
 use super::kang::Kang;
+use super::linear_step::{LinearStep, Pencil};
 use super::newmark::Newmark;
 use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
@@ -65,6 +66,8 @@ pub struct MethodInfo {
     pub parameters: &'static [ParameterInfo],
     /// one line on stability
     pub stability: &'static str,
+    /// what a step is on linear scenes
+    pub linear: LinearStep,
     /// paper or book with equation number
     pub source: &'static str,
     /// makes the scheme from its checked parameter values
@@ -165,6 +168,11 @@ impl MethodChoice {
         self.info.order_with.map_or(self.info.order, |order| order(&self.values))
     }
 
+    /// Whether it is a partitioned method with these parameters ([`LinearStep::partitioned`]).
+    pub fn partitioned(&self) -> bool {
+        (self.info.linear.partitioned)(&self.values)
+    }
+
     /// The parameters by name.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static str, f64)> {
         self.info.parameters.iter().map(|p| p.name).zip(self.values.iter().copied())
@@ -185,6 +193,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 1],
         parameters: &[],
         stability: "unstable on undamped oscillations for every step; w h < 2 zeta up to damping ratio zeta = 1",
+        linear: LinearStep::PLAIN,
         source: "Euler 1768; thesis Eq. 11-12",
         build: |_, _| Scheme::Explicit(Box::new(ExplicitEuler)),
     },
@@ -196,6 +205,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 1],
         parameters: &[],
         stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; symplectic",
+        linear: LinearStep { pencil: Some(Pencil { m: 4.0, c: 2.0, k: 1.0 }), ..LinearStep::PARTITIONED },
         source: "Cromer 1981; thesis Eq. 15-16",
         build: |_, _| Scheme::Explicit(Box::new(EulerCromer)),
     },
@@ -207,6 +217,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [2, 2],
         parameters: &[],
         stability: "undamped oscillations grow by (w h)^4/8 a step",
+        linear: LinearStep::PLAIN,
         source: "midpoint rule; thesis Eq. 17-22",
         build: |_, _| Scheme::Explicit(Box::new(EulerRichardson::default())),
     },
@@ -218,6 +229,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [2, 2],
         parameters: &[],
         stability: "undamped oscillations grow by (w h)^4/8 a step",
+        linear: LinearStep::PLAIN,
         source: "Heun 1900; thesis Eq. 23-24",
         build: |_, _| Scheme::Explicit(Box::new(ImprovedEuler::default())),
     },
@@ -229,6 +241,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 1],
         parameters: &[],
         stability: "undamped oscillations grow slowly, as Adams-Bashforth 2 does; w h < 1 at damping ratio 1",
+        linear: LinearStep::PLAIN,
         source: "Hanna 1988; thesis section 2.4.4",
         build: |_, _| Scheme::Explicit(Box::new(ImprovedEulerPec::default())),
     },
@@ -240,6 +253,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 2],
         parameters: &[],
         stability: "w h < 2 undamped, 1.84 at damping ratio 0.1; symplectic without damping",
+        linear: LinearStep::PARTITIONED,
         source: "Swope et al. 1982; thesis Eq. 37-40",
         build: |_, _| Scheme::Explicit(Box::new(VelocityVerlet)),
     },
@@ -251,6 +265,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [4, 4],
         parameters: &[],
         stability: "w h < 2.83 undamped",
+        linear: LinearStep::DISSIPATIVE,
         source: "Kutta 1901; thesis Eq. 42-51",
         build: |_, _| Scheme::Explicit(Box::new(Rk4::default())),
     },
@@ -262,6 +277,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [6, 6],
         parameters: &[],
         stability: "w h < 0.997 undamped, growing slowly above; 2.68 at damping ratio 0.1",
+        linear: LinearStep::PLAIN,
         source: "Dormand & Prince 1980, RK5(4)7M; Hairer, Norsett & Wanner 1993, Table II.5.2",
         build: |_, _| dormand_prince::scheme(),
     },
@@ -273,6 +289,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [12, 12],
         parameters: &[],
         stability: "w h < 5.96 undamped",
+        linear: LinearStep::DISSIPATIVE,
         source: "Prince & Dormand 1981; Hairer, Norsett & Wanner 1993, section II.10",
         build: |_, _| dop853::scheme(),
     },
@@ -301,6 +318,7 @@ static METHODS: &[MethodInfo] = &[
             },
         ],
         stability: "every step on linear scenes if 2 beta >= gamma; else h/T <= 1/(pi sqrt2 sqrt(gamma - 2 beta))",
+        linear: LinearStep { partitioned: |p| p[0] != 0.25 || p[1] != 0.5, ..LinearStep::PLAIN },
         source: "Newmark 1959; thesis Eq. 25-26",
         build: |p, solver| {
             let parameters = NewmarkParameters { beta: p[0], gamma: p[1] };
@@ -322,6 +340,7 @@ static METHODS: &[MethodInfo] = &[
             doc: "[-] numerical damping of high frequencies; 0 is Newmark 1/4, 1/2",
         }],
         stability: "every step on linear scenes",
+        linear: LinearStep { partitioned: |p| p[0] != 0.0, ..LinearStep::PLAIN },
         source: "Hilber, Hughes & Taylor 1977, Eq. 1-5",
         build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(Hht { alpha: p[0] }, solver))),
     },
@@ -333,6 +352,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 1],
         parameters: &[],
         stability: "every step for the springs; the air and other forces outside the filter are explicit",
+        linear: LinearStep::PARTITIONED,
         source: "Kang, Choi, Cho & Park 2000; thesis Eq. 52-57",
         build: |_, _| Scheme::Graph(Box::new(Kang::default())),
     },
@@ -344,6 +364,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [0, 0],
         parameters: &[],
         stability: "every step; damps everything",
+        linear: LinearStep::DISSIPATIVE,
         source: "Baraff & Witkin 1998, here with full Newton iterations",
         build: |_, solver| Scheme::Implicit(Box::new(Implicit::new(BackwardEuler, solver))),
     },
@@ -362,6 +383,7 @@ static METHODS: &[MethodInfo] = &[
             doc: "[-] spectral radius at infinite frequency; 1 damps nothing",
         }],
         stability: "every step on linear scenes",
+        linear: LinearStep { partitioned: |p| p[0] != 1.0, ..LinearStep::PLAIN },
         source: "Chung & Hulbert 1993, Eq. 15-18, 25",
         build: |p, solver| Scheme::Implicit(Box::new(Implicit::new(GeneralizedAlpha { rho_inf: p[0] }, solver))),
     },

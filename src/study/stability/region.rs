@@ -7,7 +7,7 @@
 //! named in the legend, with what was measured of them.
 
 use super::{KnownBy, Row, Stability, Status};
-use crate::analysis::critical::{Spectrum, has_limit, is_split};
+use crate::analysis::critical::{Spectrum, has_limit};
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::Rates;
 use crate::figures::figures;
@@ -93,7 +93,7 @@ fn panel(method: &MethodChoice, row: &Row, motions: &[Rates]) -> Chart {
     let lower = upper.iter().rev().map(|(re, im)| (*re, -*im));
     let closed: Vec<(f64, f64)> = upper.iter().copied().chain(lower).chain(upper.first().copied()).collect();
     let oscillates = |rates: &&Rates| rates.frequency > 0.5 * rates.damping;
-    let split = is_split(method);
+    let split = method.partitioned();
     let drawn: Vec<&Rates> = motions.iter().filter(|rates| !split || oscillates(rates)).collect();
     let title = match drawn.len() < motions.len() {
         true => format!("{} (oscillations only)", row.method),

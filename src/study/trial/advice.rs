@@ -51,7 +51,8 @@ pub struct Advice {
 /// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else the first of
 /// the registry, where simple ones come first.
 const TIE: f64 = 1.15;
-/// Methods that come far, tried first so that dear ones are known as such at once.
+/// Methods that come far, tried first so that dear ones are known as such at once. This and the next are choices between methods, not properties of
+/// them: another order costs time and changes no answer's truth.
 const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
