@@ -19,17 +19,7 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
         let value = format!("node {node} at ({x}, {y}, {z}) m/s");
         faults.add_value(&at.key("initial").key("velocity"), value, ALLOWED, None);
     }
-    let length = |edge: u32| {
-        let place = |node: u32| {
-            let x = spec.mesh.nodes.get(node as usize).copied().unwrap_or_default();
-            let u = spec.displacement.get(node as usize).copied().unwrap_or_default();
-            DVec3::from_array(x) + DVec3::from_array(u)
-        };
-        if spec.displacement.is_empty() {
-            return geometry.length.get(edge as usize).copied().unwrap_or_default();
-        }
-        spec.mesh.edges.get(edge as usize).map_or(0.0, |&[a, b]| place(a).distance(place(b)))
-    };
+    let length = |edge: u32| geometry.start_length(edge, &spec.displacement).unwrap_or_default();
     let springs = spec.springs.iter().flat_map(|g| g.edges.iter().zip(g.stiffness.iter().zip(&g.rest_length)));
     let springs: Vec<_> = springs.map(|(&edge, (&k, &rest))| (edge, k, rest)).collect();
     let elastic = springs.iter().map(|&(edge, k, rest)| 0.5 * k * (length(edge) - rest).powi(2));

@@ -44,6 +44,20 @@ impl Geometry {
     pub fn nodes(&self) -> usize {
         self.mesh.nodes.len()
     }
+
+    /// [m] Length of an edge at the start; `displacement` [m] holds one vector a node, or nothing where no node is displaced.
+    pub fn start_length(&self, edge: u32, displacement: &[[f64; 3]]) -> Option<f64> {
+        if displacement.is_empty() {
+            return self.length.get(edge as usize).copied();
+        }
+        let place = |node: u32| {
+            let x = self.mesh.nodes.get(node as usize)?;
+            let u = displacement.get(node as usize)?;
+            Some(DVec3::from_array(*x) + DVec3::from_array(*u))
+        };
+        let &[a, b] = self.mesh.edges.get(edge as usize)?;
+        Some(place(a)?.distance(place(b)?))
+    }
 }
 
 /// Checks the mesh section and makes or reads the mesh, unless `known` came from the same section.

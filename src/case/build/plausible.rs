@@ -47,20 +47,9 @@ fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
 }
 
 fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    let place = |node: u32| {
-        let x = spec.mesh.nodes.get(node as usize).copied().unwrap_or_default();
-        let u = spec.displacement.get(node as usize).copied().unwrap_or_default();
-        DVec3::from_array(x) + DVec3::from_array(u)
-    };
-    let length = |edge: u32| {
-        if spec.displacement.is_empty() {
-            return geometry.length.get(edge as usize).copied();
-        }
-        spec.mesh.edges.get(edge as usize).map(|&[a, b]| place(a).distance(place(b)))
-    };
     let springs = spec.springs.iter().flat_map(|group| group.edges.iter().zip(&group.rest_length));
     let strained = springs.filter_map(|(&edge, &rest)| {
-        let l = length(edge)?;
+        let l = geometry.start_length(edge, &spec.displacement)?;
         let strain = (l - rest) / rest;
         (strain.abs() > STRAIN).then_some((strain, edge, l, rest))
     });
