@@ -2,9 +2,10 @@
 //!
 //! Power iteration (von Mises 1929) on the symmetric parts, matrix-free: an estimate from below, within a few percent; not a bound.
 
+use super::critical::{DAMPING, STIFFNESS};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
-use crate::scene::Scene;
+use crate::scene::{BoundRoom, Scene};
 
 /// Iterations; the estimate changes by less than a percent after about thirty on cloth meshes.
 const ITERATIONS: usize = 80;
@@ -27,6 +28,17 @@ impl Rates {
     pub fn damping_ratio(&self) -> f64 {
         if self.frequency > 0.0 { 0.5 * self.damping / self.frequency } else { 0.0 }
     }
+}
+
+/// [s] h with h^2 k + 2 h c = 4 for element bounds k [1/s^2] and c [1/s] on the rates: the limit of Euler-Cromer were they reached, and for
+/// other methods a measure that falls as their limit does.
+pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
+    let (k, _) = scene.rate_bound(at, STIFFNESS, room);
+    let c = match scene.velocity_dependent() {
+        true => scene.rate_bound(at, DAMPING, room).0,
+        false => 0.0,
+    };
+    4.0 / (c + (c * c + 4.0 * k).sqrt())
 }
 
 /// Estimates the fastest rates at a state.

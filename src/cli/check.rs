@@ -3,7 +3,7 @@
 
 use super::check_cost::describe_forecast;
 use super::check_json::Report;
-use super::doubts::{check_solver, disk_doubt, place, step_doubt};
+use super::doubts::{check_solver, disk_doubt, step_doubt};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
 use crate::case::Case;
@@ -13,7 +13,7 @@ use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice, methods};
 use crate::model::spec::NetworkSpec;
 use crate::output::names::file_stem;
-use crate::scene::Scene;
+use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
 use crate::study::trial::memory::Baseline;
 use crate::study::trial::{Candidate, ForecastSpec, forecast};
@@ -156,10 +156,10 @@ fn describe_rates(text: &mut String, scene: &dyn Scene, spectrum: &Spectrum<'_>)
         Some(bound) => format!("to {bound:.4e} rad/s (proved)"),
         None => "rad/s (an estimate)".to_owned(),
     };
-    let at = place(scene, rates.frequency_dof);
+    let at = place_of(scene, rates.frequency_dof);
     let _ = writeln!(text, "  fastest motion  w = {:.4e} {bound} around {at}, at t = 0", rates.frequency);
     if rates.damping > 0.0 {
-        let at = place(scene, rates.damping_dof);
+        let at = place_of(scene, rates.damping_dof);
         let _ = writeln!(text, "  most damped     {:.4e} 1/s (an estimate) around {at}", rates.damping);
     }
 }
@@ -179,5 +179,5 @@ fn describe_limit(limit: CriticalStep, step: Step, scene: &dyn Scene) -> String 
         || "adaptive".to_owned(),
         |step| format!("{:.3}{}", step / limit.step, if step > limit.step { "  too large" } else { "" }),
     );
-    format!("{:<18.3e}  {used:<21}  {known:<16}  {}", limit.step, place(scene, limit.dof))
+    format!("{:<18.3e}  {used:<21}  {known:<16}  {}", limit.step, place_of(scene, limit.dof))
 }

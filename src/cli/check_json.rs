@@ -3,11 +3,10 @@
 use serde_json::{Value, json};
 
 use super::CliError;
-use super::doubts::place;
 use crate::analysis::critical::Confidence;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
-use crate::scene::Scene;
+use crate::scene::{Scene, place_of};
 use crate::study::trial::{Candidate, Forecast};
 
 /// Everything that is told.
@@ -61,6 +60,6 @@ fn limit(candidate: &Candidate, scene: &dyn Scene) -> Value {
         "method": candidate.method.info.name,
         "critical_step": finite.then_some(limit.step),
         "known_by": known_by,
-        "set_by": (finite && limit.step > 0.0).then(|| place(scene, limit.dof)),
+        "set_by": (finite && limit.step > 0.0).then(|| place_of(scene, limit.dof)),
     })
 }

@@ -11,7 +11,7 @@ use crate::figures::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::output::space::{frame_bytes, free_bytes};
-use crate::scene::Scene;
+use crate::scene::{Scene, place_of};
 use crate::solve::{LinearChoice, LinearError};
 
 /// Refuses a solver that cannot solve this scene's equations.
@@ -45,12 +45,6 @@ pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene) -> CriticalSt
     plain.unwrap_or_else(|| Spectrum::with(scene, state.as_ref(), effort).critical_step(&problem.method))
 }
 
-/// The node, and the fastest spring at it, in words.
-pub(super) fn place(scene: &dyn Scene, dof: usize) -> String {
-    let node = scene.name_of(dof).0;
-    scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
-}
-
 /// What a critical step is worth in a word.
 pub(super) fn worth(limit: CriticalStep) -> &'static str {
     match limit.confidence {
@@ -80,7 +74,7 @@ pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalSt
             excess(step / limit.step),
             figures(limit.step, 3),
             worth(limit),
-            place(scene, limit.dof),
+            place_of(scene, limit.dof),
             figures(frequency, 4),
             figures(damping, 4),
             figures(limit.safe(), 2)

@@ -3,15 +3,15 @@
 //! the critical step does; only where that comes close to the step is the spectrum itself asked, and only then is anything said.
 
 use super::complain;
-use super::doubts::{place, worth};
+use super::doubts::worth;
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::analysis::rates::step_by_bounds;
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stride::LONGEST;
-use crate::model::system::Weights;
-use crate::scene::{BoundRoom, Scene};
+use crate::scene::{BoundRoom, Scene, place_of};
 use std::io::IsTerminal;
 
 /// Force passes that a pass over the elements is worth.
@@ -84,7 +84,7 @@ impl<'a> Stiffening<'a> {
         let evaluations = if damped { moving } else { still }.max(1);
         let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
         let mut room = BoundRoom::default();
-        let at_start = measure(scene, scene.initial_state().as_ref(), &mut room);
+        let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut room);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
         // The start itself is spoken of before the run.
@@ -126,7 +126,7 @@ impl<'a> Stiffening<'a> {
     }
 
     fn look(&mut self, at: StateRef<'_>, h: f64) {
-        let now = measure(self.watched.scene, at, &mut self.room);
+        let now = step_by_bounds(self.watched.scene, at, &mut self.room);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
             self.asked += 1;
@@ -165,7 +165,7 @@ impl<'a> Stiffening<'a> {
             method.info.name,
             figures(found.step, 3),
             worth(found),
-            place(scene, found.dof),
+            place_of(scene, found.dof),
             figures(h, 4),
             figures(found.safe(), 2)
         ));
@@ -201,14 +201,4 @@ impl Observer for Stiffening<'_> {
     fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
-}
-
-/// [s] h with h^2 k + 2 h c = 4 for bounds k and c on the rates: where Euler-Cromer would have its limit, and a measure for others.
-fn measure(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
-    let (k, _) = scene.rate_bound(at, Weights { m: 0.0, c: 0.0, k: 1.0 }, room);
-    let c = match scene.velocity_dependent() {
-        true => scene.rate_bound(at, Weights { m: 0.0, c: 1.0, k: 0.0 }, room).0,
-        false => 0.0,
-    };
-    4.0 / (c + (c * c + 4.0 * k).sqrt())
 }

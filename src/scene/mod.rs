@@ -77,3 +77,9 @@ pub trait Scene: TangentSystem + Picture {
     /// freedom whose node sets it. Proved for symmetric scenes and weights of at least 0; else a measure that grows as it does.
     fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, room: &mut BoundRoom) -> (f64, usize);
 }
+
+/// The node of a degree of freedom, and the fastest spring at it, in words.
+pub(crate) fn place_of(scene: &dyn Scene, dof: usize) -> String {
+    let node = scene.name_of(dof).0;
+    scene.fastest_spring(dof).map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
+}

@@ -7,6 +7,7 @@ use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
 use crate::figures::figures;
 use crate::integrate::registry::Family;
 use crate::model::state::State;
+use crate::scene::place_of;
 
 /// Relative change of a critical step that explains something.
 const CLEAR: f64 = 0.015;
@@ -55,7 +56,7 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
             figures(t, 4),
             figures(measured, 4),
             figures(later.step, 4),
-            place(bench, later.dof),
+            place_of(bench.scene(), later.dof),
             figures(later.rates.frequency, 4),
             figures(later.rates.damping, 4),
         );
@@ -107,14 +108,14 @@ fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     format!(
         "in {steps} steps the motion that sets the prediction (around {}) did not grow without bound: it is not reached, or forces that are \
          not linear hold it",
-        place(bench, bench.critical.dof)
+        place_of(bench.scene(), bench.critical.dof)
     )
 }
 
 /// A method that grows at every step, measured over a number of steps.
 fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
     let w = figures(bench.critical.rates.frequency, 4);
-    let place = place(bench, bench.critical.dof);
+    let place = place_of(bench.scene(), bench.critical.dof);
     let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(bench, h)).unwrap_or_default();
     let fails = row.unstable.map(|h| format!("; {}", growth(bench, h))).unwrap_or_default();
     format!(
@@ -130,7 +131,7 @@ fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
             "nothing sets a limit at t = 0, but the scene stiffens: at t = {} s the critical step is {} s (set around {})",
             figures(t, 4),
             figures(later.step, 4),
-            place(bench, later.dof)
+            place_of(bench.scene(), later.dof)
         ),
         None => format!("nothing sets a limit at t = 0{}", because(row)),
     }
@@ -191,13 +192,4 @@ fn below(later: CriticalStep, row: &Row) -> bool {
 
 fn above(later: CriticalStep, row: &Row) -> bool {
     later.step > (1.0 + CLEAR) * row.prediction.step.unwrap_or(f64::INFINITY)
-}
-
-/// The node, and the fastest spring at it, in words.
-fn place(bench: &Bench<'_>, dof: usize) -> String {
-    let node = bench.scene().name_of(dof).0;
-    bench
-        .scene()
-        .fastest_spring(dof)
-        .map_or_else(|| format!("node {node}"), |spring| format!("node {node}, spring {spring}"))
 }

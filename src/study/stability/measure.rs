@@ -10,13 +10,13 @@ use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
 use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::analysis::limit::{growth, swing};
+use crate::analysis::rates::step_by_bounds;
 use crate::drive::clock::Step;
 use crate::drive::observer::StepView;
 use crate::drive::{self, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::{MethodChoice, methods};
 use crate::integrate::stepper::Stepper;
 use crate::model::state::{State, StateRef};
-use crate::model::system::Weights;
 use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,7 +57,7 @@ pub(super) fn reference(spec: &StabilitySpec<'_>, spectrum: &mut Spectrum<'_>) -
     let usable = |step: &f64| *step > 0.0 && step.is_finite();
     let verlet = methods().iter().find(|m| m.name == "velocity-verlet");
     let verlet = verlet.map(|info| spectrum.critical_step(&MethodChoice { info, values: Vec::new() }).step);
-    let bound = measure(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundRoom::default());
+    let bound = step_by_bounds(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundRoom::default());
     verlet.filter(usable).or(Some(bound).filter(usable)).unwrap_or(spec.end / 1000.0)
 }
 
@@ -243,7 +243,7 @@ impl<'a> Looks<'a> {
     }
 
     pub fn look(&mut self, at: StateRef<'_>) {
-        let now = measure(self.scene, at, &mut self.room);
+        let now = step_by_bounds(self.scene, at, &mut self.room);
         let [(least, stiffest), (largest, softest)] = &mut self.seen;
         if now < *least {
             *least = now;
@@ -264,14 +264,4 @@ impl<'a> Looks<'a> {
     pub fn extremes(self) -> [State; 2] {
         self.seen.map(|(_, state)| state)
     }
-}
-
-/// [s] h with h^2 k + 2 h c = 4 for bounds k and c on the rates: where Euler-Cromer would have its limit, and a measure for others.
-fn measure(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
-    let (k, _) = scene.rate_bound(at, Weights { m: 0.0, c: 0.0, k: 1.0 }, room);
-    let c = match scene.velocity_dependent() {
-        true => scene.rate_bound(at, Weights { m: 0.0, c: 1.0, k: 0.0 }, room).0,
-        false => 0.0,
-    };
-    4.0 / (c + (c * c + 4.0 * k).sqrt())
 }
