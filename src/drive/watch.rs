@@ -178,7 +178,7 @@ impl Watch {
         let stiffness = scene.nodal_stiffness().iter().sum::<f64>();
         let start = scene.initial_state();
         let mass = scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum();
-        let (push, reach) = (push(scene, start.as_ref()), farthest(&start.x));
+        let (push, reach) = (push(scene, start.as_ref(), 1.0), farthest(&start.x));
         let (overshoots, dissipates) = (method.family == Family::Explicit, method.family != Family::MatrixFree);
         Watch { account, push, stiffness, mass, reach, overshoots, dissipates }
     }
@@ -277,7 +277,7 @@ impl Watch {
     fn pushed(&mut self, step: Watched<'_>, gain: Gain, rounding: f64) -> bool {
         // On resting masses: on moving ones the air resists what the scheme itself may have made.
         let rest = vec![0.0; step.from.state.v.len()];
-        let at = |t: f64| push(step.scene, StateRef { t, x: &step.from.state.x, v: &rest });
+        let at = |t: f64| push(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, 1.0);
         let most = at(step.from.state.t).max(at(step.to.state.t));
         self.account.late_push = self.account.late_push.max(most * step.h * step.h);
         gain.made <= DIVERGED * (gain.supplied + self.account.late_push) + rounding
@@ -331,11 +331,11 @@ fn power(scene: &dyn Scene, at: &Point) -> f64 {
     scene.terms().iter().zip(&at.forces.tallies).filter(external).map(|(_, tally)| tally.power).sum()
 }
 
-/// [J/s^2] 1/2 sum f^2/m of the loads in a state.
-fn push(scene: &dyn Scene, at: StateRef<'_>) -> f64 {
+/// [J] 1/2 h^2 sum f^2/m of the loads in a state: the kinetic energy they give to resting masses in a step h [s].
+pub(crate) fn push(scene: &dyn Scene, at: StateRef<'_>, h: f64) -> f64 {
     let mut f = vec![0.0; scene.n_dof()];
     scene.load(at, &mut f);
-    let push: f64 = f.iter().zip(scene.inverse_mass()).map(|(f, inverse)| 0.5 * f * f * inverse).sum();
+    let push: f64 = f.iter().zip(scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
     if push.is_finite() { push } else { 0.0 }
 }
 

@@ -19,6 +19,7 @@
 use super::measure::{Bench, Looks};
 use super::start::{Start, displacement};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::watch::push;
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
 use crate::scene::Scene;
@@ -148,15 +149,6 @@ impl<'a> Judge<'a> {
         self.scene.kinetic_energy(&self.secant)
     }
 
-    /// [J] 1/2 h^2 sum f^2/m of the loads at time `t` [s] on resting masses.
-    fn push(&self, at: &Point, t: f64, h: f64) -> f64 {
-        let rest = vec![0.0; at.state.v.len()];
-        let mut f = vec![0.0; at.state.x.len()];
-        self.scene.load(StateRef { t, x: &at.state.x, v: &rest }, &mut f);
-        let push: f64 = f.iter().zip(self.scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
-        if push.is_finite() { push } else { 0.0 }
-    }
-
     /// What the energy says of a run that came to the end of its steps, or was stopped here.
     pub fn energy(&self) -> Verdict {
         if self.blown {
@@ -199,7 +191,10 @@ impl Observer for Judge<'_> {
             // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not come as a jump.
             let h = step.to.state.t - step.from.state.t;
             let times = [step.from.state.t, step.to.state.t];
-            self.floor = times.into_iter().map(|t| self.push(step.from, t, h)).fold(self.floor, f64::max);
+            // On resting masses: on moving ones the air resists what the scheme itself may have made.
+            let rest = vec![0.0; step.from.state.v.len()];
+            let at = |t: f64| StateRef { t, x: &step.from.state.x, v: &rest };
+            self.floor = times.into_iter().map(|t| push(self.scene, at(t), h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
         self.calm = share <= self.stays;
