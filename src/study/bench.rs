@@ -160,6 +160,13 @@ impl Pace {
     }
 }
 
+/// The tolerance of a reference. Its absolute part is so small a share of the scene's size that it is small against the motion too, which is
+/// often a small part of that size.
+pub(super) fn reference_tolerance(scene: &dyn Scene, relative: f64) -> Tolerance {
+    let size = scene.size();
+    Tolerance { relative, absolute: 1e-3 * relative * if size > 0.0 { size } else { 1.0 } }
+}
+
 /// A method of the registry with its default parameters.
 pub(super) fn plain(name: &str) -> Option<MethodChoice> {
     MethodChoice::new(name, &BTreeMap::new()).ok()

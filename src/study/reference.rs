@@ -13,11 +13,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, Try, plain};
+use super::bench::{Bench, Try, plain, reference_tolerance};
 use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Spectrum;
-use crate::drive::clock::{Step, Tolerance};
+use crate::drive::clock::Step;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{Outcome, Status};
 use crate::figures::figures;
@@ -184,8 +184,9 @@ impl Workshop<'_> {
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
-            let both = self.solve(&fine, self.tolerance(tight), spent);
-            let both = both.and_then(|a| Ok((a, self.solve(&coarse, self.tolerance(wide), spent)?)));
+            let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.bench.scene, relative));
+            let both = self.solve(&fine, tolerance(tight), spent);
+            let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), spent)?)));
             let (a, b) = match both {
                 Ok(both) => both,
                 Err(NoWay::TooLong { .. }) if best.is_some() => break,
@@ -206,13 +207,6 @@ impl Workshop<'_> {
         best.ok_or(NoWay::NotAgreed(f64::INFINITY)).and_then(|best| {
             if best.account.error > NOT_AGREED { Err(NoWay::NotAgreed(best.account.error)) } else { Ok(best) }
         })
-    }
-
-    fn tolerance(&self, relative: f64) -> Step {
-        let size = self.bench.scene.size();
-        // Small against the motion too, which is often a small part of the scene.
-        let absolute = 1e-3 * relative * if size > 0.0 { size } else { 1.0 };
-        Step::Adaptive(Tolerance { relative, absolute })
     }
 
     /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.

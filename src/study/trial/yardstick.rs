@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::Candidate;
 use super::timing::Clock;
 use crate::case::spec::Problem;
-use crate::drive::clock::{Step, Tolerance};
+use crate::drive::clock::Step;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::{self, Outcome, RunSpec, Status};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
-use crate::study::bench::{interval, nominal_step};
+use crate::study::bench::{interval, nominal_step, reference_tolerance};
 use crate::study::frames::{Distance, Frames, Sampler};
 
 /// The scheme of the reference.
@@ -76,8 +76,6 @@ impl<'a> Yardstick<'a> {
         let span = whole * (REFERENCE / needed).min(1.0);
         let every = if span < whole { frames.min(span / FRAMES) } else { frames };
         let relative = (FINER * accuracy).clamp(TOLERANCES[0], TOLERANCES[1]);
-        let size = scene.size();
-        let absolute = 1e-3 * relative * if size > 0.0 { size } else { 1.0 };
         let mut yardstick = Yardstick {
             scene,
             span,
@@ -90,7 +88,7 @@ impl<'a> Yardstick<'a> {
         let stop = AtomicBool::new(false);
         let most = (2.0 * REFERENCE / cost) as u64;
         let mut keeper = Attendant::new(Sampler::keeping(scene, every), most, u64::MAX, &stop);
-        let step = Step::Adaptive(Tolerance { relative, absolute });
+        let step = Step::Adaptive(reference_tolerance(scene, relative));
         let outcome = yardstick.drive(method, step, &mut keeper, &stop)?;
         if !matches!(outcome.status, Status::Completed | Status::Interrupted) || outcome.t_end < FEW * whole {
             return None;
