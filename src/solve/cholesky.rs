@@ -8,6 +8,7 @@ use super::linear::{
 };
 use super::ordering::{Permutation, fill_reducing};
 use super::single::SingleFactor;
+use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -17,7 +18,6 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, IntranodeLbltRef, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
@@ -65,14 +65,6 @@ impl std::fmt::Debug for Cholesky {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cholesky").field("stats", &self.stats()).field("kind", &self.kind).finish()
     }
-}
-
-fn symbolic_matrix(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
-    SymbolicSparseColMatRef::new_checked(pattern.n(), pattern.n(), &pattern.col_ptr, None, &pattern.row_idx)
-}
-
-fn matrix<'a>(pattern: &'a Pattern, values: &'a [f64]) -> SparseColMatRef<'a, u32, f64> {
-    SparseColMatRef::new(symbolic_matrix(pattern), values)
 }
 
 /// Multiplications and additions of one factorisation, from the supernodes: c columns over r rows below them take

@@ -1,11 +1,11 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
+use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 use std::sync::Arc;
 
@@ -27,10 +27,6 @@ impl std::fmt::Debug for Lu {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Lu").field("stats", &self.stats()).finish()
     }
-}
-
-fn symbolic_matrix(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
-    SymbolicSparseColMatRef::new_checked(pattern.n(), pattern.n(), &pattern.col_ptr, None, &pattern.row_idx)
 }
 
 /// A lower triangle written out in full.
@@ -85,12 +81,12 @@ impl LinearSolver for Lu {
         check_finite(&self.pattern, values)?;
         self.factored = false;
         let w = match &mut self.full {
-            None => SparseColMatRef::new(symbolic_matrix(&self.pattern), values),
+            None => matrix(&self.pattern, values),
             Some((full, slots, mirrored)) => {
                 for (v, &slot) in mirrored.iter_mut().zip(slots.iter()) {
                     *v = values[slot as usize];
                 }
-                SparseColMatRef::new(symbolic_matrix(full), mirrored.as_slice())
+                matrix(full, mirrored)
             }
         };
         let stack = MemStack::new(&mut self.memory);

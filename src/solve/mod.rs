@@ -16,6 +16,7 @@ mod problem;
 pub mod quasi;
 mod search;
 mod single;
+mod sparse;
 mod weighed;
 
 pub use cholesky::Cholesky;
