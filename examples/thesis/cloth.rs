@@ -3,8 +3,8 @@
 use super::page::{Caption, Section, cell};
 use super::runs::{Failed, Trace, asset, changed, run};
 use super::wire::wireframe;
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
-use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
@@ -256,7 +256,7 @@ fn steps(s: &mut Section) -> Result<(), Failed> {
     for (k, stem, h, _) in CLOTHS {
         let case = asset(stem, &[])?;
         let scene = build_scene(case.problem().system.clone(), 1)?;
-        let fastest = rates(&*scene, scene.initial_state().as_ref());
+        let fastest = Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
         let limit = critical_step(&case.problem().method, fastest);
         let lightest = scene.inverse_mass().iter().fold(0.0_f64, |m, w| m.max(*w));
         let rule = std::f64::consts::PI / (k * lightest).sqrt();

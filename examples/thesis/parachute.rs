@@ -4,8 +4,9 @@ use super::page::{Caption, Section, cell};
 use super::readings::{Reading, blow_up};
 use super::runs::{Failed, asset, changed, run, run_to_the_end};
 use super::wire::wireframe;
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
-use canopy_fem::analysis::rates::{Rates, rates};
+use canopy_fem::analysis::rates::Rates;
 use canopy_fem::case::Case;
 use canopy_fem::drive::{Outcome, Status};
 use canopy_fem::plot::chart::{Axis, Chart, Line};
@@ -154,7 +155,7 @@ fn who_acts(s: &mut Section) -> Result<(), Failed> {
     let fastest = |sets: &[(&str, &str)]| -> Result<(Rates, f64), Failed> {
         let case = asset("parachute-original", sets)?;
         let scene = build_scene(case.problem().system.clone(), 1)?;
-        let rates = rates(&*scene, scene.initial_state().as_ref());
+        let rates = Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
         Ok((rates, critical_step(&case.problem().method, rates)))
     };
     let (_, springs) = fastest(&[("system.network.aero", "null")])?;

@@ -2,8 +2,8 @@
 
 use super::page::{Caption, Section, cell};
 use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, run};
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
-use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::Case;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
 use canopy_fem::simulation::build_scene;
@@ -91,7 +91,7 @@ fn figures(out: &Path, s: &mut Section) -> Result<(), Failed> {
 fn limits(s: &mut Section) -> Result<(), Failed> {
     let base = asset("pendulum", &[("system.pendulum.angle", "0.01")])?;
     let scene = build_scene(base.problem().system.clone(), 1)?;
-    let fastest = rates(&*scene, scene.initial_state().as_ref());
+    let fastest = Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
     let mut rows = Vec::new();
     for (name, method, _) in TABLE_1 {
         let case = changed(&base, &[("time.method", method)])?;

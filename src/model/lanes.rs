@@ -23,16 +23,3 @@ impl Lanes {
         ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
     }
 }
-
-/// The sum of a list.
-pub fn lane_sum(values: &[f64]) -> f64 {
-    let mut lanes = Lanes::default();
-    let (chunks, rest) = values.as_chunks::<LANES>();
-    for chunk in chunks {
-        lanes.add(chunk);
-    }
-    let mut last = [0.0; LANES];
-    last[..rest.len()].copy_from_slice(rest);
-    lanes.add(&last);
-    lanes.total()
-}

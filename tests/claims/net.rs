@@ -10,7 +10,7 @@ use crate::claim::Claim;
 use crate::common::run::case_of;
 use crate::linearised::Linearised;
 use crate::signal::Signal;
-use canopy_fem::analysis::rates::rates;
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::simulation::build_scene;
 use glam::{DMat3, DVec3};
@@ -160,7 +160,7 @@ fn fastest(linear: &Linearised) -> Vec<Claim> {
     let top = modes.squares.len() - 1;
     let w = modes.squares[top].sqrt();
     let scene = build_scene(still(0.0).problem().clone().take_system(), 1).expect("the case is good");
-    let estimated = rates(&*scene, scene.abilities().system.initial_state().as_ref()).frequency;
+    let estimated = Spectrum::of(&*scene, scene.initial_state().as_ref()).rates().frequency;
     let mut claims = vec![
         Claim::relative("tangent: fastest wave, w^2 m/k = 6", square, 6.0, 1e-14),
         // w^2 m/k = 6 - 3/8 (dq_x a)^2 - 9/8 (dq_y a)^2 about the fastest, and a net of n a side lets in half a wave each way:

@@ -2,8 +2,8 @@
 
 use crate::claim::Claim;
 use crate::common::run::{asset, changed, follow, follow_on};
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
-use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::Case;
 use canopy_fem::drive::{Outcome, Status};
 use canopy_fem::simulation::build_scene;
@@ -91,7 +91,7 @@ pub fn table_4() -> Vec<Claim> {
 /// [s] The method's limit on a case at its start.
 fn limit(case: &Case) -> f64 {
     let scene = build_scene(case.problem().system.clone(), 1).expect("the case is good");
-    critical_step(&case.problem().method, rates(&*scene, scene.initial_state().as_ref()))
+    critical_step(&case.problem().method, Spectrum::of(&*scene, scene.initial_state().as_ref()).rates())
 }
 
 /// Remarks of the thesis, in numbers.

@@ -3,8 +3,8 @@
 //! Bytes after a NUL are `--set` assignments, one a line.
 
 use crate::failure::is_true;
+use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
-use canopy_fem::analysis::rates::rates;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
 use canopy_fem::case::{Case, CaseError, Place};
@@ -133,7 +133,7 @@ fn analysed(problem: &Problem) -> Result<(), String> {
     if let Err(error) = bind(problem, scene) {
         return if error.to_string().split_whitespace().count() < 4 { Err(error.to_string()) } else { Ok(()) };
     }
-    let rates = rates(scene, scene.initial_state().as_ref());
+    let rates = Spectrum::of(scene, scene.initial_state().as_ref()).rates();
     if !(rates.frequency >= 0.0 && rates.damping >= 0.0) {
         return Err(format!("{rates:?}"));
     }
