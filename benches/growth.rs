@@ -73,10 +73,6 @@ impl Observer for Pacer<'_> {
         }
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }
 
 /// [s] processor time of this process

@@ -139,8 +139,4 @@ impl<W: FnMut(&Seen<'_>)> Observer for Follower<'_, W> {
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         self.show(step.to, step.ledger, step.newton_iterations)
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }

@@ -49,10 +49,6 @@ impl Observer for Times {
         self.0.push(step.to.state.t);
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }
 
 fn times(problem: &Problem) -> (Outcome, Vec<f64>) {

@@ -5,7 +5,7 @@
 mod common;
 
 use canopy_fem::drive::clock::{Step, Tolerance};
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, StepView};
+use canopy_fem::drive::observer::{ObserveError, Observer, StepView};
 use canopy_fem::drive::{RunSpec, run};
 use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
@@ -101,10 +101,6 @@ struct Marks<'a> {
 }
 
 impl Observer for Marks<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         for (mark, at) in self.blocks.iter_mut().zip([60, 120]) {
             if step.step >= at && *mark == 0 {
@@ -112,10 +108,6 @@ impl Observer for Marks<'_> {
             }
         }
         self.stop.store(self.blocks[1] > 0, Ordering::Relaxed);
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use canopy_fem::drive::observer::{Coming, ObserveError, Observer, Passing, StepView};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::methods;
 use canopy_fem::output::frame::Fields;
@@ -25,10 +25,6 @@ struct Witness {
 }
 
 impl Observer for Witness {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         self.alone += 1;
         assert_eq!(self.alone + self.in_strides, step.step);
@@ -43,10 +39,6 @@ impl Observer for Witness {
         self.in_strides += 1;
         assert_eq!(self.alone + self.in_strides, step.step);
         assert!(step.at.is_none_or(|at| at.state.t == step.t));
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

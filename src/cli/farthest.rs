@@ -1,6 +1,6 @@
 //! The largest displacement at the end of a run.
 
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{Coming, ObserveError, Observer, Point, StepView};
 use crate::scene::Scene;
 
 /// The largest displacement at the end, for the report.
@@ -19,10 +19,6 @@ impl<'a> Farthest<'a> {
 }
 
 impl Observer for Farthest<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         Ok(())
     }

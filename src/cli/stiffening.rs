@@ -173,10 +173,6 @@ impl<'a> Stiffening<'a> {
 }
 
 impl Observer for Stiffening<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         self.look(at.state.as_ref(), self.watched.step);
         Ok(())
@@ -195,10 +191,6 @@ impl Observer for Stiffening<'_> {
 
     fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
         self.stepped(step.step, step.ledger.kinetic, step.at.map(|at| (at, step.t - step.from)));
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

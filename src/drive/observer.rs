@@ -98,7 +98,9 @@ pub trait Observer {
     ///
     /// # Errors
     /// When results cannot be written.
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError>;
+    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
+        Ok(())
+    }
 
     /// Instead of [`Observer::started`], before the first step of a run that goes on from a snapshot.
     ///
@@ -145,5 +147,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// When results cannot be written.
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError>;
+    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
+        Ok(())
+    }
 }

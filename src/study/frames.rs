@@ -3,7 +3,7 @@
 //! Frames are what `solve` would write: the state at every multiple of the interval and at the end, a frame between two steps being
 //! their cubic Hermite interpolation.
 
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Point, StepView};
 use crate::model::state::State;
 use crate::output::hermite::interpolate;
 use crate::output::schedule::{Due, Schedule, tolerance};
@@ -165,10 +165,6 @@ impl<'a> Sampler<'a> {
 }
 
 impl Observer for Sampler<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         let (from, to) = (&step.from.state, &step.to.state);
         while let Some(due) = self.schedule.next_in(from.t, to.t) {

@@ -18,7 +18,7 @@ use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Spectrum;
 use crate::drive::clock::Step;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{ObserveError, Observer, StepView};
 use crate::drive::{Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::Counters;
@@ -121,19 +121,11 @@ struct Limit<'a> {
 }
 
 impl Observer for Limit<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 || self.user.load(Ordering::Relaxed) {
             self.stop.store(true, Ordering::Relaxed);
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

@@ -42,10 +42,6 @@ impl Observer for Frames {
         }
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }
 
 fn frames(case: &Case, method: &str, relative: f64, count: u32) -> Vec<State> {

@@ -53,30 +53,18 @@ impl Observer for StopAfter<'_> {
         self.look(step.step);
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }
 
 /// Watches nothing.
 struct Nobody;
 
 impl Observer for Nobody {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         Ok(())
     }
 
     fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
         coming.len()
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
     }
 }
 
@@ -314,10 +302,6 @@ struct Copier<'a> {
 }
 
 impl Observer for Copier<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         if step.step == self.step + 1 {
             while checkpoint(self.from).is_none_or(|found| found.snapshot.step < self.step) {
@@ -328,10 +312,6 @@ impl Observer for Copier<'_> {
                 std::fs::write(self.to.join(path.strip_prefix(self.from).expect("below")), bytes).expect("a file");
             }
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

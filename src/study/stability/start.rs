@@ -14,7 +14,7 @@ use super::StabilitySpec;
 use super::measure::PASSES;
 use crate::analysis::rough;
 use crate::drive::clock::Step;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{ObserveError, Observer, Point, StepView};
 use crate::drive::{self, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
@@ -154,10 +154,6 @@ struct Follower<'a> {
 }
 
 impl Observer for Follower<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         let look = step.step.is_multiple_of(self.every);
         if self.stop.load(Ordering::Relaxed) || look && !self.tangent.is_same(self.scene, step.to.state.as_ref()) {

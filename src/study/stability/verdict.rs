@@ -223,8 +223,4 @@ impl Observer for Judge<'_> {
         self.looks.stepped(&step);
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::timing::Clock;
 use crate::drive::clock::{Step, Tolerance};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
+use crate::drive::observer::{ObserveError, Observer, Resumable, StepView};
 use crate::drive::{self, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -100,10 +100,6 @@ struct Keeper<'a> {
 }
 
 impl Observer for Keeper<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
         if self.states.last().is_some_and(|last| run.step < last.step + self.every) {
             return Ok(());
@@ -127,10 +123,6 @@ impl Observer for Keeper<'_> {
         if step.step.is_multiple_of(8) || step.step < 8 {
             self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

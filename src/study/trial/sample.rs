@@ -6,7 +6,7 @@ use super::course::Window;
 use super::timing::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Resumable, StepView};
+use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Resumable, StepView};
 use crate::drive::watch::Watch;
 use crate::drive::{self, RunError, RunSpec, Snapshot, Status};
 use crate::integrate::Counters;
@@ -146,10 +146,6 @@ impl Until<'_> {
 }
 
 impl Observer for Until<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
         self.stepped();
         Ok(())
@@ -161,10 +157,6 @@ impl Observer for Until<'_> {
 
     fn passed(&mut self, _step: Passing<'_>) -> Result<(), ObserveError> {
         self.stepped();
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }
@@ -251,10 +243,6 @@ impl<'a> Meter<'a> {
 }
 
 impl Observer for Meter<'_> {
-    fn started(&mut self, _at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        Ok(())
-    }
-
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
         if self.due || self.stop.load(Ordering::Relaxed) {
             self.due = false;
@@ -276,10 +264,6 @@ impl Observer for Meter<'_> {
 
     fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
         self.stepped(step.t - step.from);
-        Ok(())
-    }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
         Ok(())
     }
 }

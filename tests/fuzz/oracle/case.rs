@@ -192,10 +192,6 @@ impl Observer for Look<'_> {
         self.stop.store(step.step as f64 >= MOST_ADAPTIVE, Ordering::Relaxed);
         Ok(())
     }
-
-    fn finished(&mut self, _last: &Point) -> Result<(), ObserveError> {
-        Ok(())
-    }
 }
 
 fn account(outcome: &Outcome) -> Result<(), String> {
