@@ -71,13 +71,13 @@ impl<'a> Linearised<'a> {
     }
 }
 
-/// A fixed number in [-1, 1] of alternating sign, from a multiplicative hash.
+/// [-] A fixed number in [-1, 1) for every index, scattered without a pattern in sign or size: a multiplicative hash.
 pub(crate) fn rough(i: usize) -> f64 {
     let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }
 
-/// In eight lanes, which a processor can add side by side.
+/// a.b in eight lanes, which a processor can add side by side. Adds them in another order than `solve::norms`: the bits of limits hang on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();

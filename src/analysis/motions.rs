@@ -9,22 +9,26 @@ use super::linearised::Linearised;
 use super::rates::Rates;
 use crate::integrate::registry::MethodChoice;
 
-/// Eigenvalues of L with a larger residual, in units of the fastest rate, are not used.
+/// [-] Eigenvalues of L with a larger residual, over the fastest rate, are not used.
 const CONVERGED: f64 = 1e-3;
-/// Products for the eigenvalues of L.
+/// [products] with L for its eigenvalues.
 const PRODUCTS: usize = 80;
 
 /// A motion that may set a limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
+    /// [rad/s] undamped frequency
     pub frequency: f64,
+    /// [1/s] damping rate: twice that at which its amplitude decays, where it swings
     pub damping: f64,
+    /// degree of freedom that moves most
     pub dof: usize,
     /// whether the motion itself grows; a scheme that grows with it at every step is not wrong
     pub grows: bool,
 }
 
 impl Motion {
+    /// [s] the largest stable step of a method on this motion
     pub fn limit(&self, method: &MethodChoice) -> f64 {
         critical_step(method, self.rates())
     }

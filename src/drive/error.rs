@@ -1,4 +1,4 @@
-//! Why there is no outcome.
+//! Errors of a run that could not start, or whose results could not be kept.
 
 use super::observer::ObserveError;
 use crate::integrate::StepError;

@@ -1,4 +1,5 @@
-//! What a run tells those who watch it: one view an accepted step, or less of one where they let steps be made in one go.
+//! What a run tells its observers: both ends of every accepted step, or, of steps that they allow to be made several at once, the account and a few
+//! figures.
 
 pub use super::snapshot::{Occasion, Resumable};
 pub use crate::model::point::Point;

@@ -1,4 +1,4 @@
-//! Where the next step of a run comes from.
+//! The choice of the next step of a run: from a fixed size, or from what the tolerance allows.
 
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Trial};
 use super::clock::{FixedSteps, Step, Tick};

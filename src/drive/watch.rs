@@ -6,8 +6,8 @@
 //! push     = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what they give in one step
 //! diverged: made > 10 (supplied + push)      or       elastic > 10 supplied
 //! ```
-//! What is supplied bounds all motion, so it is the measure, and it is all the more the energy otherwise exchanged: what was
-//! made itself drives up kinetic, elastic and dissipated energy, against which a gain could never reach a factor of ten.
+//! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged: energy made by the
+//! scheme turns into kinetic, elastic and dissipated energy, so that against those a gain could never reach a factor of ten.
 //! The bound needs no length, speed or strain of anyone's choice: a node that is faster, or a spring that is strained more,
 //! than with all the energy there ever was, times ten, cannot be right.
 //!
@@ -27,15 +27,15 @@ use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
 
-/// A gain beyond this many times the energy otherwise exchanged is a divergence.
+/// [-] A gain, or elastic energy, beyond this many times the energy supplied is a divergence.
 const DIVERGED: f64 = 10.0;
-/// A gain beyond this share of the energy supplied is worth a warning.
+/// [-] A gain beyond this share of the energy supplied is worth a warning.
 pub const DOUBTFUL: f64 = 0.1;
-/// The warning waits until the gain is this many times what a first-order scheme makes in the first step of a load.
+/// [-] The warning waits until the gain is this many times `push`, which a scheme of first order makes in the first step of a load.
 const BEYOND_PUSH: f64 = 10.0;
-/// Roundings of a position or a force in a step.
+/// [-] Roundings of a position or a force in a step.
 const ROUNDINGS: f64 = 8.0;
-/// Share of the energies in the account that sums of many numbers lose.
+/// [-] Share of the energies in the account that sums of many numbers lose.
 const SUMS: f64 = 1e-12;
 /// Gains kept to tell how fast they grow.
 const KEPT: usize = 5;

@@ -1,8 +1,8 @@
-//! A force pass with what a scheme does to nodes just before and just after, in one way through them.
+//! A force pass with what a scheme does to nodes just before and just after it, in one sweep through the nodes.
 //!
-//! Strips are gone over in rounds. Nodes are moved before the first round that reaches them; what follows from the forces of a round's own nodes happens
-//! when they are complete. No later round of the pass reads those nodes, since elements belong to the strip of their smallest node. So a large scene crosses the
-//! memory once a step. All sums are those of `Sweep::pass`, in their order.
+//! The strips are done in rounds. A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's own
+//! strips as soon as their forces are complete. No later round of the pass reads those nodes, since elements belong to the strip of their smallest node. So
+//! a large scene is read from memory once a step. All sums are those of `Sweep::pass`, in the same order.
 
 use super::NodeState;
 use super::room::Needs;

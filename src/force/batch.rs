@@ -1,4 +1,4 @@
-//! What a pass over the tiles sums into nodes, and batches of like elements.
+//! The interface of what a pass over the tiles sums into nodes ([`Summand`]), and an implementation for many elements of one kind ([`Batch`]).
 
 pub use super::tile::Elements;
 use super::tile::Tile;

@@ -1,4 +1,4 @@
-//! The room that passes need, and the places in it and in the sums where some strips leave what they find.
+//! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its strips.
 
 use super::stride::Level;
 use super::threads::SUMS;

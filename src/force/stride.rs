@@ -1,8 +1,9 @@
-//! The way through the strips in rounds, of one step or of several that follow each other a few strips apart.
+//! Force passes of one step, or of several steps at once, each a few strips behind the one before it (time skewing).
 //!
-//! A level is one pass on its way: of one step, or of the next, or the second of the same. Its next round can begin as soon as all nodes that the round's elements reach are complete in the level before, and were moved on.
-//! As elements belong to the strip of their smallest node, that level needs those nodes no more: everything happens in place, and the sums of one level
-//! take the place of those of the level before. The highest level that can go on goes first, so that it meets nodes while they are in cache.
+//! A level is one of these passes: that of the first step, of the next one, or the second pass of the same step. The strips of a level are done in rounds. A round can begin
+//! as soon as all nodes that its elements reach are complete in the level before, and were moved on. Since elements belong to the strip of their smallest
+//! node, the level before does not need those nodes any more: all happens in place, and sums of a level overwrite those of the level before. Of the levels
+//! that can go on the highest goes first, so that it finds its nodes in cache.
 
 use super::around::Moving;
 use super::room::{Needs, Room};

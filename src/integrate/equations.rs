@@ -21,13 +21,15 @@ pub(super) struct Equations<'a> {
     pub system: &'a dyn TangentSystem,
     pub map: StageMap,
     pub from: &'a Point,
+    /// [m/s^2] accelerations at the step's start
     pub a: &'a [f64],
-    /// [m/s^2] what they will be if they go on as they did
+    /// [m/s^2] accelerations at its end, if they go on as they did in the step before
     pub expected: &'a [f64],
     pub to: &'a mut Point,
     pub counters: &'a mut Counters,
     pub tangents: &'a mut Tangents,
     pub kept: &'a mut Kept,
+    /// [m/s^2] accelerations at the step's end
     pub a_next: &'a mut [f64],
     /// [kg] by degree of freedom
     pub mass: &'a [f64],
@@ -37,7 +39,7 @@ pub(super) struct Equations<'a> {
     pub stiffness: &'a [f64],
     /// [1/s^2] the largest of that over its mass
     pub fastest: f64,
-    /// [s]
+    /// [s] size of the step
     pub h: f64,
     /// [m] largest coordinate, which sets the rounding of positions
     pub largest: f64,
@@ -61,7 +63,7 @@ pub(super) enum Guess {
     Rest,
 }
 
-/// A guess that changes the forces by more than this share of their size has left the neighbourhood in which it means
+/// [-] A guess that changes the forces by more than this share of their size has left the neighbourhood in which it means
 /// anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
 const FORCE_CHANGE: f64 = 0.5;
 

@@ -1,14 +1,14 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
 //! Eisenstat's product (1981).
 //!
-//! No factor is stored: making the solver ready costs about thirteen of its iterations, and its memory is about that of W, of which an iteration reads a third. Iterations grow like the
-//! root of stiffness over inertia, h sqrt(k/m), so it serves small steps. It works on
+//! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and making it ready costs about thirteen
+//! iterations. The number of iterations grows with the root of stiffness over inertia, h sqrt(k/m), so it suits small steps. It works on
 //!
 //! ```text
 //! (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
 //! ```
-//! in single precision, and its residual is the one of this system: W's residual in the norm of the inverse preconditioner. What single precision cannot
-//! give comes from repeated solves for the residual in double precision (iterative refinement: Higham 2002, chapter 12).
+//! in single precision, and its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller residuals than
+//! single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
 use super::blocks::NodeBlocks;
 use super::eisenstat::Sweep;
@@ -26,15 +26,17 @@ const SINGLE: f64 = 1e-6;
 const ROUND: f64 = 0.1;
 /// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
 const ROUNDING: f64 = 1e-5;
-/// Iterations that tell whether M is nearly singular; nodes in a run for which it is looked at; and p . W p over p . p of such a run at most [-]: 0.8 to 2
-/// on taut nets, which fill in the pivots serves. In waves some springs long, of a whole net or of six nodes in a flat one, it is 4.5 to 1e8; motions that hardly matter
-/// then drown all others in the residual.
+/// [iterations] after which it is judged whether M is nearly singular.
 const PROBE: u32 = 3;
+/// [nodes] in each of the runs in which that is looked for: a flaw of a few nodes would not show in the whole scene.
 const RUN: usize = 256;
+/// [-] p . W p over p . p that a run may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves; where M is nearly singular (nets with
+/// waves some springs long, or six nodes of such waves in a flat net) it is 4.5 to 1e8, and motions that hardly matter drown all others
+/// in the residual.
 const LARGEST: f64 = 2.0;
-/// Iterations that are made if anything is to be gained: where so few are enough, so is one iteration around them
+/// [iterations] in which a solve still goes on to the tighter of its two tolerances: where so few reach it, one iteration around the solve is enough.
 const FEW: u32 = 2;
-/// Iterations after which a solve is given up: in exact arithmetic as many as unknowns would do.
+/// [iterations] after which a solve is given up: as many as unknowns, which would do in exact arithmetic, within these bounds.
 const MOST: [usize; 2] = [200, 20_000];
 
 /// W x = b by conjugate gradients.

@@ -1,4 +1,5 @@
-//! What conjugate gradients do with W and M: sweeps over the nodes, forth and back.
+//! The operations of conjugate gradients on W and its preconditioner M: triangular solves over the nodes, forwards and backwards, and Eisenstat's
+//! product made of them.
 
 use super::blocks::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};

@@ -1,5 +1,5 @@
-//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes, twice the numbers in a register, and loops made for the few
-//! rows and columns that a supernode of a net has, where dense kernels of a library spend their time on beginning.
+//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes and twice the numbers in a register. Its loops are made for the
+//! small supernodes of a net, where the dense kernels of a library spend most of their time on being called.
 //!
 //! Columns are taken in pieces, with the inverse of their own triangle and the rows below it in chunks:
 //!

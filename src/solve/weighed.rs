@@ -1,8 +1,8 @@
 //! Cholesky or conjugate gradients for a W that is kept over many solves, by counted work.
 //!
-//! What Cholesky would cost is counted on the elimination tree of the nodes, without a symbolic factorisation; what conjugate gradients cost
-//! shows in a solve with W itself, of a right-hand side that is always the same, which is given up where Cholesky would be cheaper. So the choice depends on
-//! nothing but W: not on the machine, nor on what was solved before.
+//! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of conjugate gradients is
+//! the number of iterations that they take to solve W x = b for a fixed pseudo-random b; this trial ends as soon as Cholesky would have been
+//! cheaper. So the choice depends on W alone: not on the machine, nor on what was solved before.
 
 use super::linear::{
     ASSEMBLY_FLOPS, Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, SOLVE_FLOPS,
@@ -14,21 +14,24 @@ use crate::assembly::Pattern;
 use crate::startup::{Phase, timed};
 use std::sync::Arc;
 
-/// Solves that a factor serves before it is made anew (cloths of 703 nodes in steps of 1 and 10 ms: 17 to 60), and a matrix of conjugate
-/// gradients (11 to 500).
+/// [solves] that a factor serves before it is made anew (cloths of 703 nodes in steps of 1 and 10 ms: 17 to 60), and that a matrix of
+/// conjugate gradients serves (11 to 500).
 const SERVED: [f64; 2] = [20.0, 16.0];
-/// Entries stored of L for one that is counted: supernodes have zeros.
+/// [-] Entries stored of L for one that is counted: supernodes have zeros.
 const PADDING: f64 = 1.3;
-/// Units of work, of which an entry of L takes 6.4 in a solve (0.9 ns at 703 nodes). By them an operation of a factorisation, on dense blocks, and
-/// besides an entry of L in it; an entry of W in an iteration of conjugate gradients (1.0 to 1.5 ns), and in making it ready.
+/// [units of work] of an entry of L in a solve (0.9 ns at 703 nodes); the costs below are in the same unit.
 const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
+/// [units of work] of an operation in a factorisation, where dense blocks make it cheap.
 const OPERATION: f64 = 0.25;
+/// [units of work] of an entry of L in a factorisation, besides the operations.
 const FACTOR: f64 = 68.0;
+/// [units of work] of an entry of W in an iteration of conjugate gradients (1.0 to 1.5 ns).
 const ITERATION: f64 = 7.5;
+/// [units of work] of an entry of W in making conjugate gradients ready.
 const READY: f64 = 97.5;
-/// The same of an unknown in a force pass and in the vectors of an iteration around the solve.
+/// [units of work] of an unknown in one iteration around the solve: a force pass and operations on vectors.
 const AROUND: f64 = 250.0;
-/// How many more iterations the less exact solves take around them (1 to 2).
+/// [-] Iterations around the solves when these are by conjugate gradients, over those around exact solves (1 to 2).
 const MORE: f64 = 1.2;
 
 /// What a solve would cost each way, its share of making what it needs and the iteration around it included.

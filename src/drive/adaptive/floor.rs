@@ -1,4 +1,4 @@
-//! What is said when no step is small enough.
+//! The diagnosis of a run that ends because even the smallest step does not meet the tolerance.
 
 use super::estimate::Deviation;
 use crate::drive::failure::{Failure, Scenery};

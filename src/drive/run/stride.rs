@@ -1,7 +1,7 @@
 //! Several steps in one go, where nobody needs to see the states on the way ([`crate::model::stride`]).
 //!
-//! Every step is accounted for and watched as it is alone. What looks wrong in a stride is dropped with it: the same steps are then made one by one, and speak for
-//! themselves.
+//! Every step of a stride enters the account and is watched as a single step is. Where one looks wrong, the whole stride is dropped and its steps are made again
+//! one by one, so that what is reported is what the step itself shows.
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::Watched;

@@ -1,8 +1,9 @@
 //! One run of a method at one step: how long it is, what came of it, and where the scene was stiffest on its way.
 //!
-//! An instability of two percent has to grow out of the displacement that a run starts with, e^18, within the run; how fast it does is known
-//! from one step of the scheme on the oscillator that sets the limit. A run makes as many steps as that takes, at least as many as the case itself would, and
-//! no more than a number of force passes (or implicit steps) that depends on the size of the scene alone.
+//! A run has to be long enough for an instability just beyond the limit to grow from the tiny displacement that the run starts with to a size
+//! that cannot be overlooked. How fast it grows follows from one step of the scheme on the oscillator that sets the limit. A run makes as many
+//! steps as that growth takes, at least as many as the case itself would, and no more than a number of force passes (or implicit steps) that
+//! depends on the size of the scene alone.
 
 use super::row::RunRow;
 use super::start::Start;
@@ -21,9 +22,10 @@ use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// E-folds from what a motion that is hardly in the start's displacement begins with to far more than there can be.
+/// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start holds hardly anything
+/// becomes far larger than any stable motion.
 pub(super) const E_FOLDS: f64 = 45.0;
-/// Share beyond the predicted limit whose growth a run is to show.
+/// [-] Share by which a step lies beyond the predicted limit if its growth is to show in a run.
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
 pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
@@ -31,8 +33,9 @@ pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
 const SOLVES: [f64; 2] = [6e4, 1e3];
 /// Fewest steps of a run: explicit, implicit.
 const FEWEST: [f64; 2] = [400.0, 20.0];
-/// Share of a limit at which it is seen whether a scheme swings the energy, and a swing that is none.
+/// [-] Share of its limit at which a scheme is asked whether it swings the energy of an oscillation.
 const NEAR: f64 = 0.98;
+/// [-] A scheme whose energy swings by less than this factor there does not swing it.
 const CALM: f64 = 1.5;
 /// Motion is kept up where it is so many times that of a shorter step, and more than this share of all energy.
 const LIVELY: [f64; 2] = [30.0, 1e-3];

@@ -1,4 +1,4 @@
-//! States all along a run, for other methods to be tried from: a run costs at its end what it does not at its start.
+//! States sampled along a whole run, from which other methods are tried: a step at the end of a run may cost more than one at its start.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,4 +1,4 @@
-//! From samples along the way to a whole run.
+//! The cost of a whole run, estimated from a few real steps sampled along it.
 
 use super::sample::Sample;
 

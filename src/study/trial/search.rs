@@ -13,14 +13,15 @@ use crate::study::bench::{nominal_pass, nominal_step};
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];
-/// Steps are not told from steps more than so many times longer.
+/// [-] What runs with longer steps showed is not carried over to steps more than so many times shorter.
 const REACH: f64 = 5.0;
-/// Runs for a step, and for a tolerance.
+/// [runs] at most for a step, and for a tolerance.
 const RUNS: [usize; 2] = [6, 3];
-/// [-] of the accuracy: what is aimed at, and what is enough.
+/// [-] Share of the accuracy that the next step is to make as its error.
 const AIM: f64 = 0.7;
+/// [-] Share of the accuracy above which an error is near enough to it: no longer step is tried.
 const ENOUGH: f64 = 0.4;
-/// [-] of the accuracy that is aimed at where the last run could not be afforded, and where none could.
+/// [-] Share of the accuracy that is aimed at where the last run could not be afforded, and where none could.
 pub(super) const CAREFUL: f64 = 0.4;
 /// [-] What is told from a part of a run must not come closer to the accuracy than this.
 const FROM_PART: f64 = 0.6;
@@ -28,7 +29,7 @@ const FROM_PART: f64 = 0.6;
 const CHANGE: f64 = 20.0;
 /// [-] Longest step, as a share of the run.
 const LONGEST: f64 = 0.1;
-/// Fewest steps of a run that is compared.
+/// [steps] Fewest of a run that is compared.
 const FEWEST: f64 = 4.0;
 /// [s] A step with a nominal cost above this is tried with the case's method and Newmark's only.
 const DEAR: f64 = 4e-3;
