@@ -53,7 +53,7 @@ pub fn kept_factor(
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
     let factor = Factor::kept(assembler, choice)?;
     // What is not factorised is cheap to make, and cheaper to keep.
-    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), system.symmetric());
+    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
     Ok(keeps.then_some(factor))
 }
 
