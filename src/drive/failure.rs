@@ -110,8 +110,12 @@ impl Scenery<'_> {
         format!("{made}{joint}{why}; {advice}")
     }
 
-    /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual.
-    pub(super) fn not_converged(&self, error: &StepError, worst: usize) -> Failure {
+    /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual, if it was tried.
+    pub(super) fn not_converged(&self, error: &StepError, worst: Option<usize>) -> Failure {
+        let Some(worst) = worst else {
+            let advice = "no step was tried: the matrix or its solver could not be set up; choose another solver.linear, or a method without matrix";
+            return self.report(Suspect::default(), error.to_string(), advice.to_owned());
+        };
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
         if let StepError::Newton(NewtonFailure::NotFinite { .. }) = error {
             let advice = "check loads, wind, masses, speeds and damping for a wrong unit: a force, or the square of one, has left the \

@@ -169,7 +169,7 @@ impl<'a> Run<'a> {
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.passes(scene, &snapshot)?;
-        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, adaptive } = snapshot;
+        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } = snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
@@ -177,7 +177,7 @@ impl<'a> Run<'a> {
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
         let pace = Pace::of(scene, stepper, spec, adaptive);
-        Ok(Run { counters, steps, failure, ..Run::at(scene, spec, Begun { from, pace, ledger, watch, row }) })
+        Ok(Run { counters, steps, failure, doubt, ..Run::at(scene, spec, Begun { from, pace, ledger, watch, row }) })
     }
 
     /// Before its first step.
@@ -203,11 +203,11 @@ impl<'a> Run<'a> {
     }
 
     fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
-        let Run { from: at, row, counters, ledger, failure, steps, .. } = self;
-        let (row, counters, failure) = (*row, *counters, failure.as_ref());
+        let Run { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
+        let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
         let watch = self.watch.account();
         let adaptive = self.pace.state();
-        Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, stepper, adaptive }
+        Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, doubt, stepper, adaptive }
     }
 
     /// The next step, or the next to try; `None` at the end.

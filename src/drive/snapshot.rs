@@ -40,6 +40,8 @@ pub struct Snapshot {
     pub watch: Account,
     /// first trouble of a run that was let go on past it
     pub failure: Option<Failure>,
+    /// the warning the run has given
+    pub doubt: Option<String>,
     /// where adaptive steps stand
     pub adaptive: Option<AdaptiveState>,
 }
@@ -97,6 +99,7 @@ pub struct Resumable<'a> {
     pub(super) ledger: &'a Ledger,
     pub(super) watch: &'a Account,
     pub(super) failure: Option<&'a Failure>,
+    pub(super) doubt: Option<&'a String>,
     pub(super) stepper: &'a Stepper<'a>,
     pub(super) adaptive: Option<&'a AdaptiveState>,
 }
@@ -116,6 +119,7 @@ impl Resumable<'_> {
             row: self.row,
             watch: *self.watch,
             failure: self.failure.cloned(),
+            doubt: self.doubt.cloned(),
             adaptive: self.adaptive.cloned(),
         }
     }

@@ -122,7 +122,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
         let Some(s) = &mut self.solver else {
-            return Err(StepError::Newton(NewtonFailure::NotFinite { worst: 0 }));
+            return Err(StepError::NotStarted);
         };
         let map = self.scheme.map(h);
         to.state.copy_from(from.state.as_ref());

@@ -137,6 +137,9 @@ pub enum StepError {
     /// The matrix cannot be set up.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// [`Integrator::start`] was not called.
+    #[error("a step was asked for before the scheme was started at a state")]
+    NotStarted,
     /// The saved state belongs to another scheme or scene.
     #[error("the saved state of the scheme holds {found} vectors where {expected} of length {length} are needed")]
     Carried {

@@ -127,7 +127,7 @@ fn assert_resumes(case: &Case, stops: [u64; 2], what: &str) {
     }
     let found = solve(case, parts.path(), Part { resume: true, ..WHOLE });
     assert_eq!((found.status, found.steps, found.t_end), (expected.status, expected.steps, expected.t_end), "{what}");
-    assert_eq!(found.counters, expected.counters, "{what}");
+    assert_eq!((found.counters, &found.doubt), (expected.counters, &expected.doubt), "{what}");
     assert_eq!(
         (found.ledger, found.energy_error, found.energy_made),
         (expected.ledger, expected.energy_error, expected.energy_made),
@@ -343,6 +343,18 @@ fn the_first_trouble_is_kept() {
     let resumed = solve(&case, parts.path(), Part { resume: true, ..on });
     assert_eq!((resumed.status, resumed.steps), (Status::Diverged, expected.steps));
     assert_eq!(resumed.failure, expected.failure);
+}
+
+/// A run that was warned of before it was stopped is told as such after it was resumed.
+#[test]
+fn the_warning_is_kept() {
+    let sets = [("time.method", "explicit-euler"), ("time.step", "0.02"), ("time.end", "3"), ("system.pendulum.damping", "0")];
+    let case = case_of(&pendulum(), &sets);
+    let (whole, parts) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let expected = solve(&case, whole.path(), WHOLE);
+    assert!(expected.doubt.is_some() && expected.status == Status::Completed, "{:?}", expected.status);
+    assert_eq!(solve(&case, parts.path(), Part { until: expected.steps - 1, ..WHOLE }).doubt, expected.doubt);
+    assert_eq!(solve(&case, parts.path(), Part { resume: true, ..WHOLE }).doubt, expected.doubt);
 }
 
 /// Counts the checkpoints a run keeps, as they replace each other: at t = 0, at each interval, before the last step; and none

@@ -88,10 +88,10 @@ impl Run<'_> {
     }
 }
 
-/// The degree of freedom with the largest residual of a step that could not be solved.
-fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> usize {
+/// The degree of freedom with the largest residual of a step that could not be solved; `None` where it was not tried.
+fn worst_of(error: &StepError, stepper: &Stepper<'_>) -> Option<usize> {
     match error {
-        StepError::Newton(failure) => stepper.dof_of_unknown(failure.worst()),
-        _ => 0,
+        StepError::Newton(failure) => Some(stepper.dof_of_unknown(failure.worst())),
+        _ => None,
     }
 }
