@@ -56,7 +56,7 @@ pub struct Outcome {
     pub t_end: f64,
     /// work done
     pub counters: Counters,
-    /// [-] largest numerical energy over the largest energy exchanged
+    /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies that were rounded
     pub energy_error: f64,
     /// [-] largest energy made by the scheme over all energy that was there or was put in
     pub energy_made: f64,

@@ -227,7 +227,7 @@ impl<'a> Run<'a> {
             rejected_steps: self.pace.state().map_or(0, |state| state.rejected),
             t_end: self.from.state.t,
             counters: self.counters,
-            energy_error: self.ledger.energy_error(),
+            energy_error: self.ledger.energy_error(self.steps),
             energy_made: self.watch.share(&self.from, &self.row, self.steps),
             doubt: self.doubt,
             ledger: self.row,

@@ -95,7 +95,7 @@ impl Run<'_> {
         match (sight, left) {
             (Sight::Calm | Sight::Doubt(_), Some(_)) => {
                 let share = self.watch.share(to, after, step);
-                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error() })
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error(step) })
             }
             _ => sight,
         }
