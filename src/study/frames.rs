@@ -64,8 +64,7 @@ impl Distance {
         for (a, b) in a.iter().zip(b) {
             let square = distance_squared(a, b);
             self.squares += square;
-            // max() drops a NaN, which must not look like no error.
-            self.largest = if square.is_nan() { f64::NAN } else { self.largest.max(square.sqrt()) };
+            self.largest = larger(self.largest, square.sqrt());
         }
     }
 
@@ -74,6 +73,11 @@ impl Distance {
         let relative = [(self.squares / motion.squares).sqrt(), self.largest / motion.largest];
         (self.frames == motion.frames && relative.iter().all(|e| e.is_finite())).then_some(relative)
     }
+}
+
+/// The larger of two numbers, NaN if one of them is: max() drops it, and it must not look like no error.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 fn distance_squared(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -149,7 +153,7 @@ impl<'a> Sampler<'a> {
                 for ((x, v), x0) in self.positions.iter().zip(&self.velocities).zip(&self.start) {
                     let square = distance_squared(x, x0);
                     motion.squares += square;
-                    motion.largest = motion.largest.max(square.sqrt());
+                    motion.largest = larger(motion.largest, square.sqrt());
                     motion.velocity_squares += v.iter().map(|v| v * v).sum::<f64>();
                 }
             }
@@ -199,5 +203,19 @@ impl Observer for Sampler<'_> {
             self.visit(&last.state);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A node that is nowhere stays in the largest distance, whatever follows it.
+    #[test]
+    fn a_distance_keeps_what_is_no_number() {
+        let at = |x: [f64; 3]| Frames { nodes: 1, positions: x.map(|x| [x, 0.0, 0.0]).to_vec(), ..Frames::default() };
+        assert_eq!(Distance::between(&at([0.0, 3.0, 1.0]), &at([0.0; 3])).largest, 3.0);
+        let lost = Distance::between(&at([0.0, f64::NAN, 1.0]), &at([0.0; 3]));
+        assert!(lost.largest.is_nan() && lost.squares.is_nan(), "{lost:?}");
     }
 }
