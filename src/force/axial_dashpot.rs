@@ -43,6 +43,11 @@ struct Damping {
 }
 
 impl AxialData {
+    /// [N] what dashpot `i` adds to the elastic tension of its spring.
+    pub fn force(&self, at: NodeState<'_>, i: usize) -> f64 {
+        self.damping(at, i).force
+    }
+
     #[inline]
     fn damping(&self, at: NodeState<'_>, i: usize) -> Damping {
         let springs = &self.springs;

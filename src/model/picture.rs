@@ -18,7 +18,7 @@ pub trait Picture: System {
     /// Node positions [m] and velocities [m/s] of a state.
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]);
 
-    /// Applied force [N] on every node (elastic, gravity, air, loads, damping), zero at fixed degrees of freedom.
+    /// Net force [N] on every node (elastic, gravity, air, loads, damping), zero at fixed degrees of freedom.
     fn node_forces(&self, at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]);
 
     /// Support reaction [N] on every node, zero at free degrees of freedom.
@@ -26,6 +26,12 @@ pub trait Picture: System {
 
     /// Tension [N] (elastic part) and strain [-] of every edge; NaN on an edge without spring.
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]);
+
+    /// Adds to the elastic tension [N] of every edge the force of the dashpot along it, if it has one. What acts between its ends in other directions too
+    /// is no tension.
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
+        let _ = (at, tension);
+    }
 
     /// [-] largest strain (l - l0)/l0 over all springs, 0 without springs; what `history.csv` shows.
     fn max_strain(&self, at: StateRef<'_>) -> f64;

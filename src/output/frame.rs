@@ -5,7 +5,7 @@ use crate::case::spec::Field;
 /// Fields a case asks for beside positions, displacements and velocities, which are always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fields {
-    /// applied force on every node
+    /// net force on every node
     pub force: bool,
     /// support reaction on every node
     pub reaction: bool,
@@ -37,7 +37,7 @@ pub struct Frame {
     pub positions: Vec<[f64; 3]>,
     /// [m/s] of every node
     pub velocities: Vec<[f64; 3]>,
-    /// [N] applied force on every node
+    /// [N] net force on every node, 0 at held degrees of freedom
     pub force: Vec<[f64; 3]>,
     /// [N] support reaction on every node
     pub reaction: Vec<[f64; 3]>,

@@ -128,6 +128,9 @@ impl<'a> Recorder<'a> {
         if self.fields.tension || self.fields.strain {
             picture.edge_tension(at, &mut frame.tension, &mut frame.strain);
         }
+        if self.fields.tension {
+            picture.add_axial_damping(at, &mut frame.tension);
+        }
     }
 
     fn show_between(&mut self, step: &StepView<'_>, moment: Moment) -> Result<(), ObserveError> {

@@ -158,7 +158,8 @@ impl Builder<'_> {
                 (Coefficient::from_values(&pick(&d.coefficient)), in_filter)
             }
         };
-        SpringBatch { data, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, in_filter }
+        let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
+        SpringBatch { data, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, axial, in_filter }
     }
 
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {

@@ -53,6 +53,8 @@ pub struct SpringBatch {
     pub edges: Vec<u32>,
     /// [N s/m] dashpot coefficients, 0 without
     pub dashpot: Coefficient,
+    /// whether the dashpots act along the springs
+    pub axial: bool,
     /// whether the dashpots are relative with c = k h, which Kang's filter contains
     pub in_filter: bool,
 }

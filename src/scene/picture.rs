@@ -1,7 +1,8 @@
 //! A network as a person sees it: back in the user's numbering.
 
-use super::network::{Network, by_node};
+use super::network::{Network, by_node, node_state};
 use super::sums::motion;
+use crate::force::axial_dashpot::AxialData;
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
@@ -52,6 +53,15 @@ impl Picture for Network {
         }
     }
 
+    fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
+        for batch in self.springs.iter().filter(|batch| batch.axial) {
+            let dashpots = AxialData { springs: batch.data.clone(), coefficient: batch.dashpot.clone() };
+            for (i, &edge) in batch.edges.iter().enumerate() {
+                tension[edge as usize] += dashpots.force(node_state(at), i);
+            }
+        }
+    }
+
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
         strain_of(self.springs.iter().map(|b| b.data.largest_stretch(x)).fold(f64::NEG_INFINITY, f64::max))
@@ -59,5 +69,56 @@ impl Picture for Network {
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
         motion(at.v, &self.mass).largest_square.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::threads::Threads;
+    use crate::mesh::Mesh;
+    use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, Slack, SpringGroup};
+    use crate::model::system::System;
+    use crate::scene::build::build_network;
+
+    /// [N] Tension of a line with k = 100 N/m, c = 4 N s/m and l0 = 1 m from the origin to (l, 0, 0), whose far end moves at (ldot, 5, 0).
+    fn tension(slack: Slack, kind: Option<DashpotKind>, [l, ldot]: [f64; 2]) -> f64 {
+        let mesh = Mesh { nodes: vec![[0.0; 3], [l, 0.0, 0.0]], edges: vec![[0, 1]], ..Mesh::default() };
+        let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: vec![4.0], from_step: false });
+        let line = SpringGroup { edges: vec![0], stiffness: vec![100.0], rest_length: vec![1.0], slack, dashpot };
+        let spec = NetworkSpec {
+            mesh,
+            mass: vec![1.0; 2],
+            fixed: vec![[true; 3], [false; 3]],
+            springs: vec![line],
+            velocity: vec![[0.0; 3], [ldot, 5.0, 0.0]],
+            ..NetworkSpec::default()
+        };
+        let network = build_network(spec, Threads::one()).expect("a line");
+        let state = network.initial_state();
+        let (mut tension, mut strain) = ([0.0], [0.0]);
+        network.edge_tension(state.as_ref(), &mut tension, &mut strain);
+        network.add_axial_damping(state.as_ref(), &mut tension);
+        tension[0]
+    }
+
+    /// k (l - l0) + c ldot, clamped as one where the line goes slack; a relative dashpot pulls sideways too and is no tension.
+    #[test]
+    fn tension_has_the_axial_dashpot() {
+        let (axial, relative) = (Some(DashpotKind::Axial), Some(DashpotKind::Relative));
+        for (slack, kind, at, expected) in [
+            (Slack::None, axial, [1.25, 3.0], 37.0),
+            (Slack::None, axial, [1.25, -10.0], -15.0),
+            (Slack::None, relative, [1.25, 3.0], 25.0),
+            (Slack::None, None, [1.25, 3.0], 25.0),
+            (Slack::TensionOnly, axial, [1.25, 3.0], 37.0),
+            (Slack::TensionOnly, axial, [1.25, -10.0], 0.0),
+            (Slack::TensionOnly, axial, [0.75, 10.0], 15.0),
+            (Slack::TensionOnly, axial, [0.75, 3.0], 0.0),
+            (Slack::DeadZone { eps: 0.125 }, axial, [1.25, 3.0], 24.5),
+            (Slack::CompressionLimit { eps: 0.125 }, axial, [0.75, 3.0], -12.5),
+        ] {
+            assert_eq!(tension(slack, kind, at), expected, "{slack:?} {kind:?} {at:?}");
+        }
     }
 }

@@ -71,11 +71,13 @@ pub struct EverySteps {
 pub enum Field {
     /// Velocity of the nodes, m/s; always written.
     Velocity,
-    /// Applied force on the nodes, N.
+    /// Net force on the nodes, N: of springs, dampers, weight, air and loads; 0 in held directions, where the support's reaction balances it. Of a pendulum: its
+    /// weight and damping, without the pull of the rod.
     Force,
     /// Support reaction on the nodes, N.
     Reaction,
-    /// Tension of the springs, N.
+    /// Tension of the springs with their axial dashpots, N; below 0 they push. Relative dashpots and Rayleigh damping do not act along the springs and
+    /// are not in it.
     Tension,
     /// Strain of the springs.
     Strain,

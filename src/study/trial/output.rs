@@ -54,6 +54,9 @@ impl OutputCost {
                 if asked > 0 {
                     scene.edge_tension(at, &mut frame.tension, &mut frame.strain);
                 }
+                if fields.tension {
+                    scene.add_axial_damping(at, &mut frame.tension);
+                }
                 let vectors = |name| Array { name, values: Values::Vectors(&frame.velocities) };
                 let point_data = [vectors("displacement"), vectors("velocity"), vectors("force"), vectors("reaction")];
                 let asked = 2 + usize::from(fields.force) + usize::from(fields.reaction);
