@@ -43,6 +43,11 @@ pub enum StudyError {
     /// Ctrl-C.
     #[error("interrupted; run the same command again to go on")]
     Interrupted,
+    /// Ctrl-C before there is a plan.
+    #[error(
+        "interrupted while references were made, of which nothing is kept; the same command makes them again from the start"
+    )]
+    InterruptedReference,
     /// The folder holds another study.
     #[error("{folder} holds another study: {difference}; take another --out, or replace it with --force")]
     OtherStudy {
@@ -86,7 +91,7 @@ impl StudyError {
             StudyError::System { .. } | StudyError::Fingerprint(_) | StudyError::Page(_) => 1,
             StudyError::Setup(SetupError::Threads(_)) => 1,
             StudyError::Plot(e) => e.exit_status(),
-            StudyError::Interrupted => 130,
+            StudyError::Interrupted | StudyError::InterruptedReference => 130,
             _ => 2,
         }
     }

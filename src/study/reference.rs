@@ -141,14 +141,14 @@ impl Workshop<'_> {
         let explicit = self.explicit(&mut spent);
         let found = match explicit {
             Ok(found) => Ok(found),
-            Err(_) if self.interrupted() => return Err(StudyError::Interrupted),
+            Err(_) if self.interrupted() => return Err(StudyError::InterruptedReference),
             Err(explicit) => {
                 spent.seconds = 0.0;
                 self.extrapolated(&mut spent).map_err(|implicit| StudyError::NoReference { explicit, implicit })
             }
         };
         if self.interrupted() {
-            return Err(StudyError::Interrupted);
+            return Err(StudyError::InterruptedReference);
         }
         let mut found = found?;
         if found.frames.motion.squares == 0.0 {
@@ -320,4 +320,22 @@ fn extrapolate(finer: &Frames, coarser: &Frames, k: i32) -> Frames {
         }
     }
     frames
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Case;
+
+    /// What was made of a reference is lost with it: nobody is told that the study goes on from there.
+    #[test]
+    fn an_interrupted_reference_starts_again() {
+        let case = format!("{}/assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));
+        let case = Case::from_file(case.as_ref(), &[]).expect("a good case");
+        let bench = Bench::of(case.into_problem(), 1).expect("a scene");
+        let workshop = Workshop { bench: &bench, allowance: 60.0, stop: &AtomicBool::new(true), tell: &|_| {} };
+        let error = workshop.make().expect_err("interrupted");
+        assert!(matches!(error, StudyError::InterruptedReference) && error.exit_status() == 130, "{error}");
+        assert!(error.to_string().contains("nothing is kept"), "{error}");
+    }
 }
