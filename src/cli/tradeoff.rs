@@ -8,6 +8,7 @@ use crate::case::Case;
 use crate::output::names::file_stem;
 use crate::study::answers::Answers;
 use crate::study::bench::fingerprint_of;
+use crate::study::difference::differences;
 use crate::study::plan::{Plan, Planner};
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
@@ -237,7 +238,8 @@ impl Command<'_> {
     fn same(&self, plan: &Plan, path: &Path, case: &Case) -> Result<(), StudyError> {
         let other = |difference: String| StudyError::OtherStudy { folder: self.out.clone(), difference };
         if plan.case != case.problem().case_json {
-            return Err(other(format!("its case is not {} as it is now", path.display())));
+            let keys = differences(&plan.case, &case.problem().case_json);
+            return Err(other(format!("its case is not {} as given now: {keys}", path.display())));
         }
         // The files that it names may have changed though it has not. One variant tells: others differ in stiffness only.
         if let Some(variant) = plan.variants.first() {

@@ -9,6 +9,7 @@
 
 pub mod answers;
 pub mod bench;
+pub mod difference;
 mod error;
 pub mod frames;
 pub mod front;

@@ -51,9 +51,10 @@ fn another_study_is_not_mixed_in() {
     let flags = ["--methods", "rk4", "--steps", "1e-2", "--repeat", "1", "--out", "out"];
     let go = |more: &[&str]| bench.run(&[&["tradeoff", "sail.json"], &flags[..], more].concat());
     assert_eq!(go(&[]).code, Some(0));
-    for (more, why) in
-        [(&["--set", "time.end=0.5"][..], "its case is not"), (&["--tolerances", "1e-2"], "were asked for")]
-    {
+    for (more, why) in [
+        (&["--set", "time.end=0.5"][..], "time.end was 1.0 and is 0.5 now"),
+        (&["--tolerances", "1e-2"], "were asked for"),
+    ] {
         let ended = go(more);
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains(why) && ended.stderr.contains("--force"), "{}", ended.stderr);

@@ -1,0 +1,67 @@
+//! Where a case differs from the one that a study was planned for, key by key.
+
+use crate::case::fault::excerpt;
+use serde_json::Value;
+
+/// How many keys are told.
+const TOLD: usize = 4;
+
+/// The keys in which two cases differ: "time.end was 2 and is 1 now"; empty if they do not.
+pub fn differences(planned: &Value, now: &Value) -> String {
+    let mut found = Vec::new();
+    compare("", Some(planned), Some(now), &mut found);
+    let more = found.len().saturating_sub(TOLD);
+    found.truncate(TOLD);
+    let told = found.join("; ");
+    if more > 0 { format!("{told}; and {more} more") } else { told }
+}
+
+fn compare(key: &str, planned: Option<&Value>, now: Option<&Value>, found: &mut Vec<String>) {
+    let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+    match (planned, now) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            let new = b.keys().filter(|name| !a.contains_key(*name));
+            for name in a.keys().chain(new) {
+                compare(&below(name), a.get(name), b.get(name), found);
+            }
+        }
+        (Some(Value::Array(a)), Some(Value::Array(b))) if a.len() == b.len() => {
+            for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&below(&i.to_string()), Some(a), Some(b), found);
+            }
+        }
+        (a, b) if a == b => {}
+        (None, Some(b)) => found.push(format!("{key} was not there and is {} now", excerpt(b))),
+        (Some(a), None) => found.push(format!("{key} was {} and is not there now", excerpt(a))),
+        (Some(a), Some(b)) => found.push(format!("{key} was {} and is {} now", excerpt(a), excerpt(b))),
+        (None, None) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn keys_that_differ_are_told() {
+        let planned =
+            json!({"name": "a", "time": {"end": 2, "step": 0.1}, "springs": [{"k": 1}, {"k": 2}], "ids": [1, 2]});
+        let now =
+            json!({"time": {"end": 1, "step": 0.1}, "name": "a", "springs": [{"k": 1}, {"k": 3, "l": 4}], "ids": [1]});
+        let told = differences(&planned, &now);
+        let mut told: Vec<&str> = told.split("; ").collect();
+        told.sort_unstable();
+        let expected = [
+            "ids was [1,2] and is [1] now",
+            "springs.1.k was 2 and is 3 now",
+            "springs.1.l was not there and is 4 now",
+            "time.end was 2 and is 1 now",
+        ];
+        assert_eq!(told, expected);
+        assert_eq!(differences(&json!({"end": 2}), &json!({})), "end was 2 and is not there now");
+        assert_eq!(differences(&planned, &planned), "");
+        let (zeros, ones) = (json!([0, 0, 0, 0, 0, 0]), json!([1, 1, 1, 1, 1, 1]));
+        assert!(differences(&zeros, &ones).ends_with("3 was 0 and is 1 now; and 2 more"));
+    }
+}
