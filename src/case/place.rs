@@ -83,16 +83,25 @@ impl Written<'_> {
     }
 
     fn place(&self, fault: &Fault) -> Option<Place> {
+        // The longest part of the pointer that the text has, and one key more: who assigns below that has made it.
+        let made = self.tree.as_ref().map(|tree| tree.reach(&fault.pointer).len()).and_then(|reached| {
+            let step = fault.pointer.get(reached + 1..)?;
+            fault.pointer.get(..reached + 1 + step.find('/').unwrap_or(step.len()))
+        });
         let assigned = self.overrides.iter().rev().find(|(key, _)| {
             let at = key.split('.').fold(Pointer::root(), |at, step| at.key(step));
-            let rest = fault.pointer.strip_prefix(at.as_str());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+            within(&fault.pointer, at.as_str()) || made.is_some_and(|made| within(at.as_str(), made))
         });
         if let Some((key, value)) = assigned {
             return Some(Place::Assignment { key: key.clone(), value: shorten(value) });
         }
         Some(Place::in_text(self.text, self.tree.as_ref()?.range(&fault.pointer, fault.part)))
     }
+}
+
+/// Whether a pointer leads to what another one leads to, or to something in it.
+fn within(pointer: &str, other: &str) -> bool {
+    pointer.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
 #[cfg(test)]

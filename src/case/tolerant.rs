@@ -46,29 +46,47 @@ impl<'a> Tree<'a> {
         Reader { clean: self.clean, findings }.value(&self.root, &Pointer::root())
     }
 
+    /// How much of a pointer leads to something in the text: `/time` of `/time/step`, where there is no step.
+    pub fn reach<'p>(&self, pointer: &'p str) -> &'p str {
+        let mut node = Some(&self.root);
+        let mut reached = 0;
+        for step in pointer.split('/').skip(1) {
+            node = node.and_then(|node| Some(below(node, step)?.0));
+            if node.is_none() {
+                break;
+            }
+            reached += 1 + step.len();
+        }
+        pointer.get(..reached).unwrap_or_default()
+    }
+
     /// [byte] Where the value of a pointer stands, or its key; of a place that is not there the opening brace above it.
     pub fn range(&self, pointer: &str, part: Part) -> Range<usize> {
         let mut node = &self.root;
         let mut key = span(node);
         for step in pointer.split('/').skip(1) {
-            let name = step.replace("~1", "/").replace("~0", "~");
-            let next = match node {
-                ast::Value::Object(object) => {
-                    let property = object.properties.iter().find(|p| p.name.as_str() == name);
-                    property.map(|p| (&p.value, span(&p.name)))
-                }
-                ast::Value::Array(array) => {
-                    name.parse::<usize>().ok().and_then(|i| array.elements.get(i)).map(|e| (e, span(e)))
-                }
-                _ => None,
-            };
-            let Some(next) = next else {
+            let Some(next) = below(node, step) else {
                 let start = node.range().start;
                 return start..start + 1;
             };
             (node, key) = next;
         }
         if part == Part::Key { key } else { span(node) }
+    }
+}
+
+/// What one step of a pointer leads to, and where its key stands.
+fn below<'n, 'a>(node: &'n ast::Value<'a>, step: &str) -> Option<(&'n ast::Value<'a>, Range<usize>)> {
+    let name = step.replace("~1", "/").replace("~0", "~");
+    match node {
+        ast::Value::Object(object) => {
+            let property = object.properties.iter().find(|p| p.name.as_str() == name)?;
+            Some((&property.value, span(&property.name)))
+        }
+        ast::Value::Array(array) => {
+            name.parse::<usize>().ok().and_then(|i| array.elements.get(i)).map(|e| (e, span(e)))
+        }
+        _ => None,
     }
 }
 
