@@ -48,6 +48,10 @@ fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
             "by counted work: {cg_iterations} iterations a solve, {:.0} % of what Cholesky would cost",
             100.0 * cg_work / cholesky_work
         ),
+        // They were allowed none: to begin a solve and make one already costs more.
+        (Some(Prediction { cg_iterations: 0, cg_converged: false, .. }), _) => {
+            "by counted work: it costs less than conjugate gradients that make one iteration".to_owned()
+        }
         (Some(Prediction { cg_iterations, cg_converged: false, .. }), _) => {
             format!("by counted work: conjugate gradients need more than {cg_iterations} iterations a solve")
         }
@@ -165,5 +169,35 @@ impl Summary {
     pub fn write(&self, path: &Path) -> Result<(), ObserveError> {
         let text = self.to_json().map_err(|e| write_fault(path, e.into()))?;
         replace(path, text.as_bytes(), Durability::Synced).map_err(|e| write_fault(path, e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Conjugate gradients that may make no iteration have not shown how many they need.
+    #[test]
+    fn what_was_not_tried_is_not_told() {
+        for (cg_iterations, expected) in [(0, "one iteration"), (7, "more than 7 iterations a solve")] {
+            let prediction = Some(Prediction {
+                cholesky_work: 1.0,
+                cg_work: 2.0,
+                cg_iterations,
+                cg_converged: false,
+                factor_nonzeros: 9.0,
+                factor_operations: 9.0,
+            });
+            let stats = LinearStats {
+                name: "cholesky",
+                matrix_nonzeros: 9,
+                factor_nonzeros: None,
+                factor_operations: None,
+                indefinite: 0,
+                prediction,
+            };
+            let told = reason(&stats, LinearChoice::Auto);
+            assert!(told.contains(expected) && !told.contains(" 0 "), "{told}");
+        }
     }
 }
