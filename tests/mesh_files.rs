@@ -158,6 +158,10 @@ fn unreadable_files_are_named() {
         (write(&folder, "b2.msh", MSH_2.replace("2.2 0 8", "2.2 1 8").as_bytes()), "binary file of version 2"),
         (write(&folder, "solid.msh", tetra.as_bytes()), "type 4"),
         (write(&folder, "five.obj", OBJ.replace("f 1/1 2/1 3/1", "f 1 2 3 4 1").as_bytes()), "5 corners"),
+        (
+            write(&folder, "nine.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 3\nv 1 1 0\nf 1 2 9\n"),
+            "line 5: there is no vertex 9; the file has 3",
+        ),
         (write(&folder, "huge.msh", MSH_2.replace("\n5\n", "\n99999999999999999\n").as_bytes()), "too early"),
         (write(&folder, "huge.vtk", VTK.replace("POINTS 4", "POINTS 999999999999").as_bytes()), "huge.vtk"),
         (write(&folder, "empty.vtp", EMPTY_COMPRESSED.as_bytes()), "empty compressed array"),

@@ -98,7 +98,7 @@ fn files() -> Vec<(&'static str, &'static str, Vec<u8>, Must)> {
     };
     let half_max = "v 0 0 0\nv 8e307 0 0\nv 0 8e307 0\n";
     vec![
-        ("an index of 2^32", "a.obj", obj(V, "f 1 2 4294967297\n"), Refuse("names node 4294967296")),
+        ("an index of 2^32", "a.obj", obj(V, "f 1 2 4294967297\n"), Refuse("no vertex 4294967297; the file has")),
         ("an index of 2^63", "a.obj", obj(V, "f 1 2 9223372036854775808\n"), Refuse("not a vertex number")),
         ("the least index there is", "a.obj", obj(V, "f 1 2 -9223372036854775808\n"), Refuse("no vertex")),
         ("index 0", "a.obj", obj(V, "f 0 1 2\n"), Refuse("no vertex 0")),

@@ -7,47 +7,71 @@ use super::cells::Cells;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "is not text".to_owned())?;
-    let mut cells = Cells::default();
-    for (number, line) in text.lines().enumerate() {
-        read_line(line, &mut cells).map_err(|reason| format!("line {}: {reason}", number + 1))?;
+    let mut file = File::default();
+    for (number, line) in (1..).zip(text.lines()) {
+        file.read_line(number, line).map_err(|reason| format!("line {number}: {reason}"))?;
     }
-    Ok(cells)
+    file.finish()
 }
 
-fn read_line(line: &str, cells: &mut Cells) -> Result<(), String> {
-    let mut words = line.split('#').next().unwrap_or_default().split_ascii_whitespace();
-    match words.next() {
-        Some("v") => {
-            let mut point = [0.0; 3];
-            for c in &mut point {
-                let word = words.next().ok_or("a vertex needs three coordinates")?;
-                *c = word.parse().map_err(|_| format!("\"{word}\" is not a number"))?;
+#[derive(Default)]
+struct File {
+    cells: Cells,
+    /// line and vertex, counted from 1, of what names a vertex that had not come yet
+    ahead: Vec<(usize, u64)>,
+}
+
+impl File {
+    fn read_line(&mut self, number: usize, line: &str) -> Result<(), String> {
+        let mut words = line.split('#').next().unwrap_or_default().split_ascii_whitespace();
+        match words.next() {
+            Some("v") => {
+                let mut point = [0.0; 3];
+                for c in &mut point {
+                    let word = words.next().ok_or("a vertex needs three coordinates")?;
+                    *c = word.parse().map_err(|_| format!("\"{word}\" is not a number"))?;
+                }
+                self.cells.points.push(point);
             }
-            cells.points.push(point);
+            Some("l") => {
+                let nodes = self.indices(number, words)?;
+                self.cells.add_line(&nodes, false);
+            }
+            Some("f") => {
+                let nodes = self.indices(number, words)?;
+                self.cells.add_face(&nodes)?;
+            }
+            _ => {}
         }
-        Some("l") => {
-            let nodes = indices(words, cells.points.len())?;
-            cells.add_line(&nodes, false);
-        }
-        Some("f") => {
-            let nodes = indices(words, cells.points.len())?;
-            cells.add_face(&nodes)?;
-        }
-        _ => {}
+        Ok(())
     }
-    Ok(())
-}
 
-/// Vertex numbers of `3`, `3/1`, `3//2` …; they count from 1, or from the latest vertex backwards if negative.
-fn indices<'a>(words: impl Iterator<Item = &'a str>, vertices: usize) -> Result<Vec<u64>, String> {
-    let index = |word: &str| {
-        let first = word.split('/').next().unwrap_or_default();
-        let number: i64 = first.parse().map_err(|_| format!("\"{word}\" is not a vertex number"))?;
-        let index = if number > 0 { number.checked_sub(1) } else { number.checked_add(vertices as i64) };
-        match (number, index.and_then(|i| u64::try_from(i).ok())) {
-            (0, _) | (_, None) => Err(format!("there is no vertex {number}")),
-            (_, Some(index)) => Ok(index),
+    /// Vertex numbers of `3`, `3/1`, `3//2` …; they count from 1, or from the latest vertex backwards if negative.
+    fn indices<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a str>) -> Result<Vec<u64>, String> {
+        let vertices = self.cells.points.len();
+        let index = |word: &str| {
+            let first = word.split('/').next().unwrap_or_default();
+            let number: i64 = first.parse().map_err(|_| format!("\"{word}\" is not a vertex number"))?;
+            let index = if number > 0 { number.checked_sub(1) } else { number.checked_add(vertices as i64) };
+            match (number, index.and_then(|i| u64::try_from(i).ok())) {
+                (0, _) | (_, None) => Err(format!("there is no vertex {number}")),
+                (_, Some(index)) => Ok(index),
+            }
+        };
+        let indices: Vec<u64> = words.map(index).collect::<Result<_, String>>()?;
+        let ahead = indices.iter().filter(|index| **index >= vertices as u64);
+        self.ahead.extend(ahead.map(|index| (line, index + 1)));
+        Ok(indices)
+    }
+
+    /// Faces may stand before their vertices: only the end of the file shows which vertices there are.
+    fn finish(self) -> Result<Cells, String> {
+        let vertices = self.cells.points.len();
+        match self.ahead.iter().find(|(_, vertex)| *vertex > vertices as u64) {
+            Some((line, vertex)) => {
+                Err(format!("line {line}: there is no vertex {vertex}; the file has {vertices}, counted from 1"))
+            }
+            None => Ok(self.cells),
         }
-    };
-    words.map(index).collect()
+    }
 }
