@@ -1,5 +1,6 @@
 //! From a plain specification to force terms in internal numbering.
 
+use super::check::{BuildError, check};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
@@ -17,42 +18,6 @@ use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, SpringGroup};
 use crate::startup::{Phase, timed};
 use glam::DVec3;
 use std::sync::Arc;
-
-/// Why a specification cannot be built. The case reader finds these first, with better words; a library user may not.
-#[derive(Clone, Debug, thiserror::Error, PartialEq)]
-pub enum BuildError {
-    /// A list has not one entry a node, or not one a spring of its group.
-    #[error("{what}: {found} entries where {expected} are needed")]
-    Length {
-        /// which list
-        what: &'static str,
-        /// its length
-        found: usize,
-        /// what it should be
-        expected: usize,
-    },
-    /// A node, edge or triangle number is too large.
-    #[error("{what} {index} does not exist; there are {count}")]
-    Index {
-        /// node, edge or triangle
-        what: &'static str,
-        /// the number
-        index: u32,
-        /// how many there are
-        count: usize,
-    },
-    /// A free node without mass cannot be accelerated.
-    #[error("node {node} is free and has the mass {mass} kg; a free node needs a positive finite mass")]
-    Mass {
-        /// user's number
-        node: u32,
-        /// [kg] its mass
-        mass: f64,
-    },
-    /// Nothing can move.
-    #[error("the scene has no free degree of freedom")]
-    NothingFree,
-}
 
 /// Builds a network; the mesh is kept for pictures.
 ///
@@ -216,49 +181,5 @@ impl Builder<'_> {
                 direction: direction.collect(),
             })));
         }
-    }
-}
-
-fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
-    let n = spec.mesh.nodes.len();
-    let length = |what, found, expected| {
-        if found == expected { Ok(()) } else { Err(BuildError::Length { what, found, expected }) }
-    };
-    let below = |what, indices: &[u32], count: usize| match indices.iter().find(|&&i| i as usize >= count) {
-        None => Ok(()),
-        Some(&index) => Err(BuildError::Index { what, index, count }),
-    };
-    length("mass", spec.mass.len(), n)?;
-    length("fixed", spec.fixed.len(), n)?;
-    for (what, list) in [("displacement", &spec.displacement), ("velocity", &spec.velocity)] {
-        if !list.is_empty() {
-            length(what, list.len(), n)?;
-        }
-    }
-    below("node", spec.mesh.edges.as_flattened(), n)?;
-    below("node", spec.mesh.triangles.as_flattened(), n)?;
-    for group in &spec.springs {
-        let m = group.edges.len();
-        below("edge", &group.edges, spec.mesh.edges.len())?;
-        length("stiffness", group.stiffness.len(), m)?;
-        length("rest_length", group.rest_length.len(), m)?;
-        if let Some(d) = &group.dashpot {
-            length("dashpot coefficient", d.coefficient.len(), m)?;
-        }
-    }
-    for load in &spec.pressures {
-        below("triangle", &load.triangles, spec.mesh.triangles.len())?;
-    }
-    for load in &spec.forces {
-        below("node", &load.nodes, n)?;
-    }
-    let free = |f: &[bool; 3]| *f != [true; 3];
-    if !spec.fixed.iter().any(free) {
-        return Err(BuildError::NothingFree);
-    }
-    let massless = |(_, (m, f)): &(usize, (&f64, &[bool; 3]))| free(f) && !(**m > 0.0 && m.is_finite());
-    match spec.mass.iter().zip(&spec.fixed).enumerate().find(massless) {
-        None => Ok(()),
-        Some((node, (&mass, _))) => Err(BuildError::Mass { node: node as u32, mass }),
     }
 }

@@ -5,6 +5,7 @@
 
 mod bound;
 mod build;
+mod check;
 mod graph;
 pub mod network;
 pub mod numbering;
@@ -14,7 +15,8 @@ mod sums;
 mod suspect;
 
 pub use bound::BoundRoom;
-pub use build::{BuildError, build_network};
+pub use build::build_network;
+pub use check::BuildError;
 pub use network::Network;
 pub use pendulum::Pendulum;
 

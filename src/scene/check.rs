@@ -1,0 +1,260 @@
+//! What a specification must fulfil to be built.
+
+use crate::model::spec::{NetworkSpec, PressureKind, Series, Slack, SpringGroup};
+
+/// Why a specification cannot be built. The case reader finds these first, with better words; a library user may not.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum BuildError {
+    /// A list has not one entry a node, or not one a spring of its group.
+    #[error("{what}: {found} entries where {expected} are needed")]
+    Length {
+        /// which list
+        what: &'static str,
+        /// its length
+        found: usize,
+        /// what it should be
+        expected: usize,
+    },
+    /// A node, edge or triangle number is too large.
+    #[error("{what} {index} does not exist; there are {count}")]
+    Index {
+        /// node, edge or triangle
+        what: &'static str,
+        /// the number
+        index: u32,
+        /// how many there are
+        count: usize,
+    },
+    /// A free node without mass cannot be accelerated.
+    #[error("node {node} is free and has the mass {mass} kg; a free node needs a positive finite mass")]
+    Mass {
+        /// user's number
+        node: u32,
+        /// [kg] its mass
+        mass: f64,
+    },
+    /// Nothing can move.
+    #[error("the scene has no free degree of freedom")]
+    NothingFree,
+    /// A number is missing its value.
+    #[error("{what} {index} is not a finite number")]
+    NotFinite {
+        /// which list, or which value
+        what: &'static str,
+        /// the place in its list; for values of nodes the node
+        index: usize,
+    },
+    /// A table over time without rows, without one value a time, or with times that do not increase.
+    #[error("the table of the {what} {reason}")]
+    Table {
+        /// what it is a table of
+        what: &'static str,
+        /// what is wrong with it
+        reason: &'static str,
+    },
+    /// A support that moves.
+    #[error("node {node} is held along {axis} and has a velocity there; what is held stands still")]
+    MovingSupport {
+        /// user's number
+        node: u32,
+        /// x, y or z
+        axis: char,
+    },
+}
+
+/// Refuses a specification that would panic, or compute what means nothing.
+pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
+    nodes(spec)?;
+    spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
+    loads(spec)?;
+    masses(spec)?;
+    stands_still(spec)
+}
+
+fn length(what: &'static str, found: usize, expected: usize) -> Result<(), BuildError> {
+    if found == expected { Ok(()) } else { Err(BuildError::Length { what, found, expected }) }
+}
+
+fn below(what: &'static str, indices: &[u32], count: usize) -> Result<(), BuildError> {
+    match indices.iter().find(|&&i| i as usize >= count) {
+        None => Ok(()),
+        Some(&index) => Err(BuildError::Index { what, index, count }),
+    }
+}
+
+fn finite(what: &'static str, values: &[f64]) -> Result<(), BuildError> {
+    vectors(what, bytemuck::cast_slice::<_, [f64; 1]>(values))
+}
+
+/// The same for values of several components.
+fn vectors<const N: usize>(what: &'static str, values: &[[f64; N]]) -> Result<(), BuildError> {
+    match values.iter().position(|value| !value.iter().all(|c| c.is_finite())) {
+        None => Ok(()),
+        Some(index) => Err(BuildError::NotFinite { what, index }),
+    }
+}
+
+fn times<T>(what: &'static str, table: &Series<T>) -> Result<(), BuildError> {
+    let refuse = |reason| Err(BuildError::Table { what, reason });
+    if table.t.is_empty() {
+        return refuse("has no rows");
+    }
+    if table.value.len() != table.t.len() {
+        return refuse("has not one value a time");
+    }
+    if !table.t.iter().all(|t| t.is_finite()) || table.t.windows(2).any(|pair| pair[1] <= pair[0]) {
+        return refuse("has times that do not increase");
+    }
+    Ok(())
+}
+
+fn nodes(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let n = spec.mesh.nodes.len();
+    length("mass", spec.mass.len(), n)?;
+    length("fixed", spec.fixed.len(), n)?;
+    for (what, list) in [("displacement", &spec.displacement), ("velocity", &spec.velocity)] {
+        if !list.is_empty() {
+            length(what, list.len(), n)?;
+        }
+        vectors(what, list)?;
+    }
+    vectors("position of node", &spec.mesh.nodes)?;
+    below("node", spec.mesh.edges.as_flattened(), n)?;
+    below("node", spec.mesh.triangles.as_flattened(), n)
+}
+
+fn springs(group: &SpringGroup, edges: usize) -> Result<(), BuildError> {
+    let m = group.edges.len();
+    below("edge", &group.edges, edges)?;
+    let dashpot = group.dashpot.as_ref().map(|d| ("dashpot coefficient", &d.coefficient));
+    let lists = [("stiffness", &group.stiffness), ("rest_length", &group.rest_length)];
+    for (what, list) in lists.into_iter().chain(dashpot) {
+        length(what, list.len(), m)?;
+        finite(what, list)?;
+    }
+    match group.slack {
+        Slack::DeadZone { eps } | Slack::CompressionLimit { eps } => finite("slack eps", &[eps]),
+        Slack::None | Slack::TensionOnly => Ok(()),
+    }
+}
+
+fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
+    vectors("gravity", spec.gravity.as_slice())?;
+    if let Some(rayleigh) = spec.rayleigh {
+        finite("rayleigh factor", &[rayleigh.mass, rayleigh.stiffness])?;
+    }
+    if let Some(air) = &spec.air {
+        finite("air coefficient", &[air.linear, air.quadratic])?;
+        times("wind", &air.wind)?;
+        vectors("wind", &air.wind.value)?;
+    }
+    for load in &spec.pressures {
+        below("triangle", &load.triangles, spec.mesh.triangles.len())?;
+        finite("pressure", &[load.pressure])?;
+        if let PressureKind::Dead(direction) = load.kind {
+            vectors("direction of a pressure", direction.as_slice())?;
+        }
+    }
+    for load in &spec.forces {
+        below("node", &load.nodes, spec.mesh.nodes.len())?;
+        vectors("force", &[load.force])?;
+    }
+    let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
+    factors.flatten().try_for_each(|table| {
+        times("factor", table)?;
+        finite("factor", &table.value)
+    })
+}
+
+fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let free = |f: &[bool; 3]| *f != [true; 3];
+    if !spec.fixed.iter().any(free) {
+        return Err(BuildError::NothingFree);
+    }
+    let massless = |(_, (m, f)): &(usize, (&f64, &[bool; 3]))| free(f) && !(**m > 0.0 && m.is_finite());
+    match spec.mass.iter().zip(&spec.fixed).enumerate().find(massless) {
+        None => Ok(()),
+        Some((node, (&mass, _))) => Err(BuildError::Mass { node: node as u32, mass }),
+    }
+}
+
+/// Schemes that move nodes by their velocity alone would move a support too.
+fn stands_still(spec: &NetworkSpec) -> Result<(), BuildError> {
+    for (node, (velocity, fixed)) in (0..).zip(spec.velocity.iter().zip(&spec.fixed)) {
+        for ((v, held), axis) in velocity.iter().zip(fixed).zip(['x', 'y', 'z']) {
+            if *held && *v != 0.0 {
+                return Err(BuildError::MovingSupport { node, axis });
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::model::spec::{AirSpec, DashpotKind, DashpotSpec, NodalLoad, PressureLoad};
+
+    fn constant<T>(value: T) -> Series<T> {
+        Series { t: vec![0.0], value: vec![value] }
+    }
+
+    /// A triangle that is held at one corner, with everything a network can have.
+    fn triangle() -> NetworkSpec {
+        NetworkSpec {
+            mesh: Mesh {
+                nodes: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                edges: vec![[0, 1], [1, 2], [0, 2]],
+                triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
+            },
+            mass: vec![1.0; 3],
+            fixed: vec![[true; 3], [false; 3], [false; 3]],
+            springs: vec![SpringGroup {
+                edges: vec![0, 1, 2],
+                stiffness: vec![1.0; 3],
+                rest_length: vec![1.0; 3],
+                slack: Slack::DeadZone { eps: 0.1 },
+                dashpot: Some(DashpotSpec { kind: DashpotKind::Axial, coefficient: vec![1.0; 3], from_step: false }),
+            }],
+            air: Some(AirSpec { linear: 1.0, quadratic: 1.0, wind: constant([0.0; 3]) }),
+            pressures: vec![PressureLoad {
+                triangles: vec![0],
+                pressure: 1.0,
+                kind: PressureKind::Follower,
+                factor: Some(constant(1.0)),
+            }],
+            forces: vec![NodalLoad { nodes: vec![1], force: [0.0; 3], factor: None }],
+            velocity: vec![[0.0; 3], [1.0; 3], [0.0; 3]],
+            ..NetworkSpec::default()
+        }
+    }
+
+    /// A specification that would panic or compute nonsense is refused before it can.
+    #[test]
+    fn what_a_library_user_can_get_wrong_is_refused() {
+        type Spoil = fn(&mut NetworkSpec);
+        let spoilt: [(Spoil, &str); 12] = [
+            (|s| s.springs[0].stiffness[1] = f64::NAN, "stiffness 1 is not a finite number"),
+            (|s| s.springs[0].rest_length[2] = f64::INFINITY, "rest_length 2 is not"),
+            (|s| s.springs[0].slack = Slack::CompressionLimit { eps: f64::NAN }, "slack eps"),
+            (|s| s.mesh.nodes[2][1] = f64::NAN, "position of node 2"),
+            (|s| s.gravity = Some([0.0, 0.0, f64::NAN]), "gravity"),
+            (|s| s.velocity[0] = [0.0, 2.0, 0.0], "node 0 is held along y and has a velocity"),
+            (|s| s.air.iter_mut().for_each(|air| air.wind = Series { t: vec![], value: vec![] }), "wind has no rows"),
+            (|s| s.air.iter_mut().for_each(|air| air.wind.t.push(1.0)), "wind has not one value a time"),
+            (|s| s.air.iter_mut().for_each(|air| air.wind.value[0][2] = f64::NAN), "wind 0 is not"),
+            (|s| s.pressures[0].factor = Some(Series { t: vec![1.0, 1.0], value: vec![1.0; 2] }), "do not increase"),
+            (|s| s.forces[0].factor = Some(Series { t: vec![f64::NAN], value: vec![1.0] }), "do not increase"),
+            (|s| s.forces[0].force[0] = f64::NAN, "force 0 is not"),
+        ];
+        assert_eq!(check(&triangle()), Ok(()));
+        for (spoil, why) in spoilt {
+            let mut spec = triangle();
+            spoil(&mut spec);
+            let told = check(&spec).expect_err(why).to_string();
+            assert!(told.contains(why), "{told}");
+        }
+    }
+}
