@@ -16,7 +16,7 @@ use canopy_fem::simulation::build_scene;
 use common::Random;
 use common::polynomials::{size, stability_polynomial};
 use common::run::case_of;
-use faer::{Mat, Side};
+use faer::{Mat, Scale, Side};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -347,6 +347,94 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     };
     let (mut stable, mut unstable) = (0.0, most);
     while unstable - stable > 1e-3 * unstable {
+        let middle = 0.5 * (stable + unstable);
+        if grows(middle) { unstable = middle } else { stable = middle }
+    }
+    stable
+}
+
+/// A bent net that is held nowhere, pressed together so that it buckles: motions that grow by themselves limit no step, as the
+/// growing motions of dense steps are told from those of the scene by their number.
+#[test]
+fn growth_of_the_scene_itself_limits_no_step() {
+    let axial = |coefficient: f64| json!({"axial": {"coefficient": coefficient}});
+    let air = |wind: f64| json!({"wind": [0, 0, wind], "law": {"pressure_coefficient": {"cp": 1.0}}});
+    let cases = [
+        ("dashpots", 5, 1.01, Some(axial(0.3)), None),
+        ("heavy dashpots", 6, 1.03, Some(axial(1.5)), None),
+        ("air", 6, 1.01, None, Some(air(5.0))),
+        ("dashpots and air", 7, 1.005, Some(axial(0.1)), Some(air(2.0))),
+        ("dashpots, strong compression", 5, 1.3, Some(axial(0.3)), None),
+    ];
+    for (what, side, rest_scale, dashpot, air) in cases {
+        let scene = scene(&network(bent_net(side, rest_scale, dashpot, air)));
+        for name in ["euler-cromer", "velocity-verlet"] {
+            let found = critical(&*scene, name);
+            let truth = dense_limit_beside_growth(&*scene, name, found.step);
+            let share = found.step / truth;
+            println!("{what}, {name}: {:.4e} of {truth:.4e}: {share:.4}", found.step);
+            assert!((0.95..1.05).contains(&share), "{what}, {name}: {} where the dense step says {truth}", found.step);
+        }
+    }
+}
+
+/// Nodes on a paraboloid over a square of 1 m, springs along all edges of its triangles.
+fn bent_net(side: usize, rest_scale: f64, dashpot: Option<Value>, air: Option<Value>) -> Value {
+    let place = |n: usize| n as f64 / (side - 1) as f64 - 0.5;
+    let nodes = (0..side * side).map(|n| (place(n % side), place(n / side)));
+    let nodes: Vec<[f64; 3]> = nodes.map(|(x, y)| [x, y, -0.6 * (x * x + y * y)]).collect();
+    let corners = (0..side * (side - 1)).filter(|n| n % side + 1 < side);
+    let triangles: Vec<[usize; 3]> =
+        corners.flat_map(|a| [[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]).collect();
+    let mut springs = json!({"on": "all", "stiffness": 500.0, "rest_scale": rest_scale});
+    if let Some(dashpot) = dashpot {
+        springs["dashpot"] = dashpot;
+    }
+    let mut net = json!({
+        "mesh": {"explicit": {"nodes": nodes, "triangles": triangles}},
+        "mass": {"areal_density": 0.2}, "springs": [springs]
+    });
+    if let Some(air) = air {
+        net["aero"] = air;
+    }
+    net
+}
+
+/// [s] First step, from well below `about` on, whose map has more growing motions than the scene has, by dense eigenvalues.
+fn dense_limit_beside_growth(scene: &dyn Scene, name: &str, about: f64) -> f64 {
+    let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
+    let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
+    let n = free.len();
+    let halves =
+        |a: Mat<f64>, b: Mat<f64>| Mat::from_fn(n, 2 * n, |i, j| if j < n { a[(i, j)] } else { b[(i, j - n)] });
+    let zero = || Mat::<f64>::zeros(n, n);
+    let one = || Mat::<f64>::identity(n, n);
+    let (x, v, a) = (halves(one(), zero()), halves(zero(), one()), halves(-&k, -&c));
+    let eigenvalues = |top: &Mat<f64>, low: &Mat<f64>| {
+        let all = Mat::from_fn(2 * n, 2 * n, |i, j| if i < n { top[(i, j)] } else { low[(i - n, j)] });
+        all.eigenvalues().expect("a matrix has eigenvalues")
+    };
+    let roots = eigenvalues(&v, &a);
+    let grows = |h: f64| {
+        let map = if name == "euler-cromer" {
+            let then = &v + Scale(h) * &a;
+            eigenvalues(&(&x + Scale(h) * &then), &then)
+        } else {
+            let to = &x + Scale(h) * &v + Scale(0.5 * h * h) * &a;
+            let then = -(&k * &to) - &c * (&v + Scale(h) * &a);
+            eigenvalues(&to, &(&v + Scale(0.5 * h) * (&a + then)))
+        };
+        let growing = map.iter().filter(|z| z.re.hypot(z.im).ln() > 1e-3).count();
+        growing > roots.iter().filter(|s| s.re * h > 0.95e-3).count()
+    };
+    let mut h = 0.5 * about;
+    assert!(!grows(h), "{name}: half of {about} is beyond the limit");
+    while !grows(h) {
+        h *= 1.05;
+        assert!(h < 1e3 * about, "{name}: no limit");
+    }
+    let (mut stable, mut unstable) = (h / 1.05, h);
+    while unstable - stable > 2e-3 * unstable {
         let middle = 0.5 * (stable + unstable);
         if grows(middle) { unstable = middle } else { stable = middle }
     }

@@ -44,19 +44,8 @@ impl Krylov {
         Some(Krylov { basis, vectors, values })
     }
 
-    /// The real part of an eigenvector.
-    pub fn real_part(&self, of: RitzValue) -> Vec<f64> {
-        let [re, _] = self.vector(of);
-        re
-    }
-
-    /// Squared sizes of the parts of an eigenvector.
-    pub fn parts(&self, of: RitzValue) -> Vec<f64> {
-        let [re, im] = self.vector(of);
-        re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
-    }
-
-    fn vector(&self, of: RitzValue) -> [Vec<f64>; 2] {
+    /// Real and imaginary parts of an eigenvector.
+    pub fn vector(&self, of: RitzValue) -> [Vec<f64>; 2] {
         let n = self.basis.first().map_or(0, Vec::len);
         let mut parts = [vec![0.0; n], vec![0.0; n]];
         for (v, u) in self.basis.iter().zip(&self.vectors[of.column]) {
@@ -66,6 +55,14 @@ impl Krylov {
         }
         parts
     }
+}
+
+/// The degree of freedom that moves most in an eigenvector of two halves, in coordinates M^1/2 x; `root` is the diagonal of M^-1/2.
+pub(super) fn place([re, im]: &[Vec<f64>; 2], root: &[f64]) -> usize {
+    let n = root.len();
+    let square = |i: usize| re[i] * re[i] + im[i] * im[i];
+    let moves = |i: usize| (square(i) + square(n + i)) * root[i].powi(2);
+    (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
 }
 
 /// Basis, projected operator, size of what is left outside.

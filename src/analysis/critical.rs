@@ -7,7 +7,8 @@
 //! ([`Pencil`], which a method may give).
 //! Else estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so
 //! outer eigenvalues of L (Arnoldi) tell; explicit partitioned schemes are stepped.
-//! Motion that grows by itself (buckling, flutter) limits no step: it must grow.
+//! Motion that grows by itself (buckling, flutter) limits no step: it must grow. A step of a scheme that is stepped is stable where every
+//! shape that its map makes grow is one that grows by itself.
 
 use super::certificate::Certifier;
 use super::lanczos::{self, Ritz};
@@ -311,21 +312,25 @@ impl<'a> Spectrum<'a> {
         // What an implicit scheme carries it would need from every state.
         let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
         if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
-            let search = Search { guess: step, unit, growth: self.natural_growth() };
+            let most = self.fixed_velocity(method);
+            let search = Search { guess: step.min(most.0), unit };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
             (step, dof) = stepped.unwrap_or((step, dof));
+            if most.0 < step {
+                (step, dof) = most;
+            }
         }
         Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: motion.rates() })
     }
 
-    /// [1/s] how fast the scene itself grows: where compression makes K indefinite, or in the wind.
-    fn natural_growth(&self) -> f64 {
-        let growth = self.motions.as_ref().map_or(0.0, |motions| motions.growth);
-        if !self.symmetric() {
-            return growth;
-        }
-        let softest = largest(&self.linear, Weights { k: -1.0, ..STIFFNESS });
-        growth.max(softest.value.max(0.0).sqrt())
+    /// [s] Step at which the method keeps a velocity as it is whatever K does ([`LinearStep::fixed_velocity`]): beyond, it grows to one side, and is
+    /// hard to tell among motions that grow by themselves. Infinite for methods without.
+    ///
+    /// [`LinearStep::fixed_velocity`]: crate::integrate::linear_step::LinearStep::fixed_velocity
+    fn fixed_velocity(&self, method: &MethodChoice) -> (f64, usize) {
+        let damping = self.most_damped.value;
+        let fixed = method.info.linear.fixed_velocity.filter(|_| damping > 0.0);
+        (fixed.map_or(f64::INFINITY, |hc| hc / damping), self.linear.place(&self.most_damped.vector))
     }
 
     /// [1/s] a rate to measure others by.

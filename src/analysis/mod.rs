@@ -11,6 +11,7 @@ mod matrices;
 mod motions;
 mod oscillator;
 pub mod rates;
+mod shape;
 mod step_map;
 
 pub(crate) use linearised::rough;

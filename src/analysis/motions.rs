@@ -1,7 +1,7 @@
 //! The outer motions of a damped or non-symmetric scene: converged eigenvalues of L = [0 I; -M^-1 K, -M^-1 C] by Arnoldi's
 //! iteration, as oscillators whose limits a method can be asked for.
 
-use super::arnoldi::Krylov;
+use super::arnoldi::{Krylov, place};
 use super::critical::{DAMPING, STIFFNESS};
 use super::lanczos::Ritz;
 use super::limit::{critical_step, stable};
@@ -42,8 +42,6 @@ impl Motion {
 /// What was found of a scene.
 pub(super) struct Motions {
     list: Vec<Motion>,
-    /// [1/s] largest real part of an eigenvalue
-    pub growth: f64,
 }
 
 impl Motions {
@@ -55,7 +53,7 @@ impl Motions {
                 list.push(Motion { frequency, damping, dof: linear.place(shape), grows: false });
             }
         }
-        let mut motions = Motions { list, growth: 0.0 };
+        let mut motions = Motions { list };
         if let Some(krylov) = krylov(linear, unit) {
             motions.take(&krylov, &linear.root, unit);
         }
@@ -63,12 +61,8 @@ impl Motions {
     }
 
     fn take(&mut self, krylov: &Krylov, root: &[f64], unit: f64) {
-        let n = root.len();
         for value in krylov.values.iter().filter(|v| v.residual <= CONVERGED * unit && v.im >= 0.0) {
-            self.growth = self.growth.max(value.re);
-            let parts = krylov.parts(*value);
-            let moves = |i: usize| (parts[i] + parts[n + i]) * root[i].powi(2);
-            let dof = (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
+            let dof = place(&krylov.vector(*value), root);
             if value.im > 0.0 {
                 let (frequency, damping) = (value.re.hypot(value.im), (-2.0 * value.re).max(0.0));
                 self.list.push(Motion { frequency, damping, dof, grows: value.re > 0.0 });

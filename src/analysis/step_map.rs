@@ -3,9 +3,10 @@
 //! For schemes that treat positions and velocities differently the map is no function of the scene's roots alone once
 //! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
 
-use super::arnoldi::{Krylov, RitzValue};
+use super::arnoldi::{Krylov, RitzValue, place};
 use super::linearised::{Linearised, norm, rough};
 use super::matrices::Matrices;
+use super::shape::Shape;
 use crate::assembly::{Assembler, PatternError};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
@@ -23,6 +24,9 @@ static TERMS: [TermInfo; 1] =
 
 /// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
 const CONVERGED: f64 = 0.005;
+/// The same as a share of how far a value lies beyond the unit circle: what is left of other motions in its vector must not
+/// hide the vector's own.
+const CLOSE: f64 = 0.2;
 /// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that is
 /// stable, so it shows soon.
 const PRODUCTS: [usize; 3] = [40, 70, 120];
@@ -36,13 +40,6 @@ const WIDTH: f64 = 0.01;
 const OUTWARDS: usize = 20;
 const FIRST: f64 = 0.97;
 
-/// What an eigenvalue must not exceed.
-#[derive(Clone, Copy)]
-struct Bound {
-    unit: f64,
-    most: f64,
-}
-
 /// Where to look for a limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
@@ -50,8 +47,6 @@ pub(super) struct Search {
     pub guess: f64,
     /// [1/s] makes positions and velocities comparable
     pub unit: f64,
-    /// [1/s] growth of the scene itself, which is no fault of the step
-    pub growth: f64,
 }
 
 /// M a = -K x - C v.
@@ -75,10 +70,11 @@ impl LinearScene {
         })
     }
 
-    /// [s] The largest step whose map does not grow, about a guess, and the degree of freedom that moves most beyond it.
+    /// [s] The largest step whose map grows only where the scene itself does, about a guess, and the degree of freedom that moves most
+    /// beyond it.
     pub fn limit(&self, method: &MethodChoice, search: Search) -> Option<(f64, usize)> {
-        let Search { guess, unit, growth } = search;
-        let grows = |h: f64| self.grows(method, h, Bound { unit, most: (1.0 + GROWTH) * (h * growth).exp() });
+        let Search { guess, unit } = search;
+        let grows = |h: f64| self.grows(method, h, unit);
         let (mut stable, mut unstable) = (0.0, guess);
         let mut culprit = grows(unstable)?;
         // Outwards from the guess until it lies between a stable and a growing step.
@@ -92,9 +88,6 @@ impl LinearScene {
                         break;
                     }
                 }
-            } else if unstable * growth > 1.0 {
-                // The motion grows by itself before a step could show.
-                return None;
             } else {
                 (stable, unstable) = (unstable, unstable / factor);
                 culprit = grows(unstable)?;
@@ -115,36 +108,40 @@ impl LinearScene {
         Some((stable, dof))
     }
 
-    /// Whether the step map has an eigenvalue beyond `most` in size, and the degree of freedom that then moves most.
-    fn grows(&self, method: &MethodChoice, h: f64, Bound { unit, most }: Bound) -> Option<Option<usize>> {
+    /// Whether the step map has an eigenvalue beyond the unit circle whose motion does not grow by itself, and the degree of freedom that
+    /// then moves most.
+    fn grows(&self, method: &MethodChoice, h: f64, unit: f64) -> Option<Option<usize>> {
         let size = |z: &RitzValue| z.re.hypot(z.im);
         for products in PRODUCTS {
             let krylov = self.krylov(method, h, unit, products)?;
-            let beyond = krylov.values.iter().filter(|&z| size(z) > most);
-            let Some(largest) = beyond.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Some(None) };
-            if largest.residual <= CONVERGED * size(largest)
-                && self.grows_when_stepped(method, h, unit, &krylov, *largest)?
-            {
-                let (n, parts) = (self.root.len(), krylov.parts(*largest));
-                let moves = |i: usize| (parts[i] + parts[n + i]) * self.root[i].powi(2);
-                return Some((0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))));
+            let mut beyond: Vec<RitzValue> =
+                krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH && z.im >= 0.0).copied().collect();
+            beyond.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            let mut settled = true;
+            for z in beyond {
+                let vector = krylov.vector(z);
+                let close = z.residual <= (CONVERGED * size(&z)).min(CLOSE * (size(&z) - 1.0));
+                let own = || Shape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
+                if close && own() {
+                    continue;
+                }
+                if close && self.grows_when_stepped(method, h, unit, &vector[0])? {
+                    return Some(Some(place(&vector, &self.root)));
+                }
+                settled = false;
+            }
+            if settled {
+                break;
             }
         }
         Some(None)
     }
 
-    /// Whether repeated steps grow from a Ritz vector: where eigenvectors are nearly parallel a small residual proves nothing. Second differences from step
+    /// Whether repeated steps from a Ritz vector grow: where eigenvectors are nearly parallel a small residual proves nothing. Second differences from step
     /// to step leave out what drifts, as a net without stiffness across itself does.
-    fn grows_when_stepped(
-        &self,
-        method: &MethodChoice,
-        h: f64,
-        unit: f64,
-        krylov: &Krylov,
-        ritz: RitzValue,
-    ) -> Option<bool> {
+    fn grows_when_stepped(&self, method: &MethodChoice, h: f64, unit: f64, from: &[f64]) -> Option<bool> {
         let mut step = self.step_map(method, h, unit)?;
-        let mut q = [krylov.real_part(ritz), vec![], vec![]];
+        let mut q = [from.to_vec(), vec![], vec![]];
         let n = q[0].len();
         (q[1], q[2]) = (vec![0.0; n], vec![0.0; n]);
         let [before, now, after] = &mut q;

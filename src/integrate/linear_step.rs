@@ -11,6 +11,8 @@ pub struct LinearStep {
     /// whether, with default parameters, every step takes energy from an undamped oscillation, up to w h = 2 at least: what the step is coarse
     /// for dies out without swinging
     pub always_dissipates: bool,
+    /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity as it is, whatever K does, for a method that has such a step
+    pub fixed_velocity: Option<f64>,
     /// the matrix that is positive definite in stable steps alone, for a method that has such a one on symmetric scenes
     pub pencil: Option<Pencil>,
 }
@@ -28,7 +30,7 @@ pub struct Pencil {
 
 impl LinearStep {
     /// A method that is a function of h L with all its parameters and may leave an oscillation its energy, or add some.
-    pub const PLAIN: LinearStep = LinearStep { partitioned: |_| false, always_dissipates: false, pencil: None };
+    pub const PLAIN: LinearStep = LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, pencil: None };
     /// The same of a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };
     /// The same of a method that takes energy in every step.

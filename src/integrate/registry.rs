@@ -253,7 +253,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 2],
         parameters: &[],
         stability: "w h < 2 undamped, 1.84 at damping ratio 0.1; symplectic without damping",
-        linear: LinearStep::PARTITIONED,
+        linear: LinearStep { fixed_velocity: Some(2.0), ..LinearStep::PARTITIONED },
         source: "Swope et al. 1982; thesis Eq. 37-40",
         build: |_, _| Scheme::Explicit(Box::new(VelocityVerlet)),
     },
