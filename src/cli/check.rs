@@ -3,7 +3,7 @@
 
 use super::check_cost::describe_forecast;
 use super::check_json::Report;
-use super::doubts::{check_solver, disk_doubt, step_doubt};
+use super::doubts::{check_solver, disk_doubt, slack_doubt, step_doubt};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
 use crate::case::Case;
@@ -46,7 +46,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     let limit = spectrum.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
-    let doubts = [step_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
+    let doubts =
+        [step_doubt(&problem, scene, limit), slack_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
     let warnings: Vec<String> = problem.warnings.iter().cloned().chain(doubts.into_iter().flatten()).collect();
     if args.json {
         return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings }.to_json();

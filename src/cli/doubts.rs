@@ -10,9 +10,13 @@ use crate::case::{CaseError, Source};
 use crate::figures::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
+use crate::model::state::{State, StateRef};
 use crate::output::space::{frame_bytes, free_bytes};
 use crate::scene::{Scene, place_of};
 use crate::solve::{LinearChoice, LinearError};
+
+/// [-] strain that rounding of coordinates makes
+const ROUNDING: f64 = 1e-9;
 
 /// Refuses a solver that cannot solve this scene's equations.
 pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
@@ -34,15 +38,65 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
 /// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only
 /// those whose step is near it.
 pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene) -> CriticalStep {
+    limit_at(problem, scene, scene.initial_state().as_ref())
+}
+
+fn limit_at(problem: &Problem, scene: &dyn Scene, at: StateRef<'_>) -> CriticalStep {
     if !has_limit(&problem.method) {
         return CriticalStep::none();
     }
-    let state = scene.initial_state();
     // Adaptive steps find the limit themselves; it is still a figure of the scene.
     let step = problem.time.step.fixed().unwrap_or(0.0);
-    let plain = problem.time.step.fixed().and_then(|h| plainly_stable(scene, state.as_ref(), &problem.method, h));
+    let plain = problem.time.step.fixed().and_then(|h| plainly_stable(scene, at, &problem.method, h));
     let effort = Effort { sharpen_below: 2.0 * step, ..Effort::START };
-    plain.unwrap_or_else(|| Spectrum::with(scene, state.as_ref(), effort).critical_step(&problem.method))
+    plain.unwrap_or_else(|| Spectrum::with(scene, at, effort).critical_step(&problem.method))
+}
+
+/// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that the limit
+/// at the start is not of the springs at all.
+pub(super) fn slack_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalStep) -> Option<String> {
+    if !has_limit(&problem.method) {
+        return None;
+    }
+    let step = problem.time.step.fixed()?.min(problem.time.end);
+    let start = scene.initial_state();
+    let slack = slack(scene, start.as_ref())?;
+    // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a little across.
+    let longer = |x: &f64| x * slack.stretch;
+    let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
+    let taut = limit_at(problem, scene, taut.as_ref()).step;
+    let name = problem.method.info.name;
+    let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
+    hidden.then(|| {
+        format!(
+            "{} springs are slack at the start, so the critical step of {name} there, {} s, holds only until they go taut; with all of them \
+             taut it is about {} s, and the step is {} s",
+            if slack.count == slack.of { format!("all {}", slack.of) } else { format!("{} of {}", slack.count, slack.of) },
+            figures(limit.step, 3),
+            figures(taut, 3),
+            figures(step, 4)
+        )
+    })
+}
+
+/// Springs that are shorter than at rest and do not push back.
+struct Slack {
+    count: usize,
+    of: usize,
+    /// [-] what the slackest must be lengthened by to be taut
+    stretch: f64,
+}
+
+/// `None` where none is slack.
+fn slack(scene: &dyn Scene, at: StateRef<'_>) -> Option<Slack> {
+    let n = scene.edges().len();
+    let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
+    scene.edge_tension(at, &mut tension, &mut strain);
+    // An edge without a spring has no tension, not even 0.
+    let of = tension.iter().filter(|tension| !tension.is_nan()).count();
+    let strains = tension.iter().zip(&strain).filter(|(tension, strain)| **tension == 0.0 && **strain < -ROUNDING);
+    let (count, least) = strains.fold((0, 0.0_f64), |(n, least), (_, strain)| (n + 1, least.min(*strain)));
+    (count > 0 && least > -1.0).then(|| Slack { count, of, stretch: (1.0 + ROUNDING) / (1.0 + least) })
 }
 
 /// What a critical step is worth in a word.

@@ -1,6 +1,6 @@
 //! `canopy-fem solve`: the main job.
 
-use super::doubts::{check_solver, disk_doubt, limit_at_start, step_doubt, worth};
+use super::doubts::{check_solver, disk_doubt, limit_at_start, slack_doubt, step_doubt, worth};
 use super::farthest::Farthest;
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
@@ -54,9 +54,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     };
     let limit = timed(Phase::CriticalStep, || limit_at_start(&problem, &*scene));
     if !args.quiet {
-        let doubts =
-            timed(Phase::CriticalStep, || [step_doubt(&problem, &*scene, limit), disk_doubt(&problem, &*scene, &out)]);
-        doubts.iter().flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
+        let doubts = timed(Phase::CriticalStep, || {
+            let of_step = [step_doubt(&problem, &*scene, limit), slack_doubt(&problem, &*scene, limit)];
+            of_step.into_iter().chain([disk_doubt(&problem, &*scene, &out)])
+        });
+        doubts.flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
     }
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();

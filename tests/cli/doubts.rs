@@ -93,6 +93,28 @@ fn a_step_above_the_critical_one_is_announced() {
     assert_eq!(checked, solved);
 }
 
+/// Springs that are all slack at the start say nothing of the step that they will need: the limit with all of them taut is told too.
+#[test]
+fn springs_that_are_slack_at_the_start_are_told() {
+    let bench = Bench::new();
+    let told = |rest_scale: &str, more: &[&str]| {
+        let rest = format!("{N}springs.0.rest_scale={rest_scale}");
+        let slack = format!("{N}springs.0.slack=\"tension-only\"");
+        both(&bench, &[&LIGHT[..], &["--set", &rest, "--set", &slack, "--step", "1"], more].concat())
+    };
+    let number = |warnings: &[String], after: &str| -> f64 {
+        let rest = warnings.iter().find_map(|w| w.split_once(after)).expect("the words").1;
+        rest.split_whitespace().next().expect("a number").parse().expect("a number")
+    };
+    let [checked, solved] = told("1.2", &[]);
+    assert_eq!(checked, solved);
+    assert!(checked.iter().any(|w| w.contains("all 9 springs are slack at the start")), "{checked:?}");
+    let (taut, known) =
+        (number(&checked, "taut it is about "), number(&told("0.9999", &[])[0], "on this scene, about "));
+    assert!((taut / known - 1.0).abs() < 0.1, "{taut} s, and {known} s where they start taut");
+    assert!(!told("1.2", &["--method", "newmark"])[0].iter().any(|w| w.contains("slack")));
+}
+
 /// The size of a frame is known before it is written.
 #[test]
 fn frames_have_the_size_that_was_foretold() {
