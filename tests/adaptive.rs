@@ -154,7 +154,10 @@ fn unsolved_steps_shrink() {
         let loose = r#"{"relative": 0.5, "absolute": 1.0}"#;
         let case = changed(
             &gusty(method, loose),
-            &[("solver.newton.max_iterations", "2"), ("system.network.springs.0.stiffness", "100000")],
+            &[
+                ("solver.newton", r#"{"strategy": "full", "max_iterations": 2}"#),
+                ("system.network.springs.0.stiffness", "100000"),
+            ],
         );
         let found = run(&case);
         assert_eq!(found.outcome.status, Status::Completed, "{method}: {:?}", found.outcome.failure);

@@ -243,6 +243,22 @@ mod tests {
         }
     }
 
+    /// The step map has the eigenvalue 1 there, and is not near it elsewhere.
+    #[test]
+    fn a_velocity_is_kept_where_a_method_says_so() {
+        let given = methods().iter().filter_map(|info| info.linear.fixed_velocity.map(|hc| (info.name, hc)));
+        for (name, hc) in given {
+            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            for k in [-3.0, 2.0, 90.0] {
+                let away = |hc: f64| {
+                    let map = step_map(&method, Oscillator { k, c: 20.0 }, hc / 20.0).unwrap();
+                    (map[0][0] - 1.0) * (map[1][1] - 1.0) - map[0][1] * map[1][0]
+                };
+                assert!(away(hc).abs() < 1e-12 && away(0.9 * hc).abs() > 1e-3, "{name} with k = {k}: {}", away(hc));
+            }
+        }
+    }
+
     /// The table "Critical steps" of structural dynamics: w h at damping ratio 0, 0.1 and 1.
     #[test]
     fn limits_equal_the_known_ones() {

@@ -28,7 +28,10 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
     };
     match why.filter(|_| problem.method.info.family == Family::Implicit) {
         Some(why) => {
-            let allowed = "\"lu\" or \"auto\" for this scene";
+            let allowed = match why {
+                LinearError::NotKept => "\"auto\" with this strategy",
+                _ => "\"lu\" or \"auto\" for this scene",
+            };
             Err(source.refuse(&problem.case_json, "/solver/linear", allowed, why.to_string()))
         }
         None => Ok(()),

@@ -169,7 +169,8 @@ impl<'a> Run<'a> {
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.passes(scene, &snapshot)?;
-        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } = snapshot;
+        let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
+            snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Counted when the step that led here was made.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));

@@ -30,7 +30,8 @@ pub struct Pencil {
 
 impl LinearStep {
     /// A method that is a function of h L with all its parameters and may leave an oscillation its energy, or add some.
-    pub const PLAIN: LinearStep = LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, pencil: None };
+    pub const PLAIN: LinearStep =
+        LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, pencil: None };
     /// The same of a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };
     /// The same of a method that takes energy in every step.

@@ -74,6 +74,9 @@ const WORTH_KEEPING: f64 = 1.0;
 /// [-] Rounding of the residual, over the forces of the step, from which on it may hide their motion where no iteration leads on. What is rounded
 /// acts along stiff springs, so iterations may find the motion across them far above it.
 const HIDING: f64 = 1e-3;
+/// [-] Residual that is rounding alone, over the forces of the step and the residual of the first guess, from which on nothing is found across
+/// stiff springs either: on a chain the motion was right up to 1e3 and wrong from 6e6 on.
+const HIDDEN: f64 = 1e5;
 
 /// How long a problem without a potential is led by the convex tangent after the exact one crawled.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,17 +188,23 @@ impl Newton {
         self.spent = 0;
         self.guess.copy_from_slice(z);
         let found = self.from_guess(problem, z, goal, frozen);
-        let Err(failure) = &found else { return found };
-        if !rounding_only {
-            return found;
-        }
-        let iterations = failure.iterations();
-        if rounding > HIDING * forces && rounding > HIDING * problem.stopping_force() {
+        let hidden = match &found {
+            Ok(_) => {
+                let left = norm(&self.r);
+                left > HIDDEN * forces.max(residual) && left > HIDDEN * problem.stopping_force()
+            }
+            Err(_) if rounding_only => rounding > HIDING * forces && rounding > HIDING * problem.stopping_force(),
+            Err(_) => return found,
+        };
+        let iterations = found.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
+        if hidden {
             return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() });
         }
-        // Then the guess will do.
-        self.return_to_guess(problem, z);
-        Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) })
+        found.or_else(|_| {
+            // The guess will do.
+            self.return_to_guess(problem, z);
+            Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) })
+        })
     }
 
     /// The iterations: on the frozen factor, then, from the same guess, on the exact tangent.

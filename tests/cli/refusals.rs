@@ -155,3 +155,20 @@ fn text_that_is_no_json_is_status_2() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("sail.json:3"), "{}", ended.stderr);
 }
+
+/// A strategy that keeps a factor is not run as another one because the solver that was asked for keeps none.
+#[test]
+fn a_solver_that_keeps_nothing_is_refused_where_something_is_to_be_kept() {
+    let bench = Bench::new();
+    for strategy in ["quasi", "modified"] {
+        let strategy = format!("solver.newton.strategy={strategy}");
+        let ended = bench.solve(&["--method", "newmark", "--set", "solver.linear=lu", "--set", &strategy]);
+        assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains("keep a symmetric one"), "{}", ended.stderr);
+    }
+    for strategy in ["full", "auto"] {
+        let strategy = format!("solver.newton.strategy={strategy}");
+        let ended = bench.solve(&["--method", "newmark", "--set", "solver.linear=lu", "--set", &strategy, "--force"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    }
+}

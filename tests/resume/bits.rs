@@ -348,7 +348,8 @@ fn the_first_trouble_is_kept() {
 /// A run that was warned of before it was stopped is told as such after it was resumed.
 #[test]
 fn the_warning_is_kept() {
-    let sets = [("time.method", "explicit-euler"), ("time.step", "0.02"), ("time.end", "3"), ("system.pendulum.damping", "0")];
+    let sets =
+        [("time.method", "explicit-euler"), ("time.step", "0.02"), ("time.end", "3"), ("system.pendulum.damping", "0")];
     let case = case_of(&pendulum(), &sets);
     let (whole, parts) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     let expected = solve(&case, whole.path(), WHOLE);
