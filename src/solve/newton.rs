@@ -395,6 +395,50 @@ mod tests {
         assert!(residual <= 1.0, "{failure:?}");
     }
 
+    /// z -> z - 1, whose kept matrix no solver copes with.
+    #[derive(Default)]
+    struct Keeping {
+        kept: bool,
+        exact_fails: bool,
+    }
+
+    impl NonlinearProblem for Keeping {
+        fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
+            r[0] = z[0] - 1.0;
+            floor[0] = 1e-15;
+        }
+        fn linearise(&mut self, _: Curvature) -> Result<Inertia, LinearError> {
+            self.kept = false;
+            if self.exact_fails { Err(LinearError::Singular { unknown: Some(0) }) } else { Ok(Inertia::Definite) }
+        }
+        fn freeze(&mut self) -> Result<bool, LinearError> {
+            Ok(true)
+        }
+        fn take_frozen(&mut self) {
+            self.kept = true;
+        }
+        fn keeps(&self) -> bool {
+            true
+        }
+        fn solve(&mut self, _: &mut [f64]) -> Result<(), LinearError> {
+            if self.kept { Err(LinearError::Stalled { iterations: 9, residual: 0.5, asked: 1e-3 }) } else { Ok(()) }
+        }
+    }
+
+    /// What fails on the kept matrix is tried with the exact one, and both count.
+    #[test]
+    fn a_solver_that_fails_on_the_kept_matrix_leaves_the_step_to_the_exact_one() {
+        let mut z = [0.0];
+        let mut newton = Newton::new(NewtonSpec::default(), 1);
+        let report = newton.solve(&mut Keeping::default(), &mut z, SCALES, &mut Frozen::default()).unwrap();
+        assert_eq!((z, report.iterations), ([1.0], 2));
+        let mut neither = Keeping { exact_fails: true, ..Keeping::default() };
+        let failure = newton.solve(&mut neither, &mut [0.0], SCALES, &mut Frozen::default()).unwrap_err();
+        let NewtonFailure::Linear { iterations: 2, error: LinearError::Singular { .. }, .. } = failure else {
+            panic!("{failure:?}")
+        };
+    }
+
     #[test]
     fn an_iteration_limit_is_a_refusal_with_its_numbers() {
         let spec = NewtonSpec { max_iterations: 2, ..Default::default() };
