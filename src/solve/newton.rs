@@ -187,7 +187,7 @@ impl Newton {
         }
         self.spent = 0;
         self.guess.copy_from_slice(z);
-        let found = self.from_guess(problem, z, goal, frozen);
+        let found = self.iterate(problem, z, goal, frozen);
         let hidden = match &found {
             Ok(_) => {
                 let left = norm(&self.r);
@@ -208,7 +208,7 @@ impl Newton {
     }
 
     /// The iterations: on the frozen factor, then, from the same guess, on the exact tangent.
-    fn from_guess(
+    fn iterate(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
