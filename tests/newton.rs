@@ -2,6 +2,8 @@
 //! different stiffness, scenes that start without any force.
 
 mod common;
+#[path = "newton/iteration.rs"]
+mod iteration;
 
 use canopy_fem::drive::Status;
 use common::run::{case_of, run};

@@ -74,7 +74,7 @@ impl Fingerprint {
                 made.text("time.end", &problem.time.end)?;
             }
         }
-        made.parts.push(Part { key: "solver".to_owned(), value: Value::Text(format!("{:?}", problem.solver)) });
+        made.text("solver", &problem.solver)?;
         let OutputSpec { frames_every, fields, probes, history_every, history_derived, checkpoint_every: _, format } =
             &problem.output;
         made.text("output.frames.every", frames_every)?;

@@ -26,7 +26,7 @@ pub trait ImplicitScheme: Send {
 }
 
 /// How implicit steps are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SolverSpec {
     /// Newton's iteration
     pub newton: NewtonSpec,

@@ -6,7 +6,8 @@ use crate::assembly::Pattern;
 use std::sync::Arc;
 
 /// Which solver to use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
     /// Cholesky for a symmetric W, LU else.
     #[default]
