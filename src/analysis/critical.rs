@@ -292,7 +292,7 @@ impl<'a> Spectrum<'a> {
     /// [s] The step at which a pencil is 0 for the Rayleigh quotients of a shape.
     fn singular_at(&self, pencil: Pencil, shape: &[f64]) -> Option<f64> {
         let Rates { frequency, damping, .. } = self.linear.quotients(shape)?;
-        Some(pencil.singular_at(frequency, damping))
+        Some(pencil.singular_at(frequency * frequency, damping))
     }
 
     /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer eigenvalues of L.

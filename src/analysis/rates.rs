@@ -2,6 +2,7 @@
 //! finds them), and a step that a bound on them allows.
 
 use super::critical::{DAMPING, STIFFNESS};
+use crate::integrate::linear_step::Pencil;
 use crate::model::state::StateRef;
 use crate::scene::{BoundRoom, Scene};
 
@@ -18,13 +19,12 @@ pub struct Rates {
     pub damping_dof: usize,
 }
 
-/// [s] h with h^2 k + 2 h c = 4 for element bounds k [1/s^2] and c [1/s] on the rates: the limit of Euler-Cromer were they reached, and for
-/// other methods a measure that falls as their limit does.
+/// [s] The limit of Euler-Cromer were the element bounds on the rates reached: for other methods a measure that falls as their limit does.
 pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
     let (k, _) = scene.rate_bound(at, STIFFNESS, room);
     let c = match scene.velocity_dependent() {
         true => scene.rate_bound(at, DAMPING, room).0,
         false => 0.0,
     };
-    4.0 / (c + (c * c + 4.0 * k).sqrt())
+    Pencil::EULER_CROMER.singular_at(k, c)
 }

@@ -39,14 +39,17 @@ impl LinearStep {
 }
 
 impl Pencil {
+    /// 4 M - 2 h C - h^2 K.
+    pub const EULER_CROMER: Pencil = Pencil { m: 4.0, c: 2.0, k: 1.0 };
+
     /// Its weights at a step [s].
     pub fn at(self, h: f64) -> Weights {
         Weights { m: self.m, c: -self.c * h, k: -self.k * h * h }
     }
 
-    /// [s] The step at which it is 0 for a motion that oscillates at `frequency` [rad/s] and is damped at the rate `damping` [1/s], both for C and K alone.
-    pub fn singular_at(self, frequency: f64, damping: f64) -> f64 {
-        let damping = self.c * damping;
-        2.0 * self.m / (damping + (damping * damping + 4.0 * self.m * self.k * frequency * frequency).sqrt())
+    /// [s] The step at which it is 0 for quotients of K, `k` [1/s^2], and of C, `c` [1/s].
+    pub fn singular_at(self, k: f64, c: f64) -> f64 {
+        let c = self.c * c;
+        2.0 * self.m / (c + (c * c + 4.0 * self.m * self.k * k).sqrt())
     }
 }

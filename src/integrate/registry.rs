@@ -205,7 +205,7 @@ static METHODS: &[MethodInfo] = &[
         evaluations: [1, 1],
         parameters: &[],
         stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; symplectic",
-        linear: LinearStep { pencil: Some(Pencil { m: 4.0, c: 2.0, k: 1.0 }), ..LinearStep::PARTITIONED },
+        linear: LinearStep { pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
         source: "Cromer 1981; thesis Eq. 15-16",
         build: |_, _| Scheme::Explicit(Box::new(EulerCromer)),
     },

@@ -188,24 +188,23 @@ impl Newton {
         }
         self.spent = 0;
         self.guess.copy_from_slice(z);
-        let found = self.iterate(problem, z, goal, frozen);
-        let hidden = match &found {
-            Ok(_) => {
-                let left = norm(&self.r);
-                left > HIDDEN * forces.max(residual) && left > HIDDEN * problem.stopping_force()
-            }
-            Err(_) if rounding_only => rounding > HIDING * forces && rounding > HIDING * problem.stopping_force(),
-            Err(_) => return found,
+        let hides = |what: f64, share: f64, forces: f64, problem: &mut dyn NonlinearProblem| {
+            what > share * forces && what > share * problem.stopping_force()
         };
-        let iterations = found.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
-        if hidden {
-            return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() });
-        }
-        found.or_else(|_| {
-            // The guess will do.
-            self.return_to_guess(problem, z);
-            Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) })
-        })
+        let iterations = match self.iterate(problem, z, goal, frozen) {
+            Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
+            Err(failure) if rounding_only => {
+                let iterations = failure.iterations();
+                if !hides(rounding, HIDING, forces, problem) {
+                    // The guess will do.
+                    self.return_to_guess(problem, z);
+                    return Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) });
+                }
+                iterations
+            }
+            found => return found,
+        };
+        Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
     }
 
     /// The iterations: on the frozen factor, then, from the same guess, on the exact tangent.

@@ -26,6 +26,12 @@ impl Random {
     }
 }
 
+/// Writes an .obj file of four triangles on six vertices, the third at `x` [m].
+pub fn write_net(path: &Path, x: f64) {
+    let text = format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
+    std::fs::write(path, text).expect("written");
+}
+
 /// A square with `side` springs along an edge and a mass at every node; none is held.
 pub fn square(side: u32, mass: f64) -> NetworkSpec {
     let json = serde_json::json!({"rectangle": {

@@ -4,7 +4,7 @@ use canopy_fem::drive::{Failure, Snapshot};
 use canopy_fem::output::checkpoint::{Checkpoint, CheckpointFault, FORMAT};
 
 use crate::bench::{Bench, contents};
-use crate::common::Random;
+use crate::common::{Random, write_net};
 use crate::folders::assert_same;
 
 const KEEP: [&str; 2] = ["--set", "output.checkpoint.every=0.3"];
@@ -215,15 +215,10 @@ fn another_mesh_in_the_same_file() {
     let bench = Bench::new();
     let arguments =
         ["--set", r#"system.network.mesh={"file":"net.obj"}"#, "--set", "system.network.supports.0.on={\"ids\":[0]}"];
-    let mesh = |x: f64| {
-        let text =
-            format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
-        std::fs::write(bench.path("net.obj"), text).expect("written");
-    };
-    mesh(0.0);
+    write_net(&bench.path("net.obj"), 0.0);
     let ended = bench.solve(&arguments);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(bench.solve(&[&arguments[..], &["--resume"]].concat()).code, Some(0));
-    mesh(0.25);
+    write_net(&bench.path("net.obj"), 0.25);
     assert_refused(&bench, &arguments, &["out holds no checkpoint.bin"]);
 }

@@ -1,6 +1,7 @@
 //! What a study cannot do: status 2, and what to do instead.
 
 use super::bench::Bench;
+use super::common::write_net;
 
 #[test]
 fn bad_wishes_are_refused_before_anything_is_made() {
@@ -91,17 +92,12 @@ fn another_mesh_in_the_same_file() {
         ["--set", r#"system.network.mesh={"file":"net.obj"}"#, "--set", "system.network.supports.0.on={\"ids\":[0]}"];
     let more = ["--methods", "rk4", "--steps", "1e-2", "--tolerances", "none", "--repeat", "1", "--out", "out"];
     let study = || bench.run(&[&["tradeoff", "sail.json"][..], &flags, &more].concat());
-    let mesh = |x: f64| {
-        let text =
-            format!("v 0 0 0\nv 1 0 0\nv {x} 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 4\nf 1 4 3\nf 2 5 6\nf 2 6 4\n");
-        std::fs::write(bench.path("net.obj"), text).expect("written");
-    };
-    mesh(0.0);
+    write_net(&bench.path("net.obj"), 0.0);
     for _ in 0..2 {
         let ended = study();
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     }
-    mesh(0.25);
+    write_net(&bench.path("net.obj"), 0.25);
     let ended = study();
     assert_eq!(ended.code, Some(2), "{}", ended.stdout);
     assert!(ended.stderr.contains("system.network.mesh is not what it was"), "{}", ended.stderr);
