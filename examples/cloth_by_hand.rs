@@ -17,7 +17,6 @@ use canopy_fem::integrate::stepper::Stepper;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{NetworkSpec, Slack, SpringGroup};
 use canopy_fem::scene::{Scene, build_network};
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -49,7 +48,7 @@ pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
         ..Default::default()
     };
     let scene = build_network(spec, Threads::one())?;
-    let method = MethodChoice::new("newmark", &BTreeMap::new())?;
+    let method = MethodChoice::with_defaults("newmark")?;
     let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), scene.abilities())?;
     let spec = RunSpec {
         end: 0.5,

@@ -20,7 +20,6 @@ use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
 use common::{patch, spring_group, square};
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
@@ -51,7 +50,7 @@ fn large() -> Network {
 
 /// Heap blocks allocated by `steps` steps after ten steps of warm-up.
 fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strategy, LinearChoice)) -> u64 {
-    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let choice = MethodChoice::with_defaults(method).expect("registered");
     let newton = NewtonSpec { strategy, ..NewtonSpec::default() };
     let solver = SolverSpec { newton, linear };
     let mut stepper = Stepper::bind(choice.scheme(solver), scene.abilities()).expect("a network");
@@ -75,7 +74,7 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
 
 /// Heap blocks allocated by five strides after one.
 fn stride_blocks(scene: &Network, method: &str) -> u64 {
-    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let choice = MethodChoice::with_defaults(method).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
@@ -114,7 +113,7 @@ impl Observer for Marks<'_> {
 
 /// Heap blocks allocated by 60 adaptive steps after 60 of warm-up.
 fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
-    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let choice = MethodChoice::with_defaults(method).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
     let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });

@@ -18,7 +18,6 @@ use common::polynomials::{size, stability_polynomial};
 use common::run::case_of;
 use faer::{Mat, Scale, Side};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 const EXPLICIT: [&str; 9] = [
     "explicit-euler",
@@ -33,7 +32,7 @@ const EXPLICIT: [&str; 9] = [
 ];
 
 fn method(name: &str) -> MethodChoice {
-    MethodChoice::new(name, &BTreeMap::new()).expect("registered")
+    MethodChoice::with_defaults(name).expect("registered")
 }
 
 fn scene(case: &Case) -> Box<dyn Scene> {

@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 fn choices(names: &[&str]) -> Vec<MethodChoice> {
-    names.iter().map(|name| MethodChoice::new(name, &BTreeMap::new()).expect("a method")).collect()
+    names.iter().map(|name| MethodChoice::with_defaults(name).expect("a method")).collect()
 }
 
 fn explicit() -> Vec<&'static str> {

@@ -12,7 +12,6 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Scene, build_network};
 use common::{spring_group, square};
-use std::collections::BTreeMap;
 
 /// A sheet with every kind of term, of more than one strip of nodes.
 fn sheet() -> NetworkSpec {
@@ -55,7 +54,7 @@ fn sheet() -> NetworkSpec {
 
 fn bits_after(threads: usize, method: &str, steps: u32) -> Vec<u64> {
     let scene = build_network(sheet(), Threads::new(threads).expect("threads")).expect("the fixture is sound");
-    let choice = MethodChoice::new(method, &BTreeMap::new()).expect("registered");
+    let choice = MethodChoice::with_defaults(method).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);

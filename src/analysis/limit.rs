@@ -206,7 +206,7 @@ mod tests {
             let [one, other] = [-1.6, -2.3].map(|fast| states(&method, (with(fast), -0.9), 0.4, 5));
             let apart = |[x, v]: [f64; 2], [y, _]: [f64; 2]| (x - y).abs().max((v + 0.9 * x).abs());
             let most = one.iter().zip(&other).map(|(a, b)| apart(*a, *b)).fold(0.0, f64::max);
-            let name = (method.info.name, &method.values);
+            let name = (method.info.name, method.parameters().collect::<Vec<_>>());
             match method.partitioned() {
                 true => assert!(most > 1e-5, "{name:?}: no function of h L, but {most:e} apart"),
                 false => assert!(most < 1e-12, "{name:?}: a function of h L, but {most:e} apart"),
@@ -218,7 +218,7 @@ mod tests {
     fn energy_falls_in_every_step_where_a_method_says_so() {
         let oscillator = Oscillator { k: 1.0, c: 0.0 };
         for info in methods().iter().filter(|info| info.family != Family::MatrixFree) {
-            let method = MethodChoice::new(info.name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(info.name).unwrap();
             let falls = |wh: f64| {
                 let energies = states(&method, (oscillator, 0.0), wh, SWING).into_iter().map(|[x, v]| x * x + v * v);
                 energies.is_sorted_by(|before, after| after < before)
@@ -232,7 +232,7 @@ mod tests {
     fn a_pencil_is_singular_at_the_limit() {
         let given = methods().iter().filter_map(|info| info.linear.pencil.map(|pencil| (info.name, pencil)));
         for (name, pencil) in given {
-            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(name).unwrap();
             // Undamped, two eigenvalues meet at the limit, where rounding counts by its root.
             for zeta in [0.0, 0.05, 0.4, 1.0, 3.0] {
                 let (frequency, damping) = (20.0, 40.0 * zeta);
@@ -248,7 +248,7 @@ mod tests {
     fn a_velocity_is_kept_where_a_method_says_so() {
         let given = methods().iter().filter_map(|info| info.linear.fixed_velocity.map(|hc| (info.name, hc)));
         for (name, hc) in given {
-            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(name).unwrap();
             for k in [-3.0, 2.0, 90.0] {
                 let away = |hc: f64| {
                     let map = step_map(&method, Oscillator { k, c: 20.0 }, hc / 20.0).unwrap();
@@ -274,7 +274,7 @@ mod tests {
             ("dop853", [5.9604, 6.2810, 6.3937]),
         ];
         for (name, limits) in known {
-            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(name).unwrap();
             for (zeta, limit) in [0.0, 0.1, 1.0].into_iter().zip(limits) {
                 let frequency = 250.0;
                 let rates = Rates { frequency, damping: 2.0 * zeta * frequency, ..Default::default() };
@@ -290,7 +290,7 @@ mod tests {
     fn energy_swings_where_the_map_is_not_normal() {
         let rates = Rates { frequency: 3.0, ..Rates::default() };
         let of = |name: &str, wh: f64| {
-            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(name).unwrap();
             swing(&method, rates, wh / 3.0).unwrap()
         };
         let (verlet, cromer) = (of("velocity-verlet", 1.96), of("euler-cromer", 1.96));
@@ -303,7 +303,7 @@ mod tests {
     fn unconditionally_stable_methods_have_no_limit_and_linear_acceleration_has_its_own() {
         let rates = Rates { frequency: 10.0, damping: 0.0, ..Default::default() };
         for name in ["newmark", "hht", "backward-euler", "generalized-alpha"] {
-            let method = MethodChoice::new(name, &BTreeMap::new()).unwrap();
+            let method = MethodChoice::with_defaults(name).unwrap();
             assert_eq!(critical_step(&method, rates), f64::INFINITY, "{name}");
         }
         let linear_acceleration = BTreeMap::from([("beta".to_owned(), 1.0 / 6.0)]);

@@ -10,14 +10,13 @@ use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::figures::figures;
-use crate::integrate::registry::{Family, MethodChoice, methods};
+use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::spec::NetworkSpec;
 use crate::output::names::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
 use crate::study::trial::memory::Baseline;
 use crate::study::trial::{Candidate, ForecastSpec, forecast};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -62,15 +61,11 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
 
 /// Every method, the case's with its own parameters, with its limit at the start.
 fn candidates(problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) -> Vec<Candidate> {
-    let choices = methods().iter().filter_map(|info| match info.name == problem.method.info.name {
-        true => Some(problem.method.clone()),
-        false => MethodChoice::new(info.name, &BTreeMap::new()).ok(),
-    });
     let mut limit = |method: &MethodChoice| match method.info.family {
         Family::MatrixFree if scene.abilities().graph.is_none() || scene.velocity_dependent() => None,
         _ => Some(spectrum.critical_step(method)),
     };
-    choices.map(|method| Candidate { limit: limit(&method), method }).collect()
+    problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
 fn describe_system(text: &mut String, system: &SystemSpec) {

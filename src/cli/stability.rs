@@ -2,13 +2,12 @@
 
 use super::{CaseArgs, CliError, Finished, complain};
 use crate::case::Case;
-use crate::integrate::registry::{MethodChoice, methods};
+use crate::integrate::registry::MethodChoice;
 use crate::output::names::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 use crate::study::stability::{Beginning, Stability, StabilitySpec, Status, study, table, write};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -53,7 +52,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
     let folder = write::Folder::prepare(&out, args.force)?;
     let chosen = match wanted.methods {
         Some(list) => list.iter().map(|m| MethodChoice::new(&m.name, &m.parameters)).collect::<Result<Vec<_>, _>>(),
-        None => all(&problem.method),
+        None => Ok(problem.method.among_all().collect()),
     }?;
     let scene = build_scene(problem.take_system(), 1)?;
     let spec = StabilitySpec {
@@ -97,15 +96,6 @@ fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
     all.extend(methods.map(|list| ("study.methods".to_owned(), list)));
     all.extend(args.budget.iter().map(|seconds| ("study.budget_seconds".to_owned(), format!("{seconds:e}"))));
     all
-}
-
-/// All methods with their defaults; the case's own with its own parameters.
-fn all(own: &MethodChoice) -> Result<Vec<MethodChoice>, crate::integrate::registry::MethodError> {
-    let choice = |name: &str| match name == own.info.name {
-        true => Ok(own.clone()),
-        false => MethodChoice::new(name, &BTreeMap::new()),
-    };
-    methods().iter().map(|info| choice(info.name)).collect()
 }
 
 fn unknowns(scene: &dyn Scene) -> u64 {

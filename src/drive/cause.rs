@@ -10,12 +10,10 @@ use crate::model::forces::Role;
 use crate::model::state::State;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
-use std::collections::BTreeMap;
 
-/// [m/s] speed of light
-const LIGHT: f64 = 299_792_458.0;
-/// Steps that nobody means to make.
-const ENDLESS: f64 = 1e12;
+mod held;
+mod units;
+
 /// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity Verlet
 /// makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
 const SAFE: f64 = 0.5;
@@ -131,7 +129,7 @@ impl Question<'_> {
         if !(critical.step.is_finite() && (frequency > 0.0 || damping > 0.0)) {
             critical = self.row_sums(method)?;
         }
-        let verlet = MethodChoice::new("velocity-verlet", &BTreeMap::new()).ok()?;
+        let verlet = MethodChoice::with_defaults("velocity-verlet").ok()?;
         Some(Limit { critical, verlet: critical_step(&verlet, critical.rates), when })
     }
 
@@ -285,43 +283,6 @@ impl Question<'_> {
         Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }
 
-    /// Numbers that no scene has: what is absurd, and what to check.
-    fn units(&self, start: &State, steps: f64) -> Option<(String, &'static str)> {
-        let mut f = vec![0.0; self.scene.n_dof()];
-        self.scene.load(start.as_ref(), &mut f);
-        let speeds = f.iter().zip(self.scene.inverse_mass()).map(|(f, m)| (f * m * self.h).abs());
-        let (dof, speed) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let already = self.scene.max_speed(start.as_ref());
-        if !speed.is_finite() {
-            let why = format!(
-                "the loads at the start would bring node {} to more speed in one step than a number can hold",
-                self.scene.name_of(dof).0
-            );
-            return Some((why, "loads, wind, masses and the step"));
-        }
-        if speed > LIGHT {
-            let why = format!(
-                "the loads at the start bring node {} to {} m/s in one step, {} times the speed of light",
-                self.scene.name_of(dof).0,
-                figures(speed, 3),
-                figures(speed / LIGHT, 3)
-            );
-            return Some((why, "loads, wind, masses and the step"));
-        }
-        if already > LIGHT && already.is_finite() {
-            let why = format!(
-                "nodes start with up to {} m/s, {} times the speed of light",
-                figures(already, 3),
-                figures(already / LIGHT, 3)
-            );
-            return Some((why, "the initial velocities"));
-        }
-        (steps > ENDLESS && steps.is_finite()).then(|| {
-            let why = format!("a run of {} s would take {} such steps", figures(self.end, 4), figures(steps, 2));
-            (why, "stiffness, damping and masses")
-        })
-    }
-
     /// What can be said of a step that Newton could not solve: words, and a step [s] that might be solved.
     pub fn unsolved(&self, worst: usize) -> (String, f64) {
         let mut words = Vec::new();
@@ -336,43 +297,6 @@ impl Question<'_> {
         }
         words.extend(self.unheld(worst));
         (words.join("; "), step)
-    }
-
-    /// Says so when nothing holds the part of the net that a degree of freedom belongs to.
-    fn unheld(&self, dof: usize) -> Option<String> {
-        let n = self.scene.reference().len();
-        if 3 * n != self.scene.n_dof() {
-            return None;
-        }
-        let node = self.scene.name_of(dof).0 as usize;
-        let held = self.held();
-        let mut parent: Vec<usize> = (0..n).collect();
-        fn root(parent: &mut [usize], mut i: usize) -> usize {
-            while parent[i] != i {
-                parent[i] = parent[parent[i]];
-                i = parent[i];
-            }
-            i
-        }
-        for [a, b] in self.scene.edges() {
-            let (a, b) = (root(&mut parent, *a as usize), root(&mut parent, *b as usize));
-            parent[a] = b;
-        }
-        let part = root(&mut parent, node);
-        let members: Vec<usize> = (0..n).filter(|&i| root(&mut parent, i) == part).collect();
-        let free = members.iter().all(|&i| !held.get(i).copied().unwrap_or(true));
-        free.then(|| format!("nothing holds the {} nodes connected to node {node}", members.len()))
-    }
-
-    /// Whether a node (user's number) is held in any direction.
-    fn held(&self) -> Vec<bool> {
-        let mut held = vec![false; self.scene.reference().len()];
-        for (dof, inverse) in self.scene.inverse_mass().iter().enumerate() {
-            if let Some(held) = held.get_mut(self.scene.name_of(dof).0 as usize) {
-                *held |= *inverse == 0.0;
-            }
-        }
-        held
     }
 
     fn place(&self, dof: usize) -> String {

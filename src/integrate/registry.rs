@@ -7,7 +7,7 @@ use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
 use super::generalized_alpha::GeneralizedAlpha;
 use super::hht::Hht;
-use super::implicit::{Implicit, SolverSpec};
+use super::implicit::Implicit;
 use super::improved_euler::ImprovedEuler;
 use super::improved_euler_pec::ImprovedEulerPec;
 use super::kang::Kang;
@@ -18,166 +18,10 @@ use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
 use super::velocity_verlet::VelocityVerlet;
 use super::{dop853, dormand_prince};
-use std::collections::BTreeMap;
 
-/// What a step of the method needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Family {
-    /// forces only
-    Explicit,
-    /// forces and the spring graph, no matrix
-    MatrixFree,
-    /// tangents and a sparse factorisation
-    Implicit,
-}
+mod method;
 
-/// A real parameter of a method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParameterInfo {
-    /// key in a case file
-    pub name: &'static str,
-    /// value if the case does not give one
-    pub default: f64,
-    /// smallest value
-    pub min: f64,
-    /// whether `min` itself is allowed
-    pub min_included: bool,
-    /// largest value, always allowed
-    pub max: f64,
-    /// one line for the schema and `methods`
-    pub doc: &'static str,
-}
-
-/// What is known of a method before it runs.
-#[derive(Debug)]
-pub struct MethodInfo {
-    /// name in a case file
-    pub name: &'static str,
-    /// order of accuracy with default parameters, measured on a damped, time-forced, nonlinear problem
-    pub order: u32,
-    /// order with other parameters, where it depends on them
-    order_with: Option<fn(&[f64]) -> u32>,
-    /// what a step needs
-    pub family: Family,
-    /// force passes a step: without and with velocity-dependent forces; 0 = as many as Newton needs
-    pub evaluations: [u32; 2],
-    /// parameters, in the order the scheme takes them
-    pub parameters: &'static [ParameterInfo],
-    /// one line on stability
-    pub stability: &'static str,
-    /// what a step is on linear scenes
-    pub linear: LinearStep,
-    /// paper or book with equation number
-    pub source: &'static str,
-    /// makes the scheme from its checked parameter values
-    build: fn(&[f64], SolverSpec) -> Scheme,
-}
-
-/// A method with its parameters, checked.
-#[derive(Clone, Debug)]
-pub struct MethodChoice {
-    /// the method
-    pub info: &'static MethodInfo,
-    /// one value for each of `info.parameters`
-    pub values: Vec<f64>,
-}
-
-/// Why a method cannot be chosen.
-#[derive(Clone, Debug, thiserror::Error, PartialEq)]
-pub enum MethodError {
-    /// No such method.
-    #[error("there is no method \"{name}\"; the methods are {known}")]
-    Unknown {
-        /// what was asked for
-        name: String,
-        /// all names
-        known: String,
-    },
-    /// No such parameter.
-    #[error("{method} has no parameter \"{name}\"; it has {known}")]
-    UnknownParameter {
-        /// the method
-        method: &'static str,
-        /// what was given
-        name: String,
-        /// its parameters
-        known: String,
-    },
-    /// A parameter is out of range.
-    #[error("{method}: {name} = {value} is outside {range}")]
-    OutOfRange {
-        /// the method
-        method: &'static str,
-        /// the parameter
-        name: &'static str,
-        /// what was given
-        value: f64,
-        /// e.g. "[-0.3333, 0]"
-        range: String,
-    },
-}
-
-impl ParameterInfo {
-    /// The range as text, e.g. `(0, 0.5]`.
-    pub fn range(&self) -> String {
-        format!("{}{}, {}]", if self.min_included { '[' } else { '(' }, self.min, self.max)
-    }
-
-    /// Whether a value is allowed; a number that is not finite never is.
-    pub fn allows(&self, value: f64) -> bool {
-        value <= self.max && (value > self.min || self.min_included && value == self.min)
-    }
-}
-
-impl MethodChoice {
-    /// Looks up a method and checks its parameters; what is not given takes its default.
-    ///
-    /// # Errors
-    /// An unknown name or parameter, or a value out of its range (never clamped).
-    pub fn new(name: &str, given: &BTreeMap<String, f64>) -> Result<Self, MethodError> {
-        let Some(info) = methods().iter().find(|m| m.name == name) else {
-            let known = methods().iter().map(|m| m.name).collect::<Vec<_>>().join(", ");
-            return Err(MethodError::Unknown { name: name.to_owned(), known });
-        };
-        if let Some(unknown) = given.keys().find(|key| info.parameters.iter().all(|p| p.name != key.as_str())) {
-            let known = match info.parameters {
-                [] => "none".to_owned(),
-                some => some.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
-            };
-            return Err(MethodError::UnknownParameter { method: info.name, name: unknown.clone(), known });
-        }
-        let mut values = Vec::with_capacity(info.parameters.len());
-        for p in info.parameters {
-            let value = given.get(p.name).copied().unwrap_or(p.default);
-            if !p.allows(value) {
-                return Err(MethodError::OutOfRange { method: info.name, name: p.name, value, range: p.range() });
-            }
-            values.push(value);
-        }
-        Ok(MethodChoice { info, values })
-    }
-
-    /// The scheme, ready to be bound to a scene.
-    pub fn scheme(&self, solver: SolverSpec) -> Scheme {
-        (self.info.build)(&self.values, solver)
-    }
-
-    /// [-] Order of accuracy with these parameters.
-    pub fn order(&self) -> u32 {
-        self.info.order_with.map_or(self.info.order, |order| order(&self.values))
-    }
-
-    /// Whether it is a partitioned method with these parameters ([`LinearStep::partitioned`]).
-    pub fn partitioned(&self) -> bool {
-        (self.info.linear.partitioned)(&self.values)
-    }
-
-    /// The parameters by name.
-    pub fn parameters(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        self.info.parameters.iter().map(|p| p.name).zip(self.values.iter().copied())
-    }
-}
+pub use method::{Family, MethodChoice, MethodError, MethodInfo, ParameterInfo};
 
 /// All methods, in the order `canopy-fem methods` prints them.
 pub fn methods() -> &'static [MethodInfo] {

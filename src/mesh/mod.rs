@@ -6,6 +6,7 @@
 pub mod annulus;
 pub mod chain;
 mod check;
+pub(crate) mod components;
 mod delaunay;
 mod distmesh;
 mod error;

@@ -1,5 +1,6 @@
 //! Which triangles meet at which edge, and what follows from it: boundary loops, orientation, components.
 
+use super::components::components;
 use super::loops::{self, BoundaryLoop};
 use super::{Mesh, MeshError};
 
@@ -94,7 +95,9 @@ impl Topology {
         let sides = Sides::new(&mesh.triangles);
         let side = |&edge: &[u32; 2]| sides.find(edge).map_or(NOT_A_SIDE, |s| s as u32);
         let side_of_edge: Vec<u32> = mesh.edges.iter().map(side).collect();
-        let (component, components) = components(mesh);
+        let across = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+        let component = components(mesh.nodes.len(), mesh.edges.iter().copied().chain(across));
+        let components = component.iter().enumerate().filter(|&(node, &name)| node as u32 == name).count();
         let loops = loops::find(mesh, &sides, &component);
         let nodes_of = |wanted: &dyn Fn(&BoundaryLoop) -> bool| {
             let mut nodes: Vec<u32> =
@@ -201,32 +204,4 @@ impl Topology {
             None => Ok(()),
         }
     }
-}
-
-/// The component of every node (named by its smallest node), and how many there are.
-fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
-    let mut parent: Vec<u32> = (0..mesh.nodes.len() as u32).collect();
-    let mut join = |a: u32, b: u32| {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        parent[a.max(b) as usize] = a.min(b);
-    };
-    for &[a, b] in &mesh.edges {
-        join(a, b);
-    }
-    for &[a, b, c] in &mesh.triangles {
-        join(a, b);
-        join(a, c);
-    }
-    let component: Vec<u32> = (0..mesh.nodes.len() as u32).map(|n| root(&mut parent, n)).collect();
-    let count = component.iter().enumerate().filter(|&(n, &c)| n as u32 == c).count();
-    (component, count)
-}
-
-/// Root of a node in a forest, halving the path on the way.
-fn root(parent: &mut [u32], mut node: u32) -> u32 {
-    while parent[node as usize] != node {
-        parent[node as usize] = parent[parent[node as usize] as usize];
-        node = parent[node as usize];
-    }
-    node
 }

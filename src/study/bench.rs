@@ -1,6 +1,5 @@
 //! One variant of the case, ready for any number of runs: the scene is built once and shared by all of them.
 
-use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use super::error::StudyError;
@@ -165,11 +164,6 @@ impl Pace {
 pub(super) fn reference_tolerance(scene: &dyn Scene, relative: f64) -> Tolerance {
     let size = scene.size();
     Tolerance { relative, absolute: 1e-3 * relative * if size > 0.0 { size } else { 1.0 } }
-}
-
-/// A method of the registry with its default parameters.
-pub(super) fn plain(name: &str) -> Option<MethodChoice> {
-    MethodChoice::new(name, &BTreeMap::new()).ok()
 }
 
 /// A method as a case writes it, looked up.

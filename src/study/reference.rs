@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, Try, plain, reference_tolerance};
+use super::bench::{Bench, Try, reference_tolerance};
 use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Spectrum;
@@ -166,7 +166,7 @@ impl Workshop<'_> {
 
     /// By the two pairs.
     fn explicit(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
-        let [fine, coarse] = PAIRS.map(plain);
+        let [fine, coarse] = PAIRS.map(|name| MethodChoice::with_defaults(name).ok());
         let (Some(fine), Some(coarse)) = (fine, coarse) else {
             return Err(NoWay::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
         };
@@ -212,7 +212,7 @@ impl Workshop<'_> {
 
     /// Newmark's trapezoidal rule, extrapolated.
     fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
-        let newmark = plain("newmark").ok_or_else(|| NoWay::Failed("newmark is not in the registry".to_owned()))?;
+        let newmark = MethodChoice::with_defaults("newmark").map_err(|e| NoWay::Failed(e.to_string()))?;
         let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
         let seconds = |j: i32| self.bench.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();

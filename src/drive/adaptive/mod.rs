@@ -16,19 +16,21 @@
 //! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too), and what was learnt of the motion before
 //! a corner is forgotten there.
 
+mod attempt;
 pub mod controller;
 pub mod estimate;
 mod floor;
 pub mod memory;
 
+pub use attempt::{Bench, Dropped, Kept};
 use controller::{Controller, Judged};
-use estimate::{Bends, Deviation, LocalError, Motion, Pair, Quadrature, doubled, embedded};
+use estimate::{Bends, LocalError, Motion, Quadrature};
 use memory::Memory;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Tolerance;
-use crate::integrate::stepper::{Attempt, Stepper};
-use crate::integrate::{Carried, Counters, PairInfo, StepError, StepReport};
+use crate::integrate::stepper::Stepper;
+use crate::integrate::{Carried, PairInfo, StepError};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
@@ -41,8 +43,6 @@ const SMALLEST: f64 = 1e-13;
 /// The norms of all local errors, added up, over what the errors come to: they change direction, and partly cancel. About what was
 /// measured on swinging pendulums and cloths (`tests/claims/tolerance.rs`).
 const CANCELLED: f64 = 3.0;
-/// Most growth of a step whose error was estimated from the steps before it, and from two halves.
-const GROWTH: [f64; 2] = [2.0, 5.0];
 /// [-] of the tolerance that a step across a jump may make.
 const SHARE: f64 = 0.01;
 /// [-] of the tolerance that any step may make: what is left of short steps is rounding, and a longer one is the way out.
@@ -82,24 +82,6 @@ pub struct AdaptiveSpec {
     pub coherent: bool,
 }
 
-/// A step that was accepted.
-#[derive(Clone, Copy, Debug)]
-pub enum Kept {
-    /// one step, to the caller's point; what the scheme carries is pending
-    Single(StepReport),
-    /// two halves: the first to the caller's point, accepted; the second to [`Adaptive::second`], pending
-    Halves([StepReport; 2]),
-}
-
-/// Why an attempt was dropped.
-#[derive(Clone, Debug)]
-pub enum Dropped {
-    /// the error is too large, or not a number
-    Error(Deviation),
-    /// a step could not be solved
-    Unsolved(StepError),
-}
-
 /// One attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
@@ -119,46 +101,6 @@ struct Guess {
     most_growth: f64,
     /// of an estimate that the scheme's own pair made
     pair: Option<PairInfo>,
-}
-
-/// What attempts are made with.
-pub struct Bench<'a, 's> {
-    /// the scene
-    pub scene: &'a dyn Scene,
-    /// the scheme bound to it
-    pub stepper: &'a mut Stepper<'s>,
-    /// counts the work
-    pub counters: &'a mut Counters,
-}
-
-impl Bench<'_, '_> {
-    /// One attempt with the forces at its end, which the estimate needs even if the scheme does not.
-    fn step(&mut self, from: &Point, t_next: f64, to: &mut Point) -> Result<StepReport, Dropped> {
-        let attempt = Attempt { from, h: t_next - from.state.t, t_next };
-        let report = self.stepper.attempt(attempt, to, self.counters).map_err(Dropped::Unsolved)?;
-        if !report.forces_at_end {
-            self.counters.evaluate(self.scene, to.state.as_ref(), &mut to.forces);
-        }
-        Ok(StepReport { forces_at_end: true, ..report })
-    }
-
-    /// From the middle of a step to its end, after which the first half stays accepted only if `judge` agrees.
-    fn second_half(
-        &mut self,
-        middle: &Point,
-        (t_next, end): (f64, &mut Point),
-        judge: impl FnOnce(&Point, &Point) -> Result<(), Dropped>,
-    ) -> Result<(StepReport, Carried), Dropped> {
-        let carried = self.stepper.save();
-        self.stepper.accept();
-        match self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report)) {
-            Ok(report) => Ok((report, carried)),
-            Err(dropped) => {
-                self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
-                Err(dropped)
-            }
-        }
-    }
 }
 
 /// The stepping of one run.
@@ -279,71 +221,6 @@ impl Adaptive {
         self.state.motion = self.motion_before;
         self.state.controller.refuse(h);
         first_half.map_or(Ok(()), |stepper| stepper.restore(&self.carried))
-    }
-
-    fn single(
-        &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
-        from: &Point,
-        to: &mut Point,
-    ) -> Result<Kept, Dropped> {
-        let report = bench.step(from, trial.t, to)?;
-        let inverse_mass = bench.scene.inverse_mass();
-        let bends = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
-        for error in [&mut self.error.x, &mut self.error.v] {
-            bench.stepper.filter_error(error, bench.counters).map_err(Dropped::Unsolved)?;
-        }
-        self.judge(trial, Guess { bends, most_growth: GROWTH[0], pair: None }, to)?;
-        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
-        self.state.before.remember(trial.h, from, inverse_mass);
-        Ok(Kept::Single(report))
-    }
-
-    fn by_pair(
-        &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
-        pair: PairInfo,
-        from: &Point,
-        to: &mut Point,
-    ) -> Result<Kept, Dropped> {
-        let report = bench.step(from, trial.t, to)?;
-        let attempt = Attempt { from, h: trial.h, t_next: trial.t };
-        let bends = embedded(bench.stepper, attempt, to, &mut self.error);
-        self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
-        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
-        Ok(Kept::Single(report))
-    }
-
-    fn halves(
-        &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
-        from: &Point,
-        to: &mut Point,
-    ) -> Result<Kept, Dropped> {
-        // Taken out and put back, because judging needs the rest of `self`.
-        let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
-        let [whole, second] = &mut *pair;
-        let middle = from.state.t + 0.5 * trial.h;
-        let tried = bench.step(from, trial.t, whole).and_then(|_| bench.step(from, middle, to)).and_then(|first| {
-            let inverse_mass = bench.scene.inverse_mass();
-            let judge = |middle: &Point, end: &Point| {
-                let pair = Pair { h: trial.h, from, middle, halves: end, whole };
-                let bends = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
-                self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: None }, end)
-            };
-            let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
-            self.carried = carried;
-            self.state.memory.refresh(bench.scene, second.state.as_ref(), &self.error.v, &mut self.product);
-            Ok(Kept::Halves([first, last]))
-        });
-        self.pair = Some(pair);
-        if tried.is_ok() {
-            self.state.before.remember(trial.t - middle, to, bench.scene.inverse_mass());
-        }
-        tried
     }
 
     /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.

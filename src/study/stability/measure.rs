@@ -15,7 +15,7 @@ use crate::analysis::rates::step_by_bounds;
 use crate::drive::clock::Step;
 use crate::drive::observer::StepView;
 use crate::drive::{self, Failure, Outcome, RunSpec, Status};
-use crate::integrate::registry::{MethodChoice, methods};
+use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::state::{State, StateRef};
 use crate::scene::{BoundRoom, Scene};
@@ -58,8 +58,8 @@ pub(super) enum Halt {
 /// Where a search begins if nothing is predicted: velocity Verlet's limit, else a bound on it, else a part of the run.
 pub(super) fn reference(spec: &StabilitySpec<'_>, spectrum: &mut Spectrum<'_>) -> f64 {
     let usable = |step: &f64| *step > 0.0 && step.is_finite();
-    let verlet = methods().iter().find(|m| m.name == "velocity-verlet");
-    let verlet = verlet.map(|info| spectrum.critical_step(&MethodChoice { info, values: Vec::new() }).step);
+    let verlet = MethodChoice::with_defaults("velocity-verlet").ok();
+    let verlet = verlet.map(|method| spectrum.critical_step(&method).step);
     let bound = step_by_bounds(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundRoom::default());
     verlet.filter(usable).or(Some(bound).filter(usable)).unwrap_or(spec.end / 1000.0)
 }

@@ -113,8 +113,8 @@ pub struct Stability {
 
 impl Row {
     pub(super) fn new(method: &MethodChoice, prediction: Prediction) -> Self {
-        let other = method.info.parameters.iter().zip(&method.values).filter(|(p, v)| p.default != **v);
-        let parameters = other.map(|(p, value)| (p.name.to_owned(), *value)).collect();
+        let other = method.parameters().zip(method.info.parameters).filter(|((_, value), p)| p.default != *value);
+        let parameters = other.map(|((name, value), _)| (name.to_owned(), value)).collect();
         Row {
             method: label(&Method { name: method.info.name.to_owned(), parameters }),
             parameters: method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),

@@ -23,7 +23,6 @@ use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] share of the scene's size by which coordinates are moved, and by which rounding may.
@@ -123,7 +122,7 @@ impl Tangent {
 
 /// Whether the scene's tangent stays what it is at the start, along its own motion; `None` where that cannot be followed.
 fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &AtomicBool) -> Option<bool> {
-    let method = MethodChoice::new("rk4", &BTreeMap::new()).ok()?;
+    let method = MethodChoice::with_defaults("rk4").ok()?;
     let passes = (PASSES[0] / spec.scene.n_dof().max(1) as f64).min(PASSES[1]);
     let steps = (spec.end / h).min(passes / f64::from(method.info.evaluations[1].max(1))).ceil().max(1.0);
     let mut stepper = Stepper::bind(method.scheme(spec.solver), spec.scene.abilities()).ok()?;
@@ -173,7 +172,7 @@ impl Observer for Follower<'_> {
 /// The state without velocities in which the forces at t = 0 are balanced: what an endless implicit step comes to rest in.
 fn equilibrium(spec: &StabilitySpec<'_>) -> Option<State> {
     let scene = spec.scene;
-    let method = MethodChoice::new("backward-euler", &BTreeMap::new()).ok()?;
+    let method = MethodChoice::with_defaults("backward-euler").ok()?;
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     let largest = |f: &[f64]| f.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
     from.state.v.fill(0.0);

@@ -224,8 +224,10 @@ mod tests {
     /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its cost.
     #[test]
     fn what_was_measured_goes_first_unless_the_other_is_far_cheaper() {
-        let candidates = ["velocity-verlet", "newmark"]
-            .map(|name| Candidate { method: crate::study::bench::plain(name).expect("in the registry"), limit: None });
+        let candidates = ["velocity-verlet", "newmark"].map(|name| Candidate {
+            method: crate::integrate::registry::MethodChoice::with_defaults(name).expect("in the registry"),
+            limit: None,
+        });
         let best = |explicit: Found, implicit: Found| {
             let offers = [(&candidates[0], explicit), (&candidates[1], implicit)];
             best_of(&offers, "rk4").expect("there are two").0.method.info.name

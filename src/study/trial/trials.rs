@@ -11,7 +11,6 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
-use std::collections::BTreeMap;
 
 /// [s] What a pilot may take.
 const PILOT: f64 = 0.3;
@@ -55,7 +54,7 @@ impl<'a> Trials<'a> {
         let end = problem.time.end;
         let (solver, tolerance) = (problem.solver, tolerance_of(accuracy));
         let follow = |name: &str| {
-            let method = MethodChoice::new(name, &BTreeMap::new()).ok()?;
+            let method = MethodChoice::with_defaults(name).ok()?;
             Some(Course::follow(scene, Pilot { method: &method, solver, end, tolerance, budget: PILOT }))
         };
         let mut course = follow("velocity-verlet").unwrap_or_default();

@@ -1,0 +1,139 @@
+//! The three ways to make an attempt and estimate its error.
+
+use super::estimate::{Deviation, Pair, doubled, embedded};
+use super::{Adaptive, Guess, Trial};
+use crate::integrate::stepper::{Attempt, Stepper};
+use crate::integrate::{Carried, Counters, PairInfo, StepError, StepReport};
+use crate::model::point::Point;
+use crate::scene::Scene;
+
+/// Most growth of a step whose error was estimated from the steps before it, and from two halves.
+const GROWTH: [f64; 2] = [2.0, 5.0];
+
+/// A step that was accepted.
+#[derive(Clone, Copy, Debug)]
+pub enum Kept {
+    /// one step, to the caller's point; what the scheme carries is pending
+    Single(StepReport),
+    /// two halves: the first to the caller's point, accepted; the second to [`Adaptive::second`], pending
+    Halves([StepReport; 2]),
+}
+
+/// Why an attempt was dropped.
+#[derive(Clone, Debug)]
+pub enum Dropped {
+    /// the error is too large, or not a number
+    Error(Deviation),
+    /// a step could not be solved
+    Unsolved(StepError),
+}
+
+/// What attempts are made with.
+pub struct Bench<'a, 's> {
+    /// the scene
+    pub scene: &'a dyn Scene,
+    /// the scheme bound to it
+    pub stepper: &'a mut Stepper<'s>,
+    /// counts the work
+    pub counters: &'a mut Counters,
+}
+
+impl Bench<'_, '_> {
+    /// One attempt with the forces at its end, which the estimate needs even if the scheme does not.
+    fn step(&mut self, from: &Point, t_next: f64, to: &mut Point) -> Result<StepReport, Dropped> {
+        let attempt = Attempt { from, h: t_next - from.state.t, t_next };
+        let report = self.stepper.attempt(attempt, to, self.counters).map_err(Dropped::Unsolved)?;
+        if !report.forces_at_end {
+            self.counters.evaluate(self.scene, to.state.as_ref(), &mut to.forces);
+        }
+        Ok(StepReport { forces_at_end: true, ..report })
+    }
+
+    /// From the middle of a step to its end, after which the first half stays accepted only if `judge` agrees.
+    fn second_half(
+        &mut self,
+        middle: &Point,
+        (t_next, end): (f64, &mut Point),
+        judge: impl FnOnce(&Point, &Point) -> Result<(), Dropped>,
+    ) -> Result<(StepReport, Carried), Dropped> {
+        let carried = self.stepper.save();
+        self.stepper.accept();
+        match self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report)) {
+            Ok(report) => Ok((report, carried)),
+            Err(dropped) => {
+                self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
+                Err(dropped)
+            }
+        }
+    }
+}
+
+impl Adaptive {
+    /// One step, its error by the parabola through three accelerations.
+    pub(super) fn single(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        let report = bench.step(from, trial.t, to)?;
+        let inverse_mass = bench.scene.inverse_mass();
+        let bends = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
+        for error in [&mut self.error.x, &mut self.error.v] {
+            bench.stepper.filter_error(error, bench.counters).map_err(Dropped::Unsolved)?;
+        }
+        self.judge(trial, Guess { bends, most_growth: GROWTH[0], pair: None }, to)?;
+        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
+        self.state.before.remember(trial.h, from, inverse_mass);
+        Ok(Kept::Single(report))
+    }
+
+    /// One step, its error by the scheme's own pair.
+    pub(super) fn by_pair(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        pair: PairInfo,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        let report = bench.step(from, trial.t, to)?;
+        let attempt = Attempt { from, h: trial.h, t_next: trial.t };
+        let bends = embedded(bench.stepper, attempt, to, &mut self.error);
+        self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
+        self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
+        Ok(Kept::Single(report))
+    }
+
+    /// A step and two halves of it, whose difference tells the error.
+    pub(super) fn halves(
+        &mut self,
+        bench: &mut Bench<'_, '_>,
+        trial: Trial,
+        from: &Point,
+        to: &mut Point,
+    ) -> Result<Kept, Dropped> {
+        // Taken out and put back, because judging needs the rest of `self`.
+        let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
+        let [whole, second] = &mut *pair;
+        let middle = from.state.t + 0.5 * trial.h;
+        let tried = bench.step(from, trial.t, whole).and_then(|_| bench.step(from, middle, to)).and_then(|first| {
+            let inverse_mass = bench.scene.inverse_mass();
+            let judge = |middle: &Point, end: &Point| {
+                let pair = Pair { h: trial.h, from, middle, halves: end, whole };
+                let bends = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
+                self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: None }, end)
+            };
+            let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
+            self.carried = carried;
+            self.state.memory.refresh(bench.scene, second.state.as_ref(), &self.error.v, &mut self.product);
+            Ok(Kept::Halves([first, last]))
+        });
+        self.pair = Some(pair);
+        if tried.is_ok() {
+            self.state.before.remember(trial.t - middle, to, bench.scene.inverse_mass());
+        }
+        tried
+    }
+}
