@@ -1,7 +1,7 @@
 //! Outer eigenvalues of a real operator that is not symmetric (Arnoldi 1951), reorthogonalised in full. Estimates: a
 //! small residual does not bound the error where eigenvectors are nearly parallel.
 
-use super::linearised::{add, affordable, norm, orthogonalise};
+use super::linearised::{LEAST_MOTIONS, add, affordable, norm, orthogonalise};
 use faer::Mat;
 
 /// A remainder of this share of a product is rounding: the space is invariant.
@@ -70,7 +70,7 @@ type Projection = (Vec<Vec<f64>>, Mat<f64>, f64);
 
 fn hessenberg(start: Vec<f64>, most: usize, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Projection> {
     let n = start.len();
-    let most = affordable(n, [20, most]);
+    let most = affordable(n, [LEAST_MOTIONS, most]);
     let mut h = Mat::<f64>::zeros(most + 1, most);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut q = start;

@@ -1,6 +1,6 @@
 //! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in full where that is cheap.
 
-use super::linearised::{add, affordable, dot, norm, orthogonalise};
+use super::linearised::{SHAPES, add, affordable, dot, norm, orthogonalise};
 use faer::{Mat, Side};
 
 /// Residual over value at which no restart is made; the value is then wrong by about its square over the gap.
@@ -40,7 +40,7 @@ pub(super) fn largest(mut start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f
 
 fn cycle(start: Vec<f64>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<(Ritz, bool)> {
     let n = start.len();
-    let most = affordable(n, [12, 60]);
+    let most = affordable(n, SHAPES);
     let mut t = Tridiagonal::default();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let (mut q, mut scale) = (start, 0.0_f64);

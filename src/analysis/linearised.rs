@@ -120,6 +120,20 @@ pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: imp
     }
 }
 
+/// Least and most shapes that a search for the largest eigenvalue keeps, and least of one for eigenvalues of L.
+pub(super) const SHAPES: [usize; 2] = [12, 60];
+pub(super) const LEAST_MOTIONS: usize = 20;
+/// Shapes after which the largest eigenvalue of a net has mostly settled.
+const SETTLED: usize = 24;
+
+/// Numbers that a search for a critical step mostly keeps, on a scene with `n` degrees of freedom.
+pub fn search_numbers(n: usize, damped: bool) -> usize {
+    let shapes = n * affordable(n, SHAPES).min(SETTLED);
+    // A motion has a position and a velocity.
+    let motions = 2 * n * affordable(2 * n, [LEAST_MOTIONS, super::motions::PRODUCTS]);
+    if damped { shapes.max(motions) } else { shapes }
+}
+
 /// Vectors of length `n` that fit into the memory an analysis may take, at least `least`, at most `most`.
 pub(super) fn affordable(n: usize, [least, most]: [usize; 2]) -> usize {
     const NUMBERS: usize = 12_000_000;

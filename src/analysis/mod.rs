@@ -6,7 +6,7 @@ mod certificate;
 pub mod critical;
 mod lanczos;
 pub mod limit;
-mod linearised;
+pub(crate) mod linearised;
 mod matrices;
 mod motions;
 mod oscillator;

@@ -12,7 +12,7 @@ use crate::integrate::registry::MethodChoice;
 /// [-] Eigenvalues of L with a larger residual, over the fastest rate, are not used.
 const CONVERGED: f64 = 1e-3;
 /// [products] with L for its eigenvalues.
-const PRODUCTS: usize = 80;
+pub(super) const PRODUCTS: usize = 80;
 
 /// A motion that may set a limit.
 #[derive(Clone, Copy, Debug)]

@@ -190,6 +190,15 @@ pub trait LinearSolver: Send {
         self.factor_definite(values)
     }
 
+    /// Decides how it would serve such a W, which [`LinearSolver::stats`] tells then, and factorises nothing: [`Inertia::Unknown`], or that it is indefinite.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factor`].
+    fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        let _ = values;
+        Ok(Inertia::Unknown)
+    }
+
     /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate gradients leaves `b`.
     ///
     /// # Errors

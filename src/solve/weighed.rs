@@ -137,8 +137,8 @@ impl LinearSolver for Weighed {
         self.direct()?.factor_definite(values)
     }
 
-    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
-        self.factored = false;
+    fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        (self.iterates, self.factored) = (false, false);
         if self.cg.factor(values)? == Inertia::Indefinite {
             return Ok(Inertia::Indefinite);
         }
@@ -147,8 +147,13 @@ impl LinearSolver for Weighed {
             weighed => self.prediction = weighed?,
         }
         self.iterates = self.prediction.is_some_and(|p| p.cg_converged);
-        if self.iterates {
-            return Ok(Inertia::Unknown);
+        Ok(Inertia::Unknown)
+    }
+
+    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        let inertia = self.choose(values)?;
+        if self.iterates || inertia == Inertia::Indefinite {
+            return Ok(inertia);
         }
         self.factored = true;
         self.direct()?.prepare(values)

@@ -123,6 +123,31 @@ fn memory_is_predicted_within_a_factor_of_two() {
     }
 }
 
+/// A net whose factorisation would take seconds is told with the solver that serves it, here conjugate gradients, and what that takes.
+#[test]
+fn a_large_net_is_predicted_with_what_solves_it() {
+    let bench = Bench::new();
+    let mesh = r#"system.network.mesh={"rectangle": {"width": 1.0, "height": 1.0, "columns": 250, "rows": 250}}"#;
+    let case = [cloth(&bench, false), "--set", mesh, "--step", "1e-4", "--end", "3e-4"];
+    let report = checked(&bench, &case);
+    let ended = bench.run(&[&["solve"], &case[..], &["--out", "out", "--quiet"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = bench.results().summary();
+    assert_eq!(report["tangent"]["linear_solver"], summary["linear_solver"]);
+    assert_eq!(summary["linear_solver"], "cg", "the net is too small, or the step too long, to show it");
+    let run = &row(&report, "newmark")["run"];
+    assert_eq!([run, &summary].map(|work| number(work, "factorizations")), [0.0; 2]);
+    for method in ["newmark", "velocity-verlet"] {
+        let step = number(row(&report, method), "step").to_string();
+        let more = ["--method", method, "--step", &step, "--out", "out", "--force", "--quiet"];
+        let ended = bench.run(&[&["solve"], &case[..3], &["--end", "3e-4"], &more].concat());
+        assert_eq!(ended.code, Some(0), "{method}: {}", ended.stderr);
+        let (told, used) =
+            (number(row(&report, method), "memory_bytes"), number(&bench.results().summary(), "peak_memory_bytes"));
+        assert!(told <= 2.0 * used && used <= 2.0 * told, "{method}: {told:e} told, {used:e} used");
+    }
+}
+
 /// There is a row for every method, a refused one with its reason.
 #[test]
 fn every_method_has_a_row() {

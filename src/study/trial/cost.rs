@@ -147,10 +147,9 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         true => scene.assemble_symmetric(state.as_ref(), weights, false, black_box(&mut assembler)),
         false => scene.assemble(state.as_ref(), weights, black_box(&mut assembler)),
     });
-    // Which solver it is, and that of a matrix which is kept, shows when it has the values.
-    let prepared = kept.then(|| expected(&solver.stats(), assembler.pattern.n()) <= DEAR);
-    if prepared == Some(true) {
-        solver.prepare(assembler.values()).map_err(|e| e.to_string())?;
+    // What serves a matrix that is kept shows when it has the values.
+    if kept {
+        solver.choose(assembler.values()).map_err(|e| e.to_string())?;
     }
     let stats = solver.stats();
     let unknowns = assembler.pattern.n();

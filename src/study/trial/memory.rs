@@ -3,6 +3,7 @@
 use super::cost::TangentCost;
 use super::output::OutputCost;
 use crate::analysis::critical::Effort;
+use crate::analysis::linearised::search_numbers;
 use crate::integrate::registry::Family;
 use crate::output::process;
 use crate::scene::Scene;
@@ -13,8 +14,8 @@ const PROGRAM: u64 = 7 << 20;
 const NODE: u64 = 700;
 /// Vectors of unknowns that corrections of a kept factor take.
 const KEPT: u64 = 24;
-/// Vectors over all degrees of freedom that the search for a critical step keeps (Arnoldi, Lanczos and their steps).
-const SEARCH: u64 = 250;
+/// Vectors over all degrees of freedom that the search for a critical step works with, besides those that it keeps.
+const SEARCH: u64 = 10;
 /// [byte] of an LU an entry of W, for every doubling of the unknowns beyond 2^8; columns are ordered for the worst pivots. Measured on
 /// annuli of 703 to 40,000 nodes.
 const LU_ENTRY: f64 = 40.0;
@@ -106,6 +107,7 @@ impl MemorySpec<'_> {
         }
         let n = self.scene.n_dof();
         let factor = self.tangent.and_then(|t| t.factor_nonzeros).filter(|_| n <= Effort::START.factorise);
-        8 * SEARCH * n as u64 + 12 * factor.unwrap_or(0) as u64
+        let kept = search_numbers(n, self.scene.velocity_dependent()) as u64;
+        8 * (SEARCH * n as u64 + kept) + 12 * factor.unwrap_or(0) as u64
     }
 }
