@@ -335,6 +335,17 @@ fn unsolved_steps_tell_of_buckling_and_missing_supports() {
     );
     let failure = follow(&with(&squeezed, "newmark", 0.1, 1.0), |_| {}).failure.expect("it must fail");
     assert!(failure.cause.contains("buckle") && failure.cause.contains("1/s around node"), "{}", failure.cause);
+    let pushed = changed(
+        &squeezed,
+        &[
+            ("system.network.springs.0.rest_scale", "1"),
+            ("system.network.loads", r#"[{"on": "all", "pressure": 200}]"#),
+            ("solver.newton.strategy", r#""full""#),
+        ],
+    );
+    let failure = follow(&with(&pushed, "newmark", 0.1, 1.0), |_| {}).failure.expect("it must fail");
+    let turns = "loads that turn with the cloth (follower pressure) drive it away";
+    assert!(failure.cause.contains(turns) && !failure.cause.contains("compressed"), "{}", failure.cause);
     let loose = changed(&squeezed, &[("system.network.supports", "[]")]);
     let failure = follow(&with(&loose, "newmark", 0.1, 1.0), |_| {}).failure.expect("it must fail");
     assert!(failure.cause.contains("nothing holds the 25 nodes connected to node"), "{}", failure.cause);

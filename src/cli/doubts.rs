@@ -20,21 +20,28 @@ const ROUNDING: f64 = 1e-9;
 
 /// Refuses a solver that cannot solve this scene's equations.
 pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
-    let SolverSpec { newton, linear } = problem.solver;
-    let why = match linear {
-        // Only networks have a graph.
-        LinearChoice::Cg if scene.abilities().graph.is_none() => Some(LinearError::NotByNodes),
-        _ => refusal(scene.symmetric(), newton.strategy, linear),
-    };
+    let SolverSpec { newton, .. } = problem.solver;
+    let why = unfit(scene, problem.solver);
     match why.filter(|_| problem.method.info.family == Family::Implicit) {
         Some(why) => {
-            let allowed = match why {
-                LinearError::NotKept => "\"auto\" with this strategy",
-                _ => "\"lu\" or \"auto\" for this scene",
-            };
-            Err(source.refuse(&problem.case_json, "/solver/linear", allowed, why.to_string()))
+            let allowed: Vec<String> = ["auto", "cholesky", "lu", "cg"]
+                .into_iter()
+                .zip([LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg])
+                .filter(|(_, other)| unfit(scene, SolverSpec { newton, linear: *other }).is_none())
+                .map(|(name, _)| format!("\"{name}\""))
+                .collect();
+            let allowed = format!("{} for this scene and strategy", allowed.join(", "));
+            Err(source.refuse(&problem.case_json, "/solver/linear", &allowed, why.to_string()))
         }
         None => Ok(()),
+    }
+}
+
+fn unfit(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
+    match linear {
+        // Only networks have a graph.
+        LinearChoice::Cg | LinearChoice::Cholesky if scene.abilities().graph.is_none() => Some(LinearError::NotByNodes),
+        _ => refusal(scene.symmetric(), newton.strategy, linear),
     }
 }
 

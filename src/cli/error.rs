@@ -84,7 +84,7 @@ impl CliError {
             CliError::Stability(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
-            CliError::Run(RunError::Start(_) | RunError::OtherScene { .. } | RunError::NotOnTheWay { .. }) => 2,
+            CliError::Run(run) if !matches!(run, RunError::Observe(_)) => 2,
             CliError::Resume(e) | CliError::Recorder(RecorderError::Resume(e)) if !e.is_system() => 2,
             CliError::Resume(_) | CliError::Fingerprint(_) => 1,
             CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,

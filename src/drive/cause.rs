@@ -1,6 +1,5 @@
 //! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
 
-use crate::analysis::buckling;
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
@@ -13,6 +12,7 @@ use crate::scene::Scene;
 
 mod held;
 mod units;
+mod unsolved;
 
 /// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity Verlet
 /// makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
@@ -179,7 +179,7 @@ impl Question<'_> {
                 figures(1.0 / rates.damping, 3)
             );
         }
-        let turning: Vec<_> = self.scene.terms().iter().filter(|t| t.follower).map(|t| t.name).collect();
+        let turning = self.turning();
         let why = match self.springs_alone() {
             Some(springs) if rates.frequency > springs && !turning.is_empty() => {
                 format!(
@@ -191,6 +191,11 @@ impl Question<'_> {
         };
         // A weakly damped slow one may set the limit of a scheme that makes energy.
         format!("the oscillation of {} rad/s {place}{why}", figures(rates.frequency, 4))
+    }
+
+    /// Names of loads that turn with the cloth.
+    fn turning(&self) -> Vec<&'static str> {
+        self.scene.terms().iter().filter(|t| t.follower).map(|t| t.name).collect()
     }
 
     /// [rad/s] what no oscillation on the springs exceeds, by row sums of their stiffness (Gershgorin).
@@ -281,22 +286,6 @@ impl Question<'_> {
         };
         let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
         Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
-    }
-
-    /// What can be said of a step that Newton could not solve: words, and a step [s] that might be solved.
-    pub fn unsolved(&self, worst: usize) -> (String, f64) {
-        let mut words = Vec::new();
-        let mut step = 0.5 * self.h;
-        if let Some(buckles) = buckling::fastest(self.scene, self.last.as_ref()) {
-            let what = match self.scene.edges().is_empty() {
-                true => "the scene moves away from the last good state by itself",
-                false => "compressed springs buckle in the last good state",
-            };
-            words.push(format!("{what}, at a rate of {} 1/s {}", figures(buckles.rate, 3), self.place(buckles.dof)));
-            step = step.min(1.0 / buckles.rate);
-        }
-        words.extend(self.unheld(worst));
-        (words.join("; "), step)
     }
 
     fn place(&self, dof: usize) -> String {

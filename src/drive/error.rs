@@ -12,6 +12,24 @@ pub enum RunError {
     /// Results cannot be written.
     #[error(transparent)]
     Observe(#[from] ObserveError),
+    /// A time or tolerance that no run can be made with.
+    #[error("the {what} is {value}: {needed} is needed")]
+    OutOfRange {
+        /// e.g. "step [s]"
+        what: &'static str,
+        /// what was given
+        value: f64,
+        /// e.g. "a finite number above 0"
+        needed: &'static str,
+    },
+    /// A state does not fit the scene.
+    #[error("the state has {found} degrees of freedom, the scene {needed}")]
+    OtherState {
+        /// degrees of freedom of the state
+        found: usize,
+        /// degrees of freedom of the scene
+        needed: usize,
+    },
     /// The snapshot is of another scene.
     #[error("the saved state has {found} degrees of freedom, the scene {needed}")]
     OtherScene {

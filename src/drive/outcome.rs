@@ -1,6 +1,7 @@
 //! What a run is asked to do, and what comes of it.
 
-use super::clock::Step;
+use super::clock::{Step, Tolerance};
+use super::error::RunError;
 use super::failure::Failure;
 use super::observer::LedgerRow;
 use super::watch::DOUBTFUL;
@@ -26,6 +27,32 @@ pub struct RunSpec<'a> {
     pub explain_doubts: bool,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
+}
+
+impl RunSpec<'_> {
+    /// Whether there is a run like this at all.
+    ///
+    /// # Errors
+    /// [`RunError::OutOfRange`]: an end, step, interval of frames or absolute tolerance that is not finite and above 0, or a relative tolerance outside (0, 1).
+    pub fn check(&self) -> Result<(), RunError> {
+        let above = |what: &'static str, value: f64| match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(RunError::OutOfRange { what, value, needed: "a finite number above 0" }),
+        };
+        above("end [s]", self.end)?;
+        self.frames_every.map_or(Ok(()), |every| above("time between frames [s]", every))?;
+        match self.step {
+            Step::Fixed(step) => above("step [s]", step),
+            Step::Adaptive(Tolerance { relative, absolute }) => {
+                above("absolute tolerance", absolute)?;
+                let (what, needed) = ("relative tolerance", "a number between 0 and 1");
+                match relative > 0.0 && relative < 1.0 {
+                    true => Ok(()),
+                    false => Err(RunError::OutOfRange { what, value: relative, needed }),
+                }
+            }
+        }
+    }
 }
 
 /// How a run ended.

@@ -27,7 +27,7 @@ const BLOW_UP: f64 = 1e4;
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
 /// # Errors
-/// When the scheme cannot start or an observer cannot write. A diverged or unsolvable run is not an error but an
+/// When there is no such run ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A diverged or unsolvable run is not an error but an
 /// [`Outcome`].
 pub fn run(
     scene: &dyn Scene,
@@ -152,6 +152,11 @@ impl<'a> Run<'a> {
         spec: RunSpec<'a>,
         state: State,
     ) -> Result<Self, RunError> {
+        spec.check()?;
+        let needed = scene.n_dof();
+        if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
+            return Err(RunError::OtherState { found, needed });
+        }
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
@@ -168,6 +173,7 @@ impl<'a> Run<'a> {
         spec: RunSpec<'a>,
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
+        spec.check()?;
         spec.passes(scene, &snapshot)?;
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;

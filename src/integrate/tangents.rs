@@ -99,7 +99,14 @@ impl Tangents {
         let frozen = kept_factor(system, strategy, choice)?;
         let exact = match &frozen {
             Some(_) => None,
-            None => Some(Factor::new(system.assembler()?, choice)?),
+            None => {
+                let assembler = system.assembler()?;
+                let by_nodes = matches!(choice, LinearChoice::Cholesky | LinearChoice::Cg);
+                if by_nodes && system.symmetric() && !assembler.pattern.symmetric {
+                    return Err(LinearError::NotByNodes.into());
+                }
+                Some(Factor::new(assembler, choice)?)
+            }
         };
         // A pendulum's single entry is stored in full.
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);

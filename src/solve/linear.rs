@@ -97,12 +97,12 @@ pub enum LinearError {
     /// Cholesky was asked for a non-symmetric matrix.
     #[error(
         "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cholesky\" cannot solve \
-         it; use \"linear\": \"lu\" or \"auto\""
+         with the exact one; use \"linear\": \"auto\", which keeps a symmetric part where that serves"
     )]
     NotSymmetric,
-    /// Conjugate gradients were asked for where there are no blocks of nodes.
+    /// Conjugate gradients or Cholesky were asked for where there are no blocks of nodes.
     #[error(
-        "\"cg\" works on the symmetric blocks of a network's nodes, and this system has none; use \"linear\": \"auto\""
+        "\"cholesky\" and \"cg\" work on the symmetric blocks of a network's nodes, and this system has none; use \"linear\": \"auto\""
     )]
     NotByNodes,
     /// Conjugate gradients were asked for true Newton iterations with a non-symmetric matrix.

@@ -226,6 +226,47 @@ fn conjugate_gradients_are_refused_where_they_cannot_work() {
     }
 }
 
+/// What is said to be allowed in its place is: no hint leads to the next refusal. Nothing is written, and results that stand are left.
+#[test]
+fn refused_solvers_lead_to_ones_that_solve() {
+    let bench = Bench::new();
+    let pendulum = r#"{"name": "pendulum", "system": {"pendulum": {"length": 1, "mass": 2, "damping": 0, "gravity": 9.81, "angle": 0.5}},
+                       "time": {"end": 1, "step": 0.1, "method": "newmark"}}"#;
+    std::fs::write(bench.path("pendulum.json"), pendulum).expect("a case");
+    let mut refused = 0;
+    for case in ["sail.json", "pendulum.json"] {
+        for (strategy, linear) in
+            ["full", "modified", "quasi", "auto"].into_iter().flat_map(|s| ["cholesky", "lu", "cg"].map(|l| (s, l)))
+        {
+            let of = |linear: &str| {
+                let set = [format!("solver.newton.strategy={strategy}"), format!("solver.linear={linear}")];
+                let sets =
+                    ["--set", &set[0], "--set", &set[1], "--method", "newmark", "--force", "--out", "out", "--quiet"];
+                bench.run(&[&["solve", case], &sets[..]].concat())
+            };
+            assert_eq!(of("auto").code, Some(0));
+            let ended = of(linear);
+            if ended.code == Some(0) {
+                continue;
+            }
+            refused += 1;
+            assert!(
+                ended.code == Some(2) && ended.stderr.contains("/solver/linear"),
+                "{case} {strategy} {linear}: {}",
+                ended.stderr
+            );
+            assert_eq!(bench.results().summary()["status"], "completed", "results that stood are gone");
+            let (_, allowed) = ended.stderr.split_once("allowed: ").expect("what is allowed");
+            let (allowed, _) = allowed.split_once(" for this scene and strategy").expect("for what");
+            for other in allowed.split(", ") {
+                let ended = of(other.trim_matches('"'));
+                assert_eq!(ended.code, Some(0), "{case} {strategy} {linear} {other}: {}", ended.stderr);
+            }
+        }
+    }
+    assert!(refused >= 8, "{refused}");
+}
+
 /// Small steps and masses are told in powers of ten.
 #[test]
 fn check_shows_small_numbers() {

@@ -6,7 +6,8 @@
 //!   mass, time, wind) or `states` (shapes, slack, loads, damping, denormals); every method runs it. A scene it needs is a function in
 //!   `scenes`;
 //! * a mesh file: a line of `files` in `meshes`; the fuzzers' oracle judges it too;
-//! * a case whose answer is known: a test in `exact`.
+//! * a case whose answer is known: a test in `exact`;
+//! * what only a program that uses the library can ask for: a test in `library`.
 //!
 //! What must hold for every end is in `verdict`. Every fifth line of the table also runs through the program (`program`): exit status,
 //! words and summary must say the same. With EXTREMES_SHOW in the environment (and `--nocapture`) every end is printed as a user would
@@ -17,6 +18,7 @@ mod common;
 mod exact;
 #[path = "../fuzz/oracle/failure.rs"]
 mod failure;
+mod library;
 #[path = "../fuzz/oracle/mesh.rs"]
 mod mesh_oracle;
 mod meshes;

@@ -24,7 +24,7 @@ pub struct Newton {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub relative: Option<f64>,
-    /// [-] Iterations after which a step counts as not solvable; 100 if not given.
+    /// [-] Iterations on the exact tangent after which a step counts as not solvable, and besides at most as many on one that is kept; 100 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub max_iterations: Option<u32>,

@@ -1,0 +1,38 @@
+//! What can be said of a step that Newton could not solve.
+
+use super::Question;
+use crate::analysis::buckling;
+use crate::figures::figures;
+
+/// [-] of the largest tension, and a strain: what rounding of positions makes.
+const ROUNDING: f64 = 1e-12;
+
+impl Question<'_> {
+    /// Words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest residual.
+    pub(in crate::drive) fn unsolved(&self, worst: usize) -> (String, f64) {
+        let (mut words, mut step) = (Vec::new(), 0.5 * self.h);
+        if let Some(leaves) = buckling::fastest(self.scene, self.last.as_ref()) {
+            let turning = self.turning().join(", ");
+            let what = match (self.compressed(), turning.is_empty()) {
+                (true, _) => "compressed springs buckle in the last good state".to_owned(),
+                (false, false) => {
+                    format!("loads that turn with the cloth ({turning}) drive it away from the last good state")
+                }
+                (false, true) => "the scene moves away from the last good state by itself".to_owned(),
+            };
+            words.push(format!("{what}, at a rate of {} 1/s {}", figures(leaves.rate, 3), self.place(leaves.dof)));
+            step = step.min(1.0 / leaves.rate);
+        }
+        words.extend(self.unheld(worst));
+        (words.join("; "), step)
+    }
+
+    /// Whether a spring pushes in the last good state.
+    fn compressed(&self) -> bool {
+        let springs = self.scene.edges().len();
+        let (mut tension, mut strain) = (vec![0.0; springs], vec![0.0; springs]);
+        self.scene.edge_tension(self.last.as_ref(), &mut tension, &mut strain);
+        let most = tension.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        tension.iter().zip(&strain).any(|(t, strain)| *t < -ROUNDING * most && *strain < -ROUNDING)
+    }
+}
