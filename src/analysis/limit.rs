@@ -273,6 +273,10 @@ mod tests {
             ("dormand-prince", [0.9972, 2.6814, 3.3066]),
             ("dop853", [5.9604, 6.2810, 6.3937]),
         ];
+        let all = methods().iter().filter(|info| info.family == Family::Explicit).map(|info| info.name);
+        for name in all {
+            assert!(known.iter().any(|(known, _)| *known == name), "the limits of {name} are to be added here");
+        }
         for (name, limits) in known {
             let method = MethodChoice::with_defaults(name).unwrap();
             for (zeta, limit) in [0.0, 0.1, 1.0].into_iter().zip(limits) {

@@ -199,8 +199,11 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     if let Some(tolerance) = problem.time.step.tolerance() {
         let _ = writeln!(
             text,
-            "  adaptive        tolerance {:e} of the motion and {:e}; {:.2e} s a step on average, {} attempts dropped",
-            tolerance.relative, tolerance.absolute, step, outcome.rejected_steps
+            "  adaptive        tolerance {:e} of the motion and {}; {:.2e} s a step on average, {} attempts dropped",
+            tolerance.relative,
+            figures(tolerance.absolute, 3),
+            step,
+            outcome.rejected_steps
         );
     }
     if summary.critical_step == Some(0.0) {

@@ -30,7 +30,7 @@ impl LedgerRow {
     }
 }
 
-/// One accepted step.
+/// One accepted step. Its states are in [the engine's numbering](crate::model::state).
 #[derive(Clone, Copy, Debug)]
 pub struct StepView<'a> {
     /// number of the step, counted from 1

@@ -1,6 +1,6 @@
 //! Force terms: one file a physical effect, each with its force, its exact tangents and its energy or power.
 //!
-//! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see the crate's first page).
+//! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see [the crate's first page](crate)).
 //!
 //! # How to add a force
 //! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a [`batch::Kernel`] for it and
@@ -8,12 +8,18 @@
 //!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
 //!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`,
 //!    see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
+//!    Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one piece of them: see `nodal`.
 //! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
-//!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one.
-//! 3. Construct it where the scene is built (`scene/build.rs`); if it is new to the case file, add its section
-//!    there and to [`crate::model::spec`].
-//! 4. Add it to the list in `tests/tangent.rs`, which compares both tangents with finite differences at random states, and what its
-//!    [`TermInfo`] says with its forces.
+//!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one. A term with elastic energy also adds its
+//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a [`ForceTerm::convex_tangent`].
+//! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it where the scene is built
+//!    (`scene/build.rs`, which also collects the times at which a table has a corner).
+//! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`, which says what must be the same
+//!    for a run to go on; the compiler asks for the last.
+//! 5. Add it to the list in `tests/tangent/scenes.rs`: both tangents are compared with finite differences at random states, what its
+//!    [`TermInfo`] says with its forces, and copies of it in several tiles with one alone.
+//!
+//! A program that only uses the library builds scenes from [`crate::model::spec`]; a force of one's own means a changed copy of this crate.
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.
@@ -94,7 +100,8 @@ pub trait ForceTerm: batch::Summand {
         self.convex_tangent(at, w, sink);
     }
 
-    /// Adds the stiffness [N/m] this term puts on every node, for the rounding floor of a residual; most have none.
+    /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor of a residual, and for diagnoses.
+    /// Terms without elastic energy have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }

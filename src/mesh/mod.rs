@@ -1,7 +1,7 @@
 //! Meshes: nodes, edges (which carry the springs) and triangles (which carry the air and pressure).
 //!
 //! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
-//! `nodes[7]`. The engine renumbers for itself ([`crate::model::numbering`]).
+//! `nodes[7]`. The engine renumbers for itself (`scene::numbering`).
 
 pub mod annulus;
 pub mod chain;

@@ -72,8 +72,8 @@ fn first_refinement(order: u32) -> i32 {
     match order {
         1 => 11,
         2 => 8,
-        4 => 7,
-        5 => 6,
+        3..=4 => 7,
+        5..=7 => 6,
         _ => 3,
     }
 }

@@ -7,8 +7,10 @@ use canopy_fem::model::state::State;
 use canopy_fem::simulation::{bind, build_scene};
 use std::sync::atomic::AtomicBool;
 
+type Change<'c> = &'c dyn for<'a> Fn(RunSpec<'a>) -> RunSpec<'a>;
+
 /// How a pendulum's run with another specification or another state is refused.
-fn refused(method: &str, change: &dyn Fn(RunSpec<'_>) -> RunSpec<'_>, state: Option<State>) -> RunError {
+fn refused(method: &str, change: Change<'_>, state: Option<State>) -> RunError {
     let case = asset("pendulum", &[("time.method", &format!("\"{method}\"")), ("time.end", "0.1")]);
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), 1).expect("the case is good");
@@ -25,7 +27,7 @@ fn times_and_tolerances_that_are_none_are_refused() {
     for method in ["velocity-verlet", "newmark", "dormand-prince"] {
         for bad in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
             let good = Tolerance { relative: 1e-3, absolute: 1e-6 };
-            let changes: [(&str, &dyn Fn(RunSpec<'_>) -> RunSpec<'_>); 5] = [
+            let changes: [(&str, Change<'_>); 5] = [
                 ("the step [s] is", &|spec| RunSpec { step: Step::Fixed(bad), ..spec }),
                 ("the end [s] is", &|spec| RunSpec { end: bad, ..spec }),
                 ("the time between frames [s] is", &|spec| RunSpec { frames_every: Some(bad), ..spec }),

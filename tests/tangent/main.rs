@@ -1,7 +1,10 @@
 //! Every force term against finite differences, at random states, slack and compressed springs included; and its energy or
 //! power against its force; and what its information says against its forces. A failure names the term, the state and the bad entry.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod scenes;
+mod tiles;
 
 use canopy_fem::force::threads::Threads;
 use canopy_fem::model::forces::Role;
@@ -9,63 +12,10 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
-use common::{Random, patch, spring_group};
+use common::Random;
+use scenes::scenes;
 
 const STATES: u64 = 12;
-
-fn with_dashpots(slack: Slack, kind: DashpotKind) -> NetworkSpec {
-    let mut spec = patch();
-    let mut group = spring_group(&spec, slack);
-    let coefficient = (0..group.edges.len()).map(|i| 5.0 + i as f64).collect();
-    group.dashpot = Some(DashpotSpec { kind, coefficient, from_step: false });
-    spec.springs = vec![group];
-    spec
-}
-
-fn with_springs(slack: Slack) -> NetworkSpec {
-    let mut spec = patch();
-    spec.springs = vec![spring_group(&spec, slack)];
-    spec
-}
-
-fn air(linear: f64, quadratic: f64) -> NetworkSpec {
-    let wind = Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] };
-    NetworkSpec { air: Some(AirSpec { linear, quadratic, wind }), ..patch() }
-}
-
-fn pressure(kind: PressureKind) -> NetworkSpec {
-    let factor = Some(Series { t: vec![0.0, 2.0], value: vec![0.5, 1.5] });
-    let load = PressureLoad { triangles: vec![0, 1, 4, 7], pressure: 30.0, kind, factor };
-    NetworkSpec { pressures: vec![load], ..patch() }
-}
-
-/// Every term, alone in a scene, with its name.
-fn scenes() -> Vec<(&'static str, NetworkSpec)> {
-    let slacks = [
-        ("plain", Slack::None),
-        ("tension-only", Slack::TensionOnly),
-        ("dead zone", Slack::DeadZone { eps: 0.11 }),
-        ("compression limit", Slack::CompressionLimit { eps: 0.13 }),
-    ];
-    let mut list = Vec::new();
-    for (name, slack) in slacks {
-        list.push((name, with_springs(slack)));
-        list.push((name, with_dashpots(slack, DashpotKind::Axial)));
-    }
-    list.push(("relative dashpots", with_dashpots(Slack::TensionOnly, DashpotKind::Relative)));
-    let rayleigh = Some(RayleighSpec { mass: 0.7, stiffness: 0.02 });
-    list.push(("rayleigh", NetworkSpec { rayleigh, ..with_springs(Slack::TensionOnly) }));
-    list.push(("gravity", NetworkSpec { gravity: Some([1.0, -2.0, -9.81]), ..patch() }));
-    list.push(("viscous air", air(3.0, 0.0)));
-    list.push(("inertial air", air(0.0, 2.0)));
-    list.push(("porous air", air(1.5, 2.5)));
-    list.push(("follower pressure", pressure(PressureKind::Follower)));
-    list.push(("dead pressure along a direction", pressure(PressureKind::Dead(Some([0.0, 0.6, 0.8])))));
-    list.push(("dead pressure along the first normal", pressure(PressureKind::Dead(None))));
-    let forces = vec![NodalLoad { nodes: vec![3, 8], force: [1.0, 2.0, 3.0], factor: None }];
-    list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
-    list
-}
 
 struct Sample {
     t: f64,
@@ -385,6 +335,28 @@ fn terms_are_what_they_say() {
             assert_eq!(info.follower, turns, "{name}, {}: follower", info.name);
         }
     }
+}
+
+/// Diagnoses and the floor of rounding go by it: at rest no diagonal entry of an elastic K is above the stiffness that is told.
+#[test]
+fn the_stiffness_of_nodes_is_that_of_their_springs() {
+    let mut elastic = 0;
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        if scene.terms().iter().all(|term| term.role != Role::Elastic) {
+            continue;
+        }
+        elastic += 1;
+        let (start, told) = (scene.initial_state(), scene.nodal_stiffness());
+        for dof in (0..scene.n_dof()).filter(|&dof| scene.inverse_mass()[dof] > 0.0) {
+            let (mut unit, mut product) = (vec![0.0; scene.n_dof()], vec![0.0; scene.n_dof()]);
+            unit[dof] = 1.0;
+            scene.tangent_times(start.as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, &unit, &mut product);
+            let (place, found) = (scene.name_of(dof), product[dof]);
+            assert!(found <= told[dof] * (1.0 + 1e-12), "{name}: K of {place:?} is {found}, told {}", told[dof]);
+        }
+    }
+    assert!(elastic >= 4, "{elastic}");
 }
 
 /// A net turned as a whole about an axis that is none of it.

@@ -1,0 +1,95 @@
+//! Every force term on a net of several tiles: as many copies of a small scene as it takes, each of which must feel what the small scene feels alone.
+
+use super::{Sample, build, scenes::scenes};
+use canopy_fem::force::threads::Threads;
+use canopy_fem::mesh::Mesh;
+use canopy_fem::model::spec::{NetworkSpec, NodalLoad, PressureLoad, SpringGroup};
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::System;
+use canopy_fem::scene::{Network, Scene, build_network};
+
+/// Strips have 4,096 nodes: some copies lie across the ends of strips.
+const COPIES: usize = 1000;
+
+/// Many of each thing, those of one kind together: node `i` of copy `c` is node `i COPIES + c`.
+fn many<T: Clone>(things: &[T]) -> Vec<T> {
+    things.iter().flat_map(|thing| vec![thing.clone(); COPIES]).collect()
+}
+
+/// The numbers of those.
+fn renamed(numbers: &[u32]) -> Vec<u32> {
+    numbers.iter().flat_map(|i| (0..COPIES as u32).map(move |c| i * COPIES as u32 + c)).collect()
+}
+
+fn between<const N: usize>(elements: &[[u32; N]]) -> Vec<[u32; N]> {
+    let copies = 0..COPIES as u32;
+    elements.iter().flat_map(|nodes| copies.clone().map(|c| nodes.map(|i| i * COPIES as u32 + c))).collect()
+}
+
+fn copied(spec: &NetworkSpec) -> NetworkSpec {
+    let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
+    let mesh = Mesh { nodes: many(nodes), edges: between(edges), triangles: between(triangles), seams: vec![] };
+    let springs = spec.springs.iter().map(|group| {
+        let mut dashpot = group.dashpot.clone();
+        if let Some(dashpot) = &mut dashpot {
+            dashpot.coefficient = many(&dashpot.coefficient);
+        }
+        let (stiffness, rest_length) = (many(&group.stiffness), many(&group.rest_length));
+        SpringGroup { edges: renamed(&group.edges), stiffness, rest_length, dashpot, slack: group.slack }
+    });
+    let pressures = spec.pressures.iter().map(|p| PressureLoad { triangles: renamed(&p.triangles), ..p.clone() });
+    let forces = spec.forces.iter().map(|f| NodalLoad { nodes: renamed(&f.nodes), ..f.clone() });
+    NetworkSpec {
+        mesh,
+        mass: many(&spec.mass),
+        fixed: many(&spec.fixed),
+        springs: springs.collect(),
+        pressures: pressures.collect(),
+        forces: forces.collect(),
+        displacement: many(&spec.displacement),
+        velocity: many(&spec.velocity),
+        ..spec.clone()
+    }
+}
+
+/// The node of the small scene that a degree of freedom belongs to, and its axis.
+fn original(copies: &Network, dof: usize) -> (u32, &'static str) {
+    let (node, axis) = copies.name_of(dof);
+    (node / COPIES as u32, axis)
+}
+
+#[test]
+fn every_copy_feels_what_one_feels_alone() {
+    for (name, spec) in scenes() {
+        let (one, copies) = (build(spec.clone()), build_network(copied(&spec), Threads::one()).expect("sound"));
+        let sample = Sample::new(&one, 3);
+        let own = |dof: usize| {
+            let place = original(&copies, dof);
+            (0..one.n_dof()).find(|&i| one.name_of(i) == place).expect("the same node")
+        };
+        let own: Vec<usize> = (0..copies.n_dof()).map(own).collect();
+        let spread = |values: &[f64]| own.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let (x, v) = (spread(&sample.x), spread(&sample.v));
+        let (mut expected, mut found) = (one.new_forces(), copies.new_forces());
+        one.evaluate(sample.at(), &mut expected);
+        copies.evaluate(StateRef { t: sample.t, x: &x, v: &v }, &mut found);
+        let sums = [
+            (&found.total, &expected.total),
+            (&found.external, &expected.external),
+            (&found.dissipative, &expected.dissipative),
+        ];
+        for (found, expected) in sums.into_iter().filter(|(_, expected)| !expected.is_empty()) {
+            for (dof, (found, expected)) in found.iter().zip(spread(expected)).enumerate() {
+                let off = (found - expected).abs();
+                let place = copies.name_of(dof);
+                assert!(off < 1e-11 * (1.0 + expected.abs()), "{name}: {place:?} {found}, alone {expected}");
+            }
+        }
+        for (found, expected) in found.tallies.iter().zip(&expected.tallies) {
+            for (found, expected) in [(found.energy, expected.energy), (found.power, expected.power)] {
+                let expected = COPIES as f64 * expected;
+                assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{name}: {found}, {expected} alone");
+            }
+        }
+    }
+}
