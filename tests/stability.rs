@@ -5,11 +5,11 @@ mod common;
 use canopy_fem::case::Case;
 use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::simulation::build_scene;
-use canopy_fem::study::stability::{KnownBy, Row, StabilitySpec, Start, Status, Verdict, study};
+use canopy_fem::study::stability::{KnownBy, Row, Stability, StabilitySpec, Start, Status, Verdict, csv, study, table};
 use common::run::{asset, case_of};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 fn choices(names: &[&str]) -> Vec<MethodChoice> {
@@ -48,7 +48,10 @@ fn agrees(row: &Row) {
 /// Masses along a line that can only move along it: w = 2 sqrt(k/m) sin(...), whatever the amplitude while none passes another. All modes
 /// move, by small parts of the springs' length.
 fn chain(dashpot: Option<Value>) -> Case {
-    let n = 12;
+    chain_of(12, dashpot)
+}
+
+fn chain_of(n: i32, dashpot: Option<Value>) -> Case {
     let nodes: Vec<[f64; 3]> = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     let springs: Vec<[i32; 2]> = (1..n).map(|i| [i - 1, i]).collect();
     let start: Vec<[f64; 3]> = (0..n)
@@ -229,6 +232,111 @@ fn linear_acceleration_is_limited() {
     let row = rows(&chain(None), &[method], None).remove(0);
     agrees(&row);
     assert!(row.prediction.step.is_some() && row.method.starts_with("newmark(beta=0.1666"), "{}", row.method);
+}
+
+/// The same with 1800 unknowns, where a run of an implicit method was cut off after 29 steps, before growth of 1 e-fold a step showed.
+#[test]
+fn a_large_scene_has_steps_enough_for_growth_to_show() {
+    let given = |list: &[(&str, f64)]| list.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let lists = [&[("beta", 1.0 / 6.0)][..], &[("beta", 0.25), ("gamma", 0.7)]];
+    let methods = lists.map(|list| MethodChoice::new("newmark", &given(list)).expect("a method"));
+    for row in rows(&chain_of(600, None), &methods, None) {
+        agrees(&row);
+        assert_eq!(row.status, Status::Measured);
+    }
+}
+
+/// Beyond the prediction for a cloth that moves, `solve` diverges at 0.0125 s in its step 59: no limit above is reported.
+#[test]
+fn a_cloth_does_not_hold_at_a_step_that_diverges() {
+    let method = MethodChoice::new("newmark", &BTreeMap::from([("beta".to_owned(), 1.0 / 6.0)])).expect("a method");
+    let row = rows(&asset("cloth-k100", &[]), &[method], None).remove(0);
+    let (held, failed) = (row.measured.expect("a step that held"), row.unstable.expect("a step that failed"));
+    assert!(held < failed && failed < 0.0125, "{held} to {failed}: {:?}", row.explanation);
+}
+
+/// Where a run long enough for growth to show would take too long, the limit is not settled, and nothing is called one.
+#[test]
+fn growth_too_slow_to_be_seen_settles_nothing() {
+    let case = chain_of(600, None);
+    let row = of(&case, &["dormand-prince"]).remove(0);
+    let predicted = row.prediction.step.expect("a limit");
+    assert_eq!((row.status, row.measured, row.unstable, row.ratio), (Status::NotSettled, None, None, None));
+    let (least, most) = (row.at_least.expect("a step that holds"), row.at_most.expect("a step that fails"));
+    assert!(least <= predicted && least > 0.97 * predicted && most > 1.02 * predicted, "{least} to {most}");
+    let words = row.explanation.as_deref().expect("it may differ");
+    assert!(words.starts_with("not settled: ") && !words.contains("inf"), "{words}");
+    let study = Stability {
+        name: "chain".to_owned(),
+        end: 4.0,
+        unknowns: 598,
+        methods: vec![row],
+        case: Value::Null,
+        version: String::new(),
+    };
+    assert!(table(&study).contains("not settled: at least 0.00977"), "{}", table(&study));
+    assert!(csv(&study.methods).ends_with(",nan,certified,not-settled\n"), "{}", csv(&study.methods));
+}
+
+/// A study that ends before its time keeps what its runs found.
+#[test]
+fn what_was_found_before_the_end_is_kept() {
+    let mut problem = chain(None).problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("the case is good");
+    let methods = choices(&["velocity-verlet"]);
+    let spec = StabilitySpec {
+        scene: &*scene,
+        methods: &methods,
+        solver: problem.solver,
+        end: problem.time.end,
+        budget: None,
+    };
+    let stop = AtomicBool::new(false);
+    let row = study(&spec, &mut |begins| stop.store(begins.run == 4, Ordering::Relaxed), &stop).remove(0);
+    let predicted = row.prediction.step.expect("a limit");
+    assert_eq!((row.status, row.measured), (Status::Interrupted, None));
+    let share = [row.at_least, row.at_most].map(|h| (h.expect("a run") / predicted * 100.0).round());
+    assert_eq!(share, [98.0, 102.0]);
+}
+
+/// Masses that hang from springs which only pull, none of them taut at the start.
+fn slack(dashpot: Option<Value>) -> Case {
+    let mut group = json!({"on": "all", "stiffness": 1000.0, "slack": "tension-only"});
+    if let Some(dashpot) = dashpot {
+        group["dashpot"] = dashpot;
+    }
+    case_of(
+        &json!({
+            "name": "slack",
+            "system": {"network": {
+                "mesh": {"explicit": {
+                    "nodes": [[0,0,0],[0,0,-1],[0,0,-2],[0,0,-3],[0,0,-4]],
+                    "springs": [[0,1],[1,2],[2,3],[3,4]]
+                }},
+                "mass": {"nodal": 0.1},
+                "springs": [group],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+                "gravity": [0, 0, -9.81]
+            }},
+            "time": {"end": 2.0, "method": "velocity-verlet", "step": 1e-3}
+        }),
+        &[],
+    )
+}
+
+/// No limit at all is no number, and where damping falls while frequencies do not rise nothing stiffens.
+#[test]
+fn explanations_name_what_changed() {
+    for row in of(&slack(None), &["euler-cromer", "rk4"]) {
+        let words = row.explanation.expect("taut now and then");
+        assert!(
+            words.starts_with("the scene softens: ") && words.ends_with("nothing limits the step any more"),
+            "{words}"
+        );
+    }
+    let row = of(&slack(Some(json!({"axial": {"time": 1e-3}}))), &["explicit-euler"]).remove(0);
+    let words = row.explanation.expect("slack springs damp nothing");
+    assert!(words.starts_with("damping falls: ") && !words.contains("stiffens"), "{words}");
 }
 
 /// What grows at every step has no stable step; what a run of so many steps shows is measured and explained with its growth.

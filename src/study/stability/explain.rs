@@ -32,7 +32,7 @@ pub(super) fn explain(row: &mut Row, bench: &Bench<'_>) {
 fn limited(row: &Row, bench: &Bench<'_>, predicted: f64) -> String {
     match row.measured {
         Some(measured) if measured < predicted => too_early(row, bench, measured),
-        measured => too_late(row, bench, measured.or(row.tried_up_to).unwrap_or(predicted)),
+        _ => too_late(row, bench, bench.longest().unwrap_or(predicted)),
     }
 }
 
@@ -51,14 +51,16 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
     });
     if let Some((t, later)) = along(bench, measured, 0).filter(|(_, later)| below(*later, row)) {
         let stiffens = format!(
-            "the scene stiffens: at t = {} s, in the run at {} s, the critical step has fallen to {} s (set around {}, w = {} rad/s, \
-             damping rate {} 1/s)",
-            figures(t, 4),
+            "{}: {}, in the run at {} s, {} (set around {}, w = {} rad/s, damping rate {} 1/s; at the start {} rad/s, {} 1/s)",
+            what_changed(bench.critical, later),
+            when(t),
             figures(measured, 4),
-            figures(later.step, 4),
+            fallen(later.step),
             place_of(bench.scene(), later.dof),
             figures(later.rates.frequency, 4),
             figures(later.rates.damping, 4),
+            figures(bench.critical.rates.frequency, 4),
+            figures(bench.critical.rates.damping, 4),
         );
         let enough = later.step < (1.0 + ENOUGH) * fails;
         return swings.filter(|_| !enough).map_or(stiffens.clone(), |swings| format!("{stiffens}; and {swings}"));
@@ -82,33 +84,29 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
 
 /// Runs hold above the predicted step.
 fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
-    let (steps, middle) = (bench.steps(held), (held * row.prediction.step.unwrap_or(held)).sqrt());
-    let folds = |h: f64| bench.e_folds(h).map_or(f64::INFINITY, |rate| rate * bench.steps(h) as f64);
-    if folds(middle) <= 0.0 {
+    let middle = (held * row.prediction.step.unwrap_or(held)).sqrt();
+    if bench.folds(middle) <= 0.0 {
         return format!(
             "the prediction is an estimate, and too small: a step of {} s does not grow where forces are linear either",
             figures(middle, 4)
         );
     }
-    if folds(middle) < E_FOLDS {
+    if !bench.settles(held) {
         return format!(
-            "beyond the predicted limit the method grows too slowly to be seen: {}; {}",
+            "not settled: beyond the predicted limit the method grows slowly, and no run that held was long enough for the {E_FOLDS} e-folds \
+             that are sure to be seen: {}; {}",
             growth(bench, middle),
             growth(bench, held)
         );
     }
     if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {
-        return format!(
-            "the scene softens: at t = {} s, in the run at {} s, the critical step has risen to {} s",
-            figures(t, 4),
-            figures(held, 4),
-            figures(later.step, 4),
-        );
+        return format!("the scene softens: {}, in the run at {} s, {}", when(t), figures(held, 4), risen(later.step));
     }
     format!(
-        "in {steps} steps the motion that sets the prediction (around {}) did not grow without bound: it is not reached, or forces that are \
-         not linear hold it",
-        place_of(bench.scene(), bench.critical.dof)
+        "the motion that sets the prediction (around {}) did not grow without bound, though where forces are linear it grows enough to be \
+         seen ({}): it is not reached, or forces that are not linear hold it",
+        place_of(bench.scene(), bench.critical.dof),
+        growth(bench, held)
     )
 }
 
@@ -118,9 +116,12 @@ fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
     let place = place_of(bench.scene(), bench.critical.dof);
     let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(bench, h)).unwrap_or_default();
     let fails = row.unstable.map(|h| format!("; {}", growth(bench, h))).unwrap_or_default();
+    let seen = row.measured.filter(|h| bench.folds(*h) >= E_FOLDS);
+    let unlike =
+        seen.map_or("", |_| "; the run that held would show it if forces were linear, so those that are not hold it");
     format!(
         "nothing damps the oscillation of {w} rad/s around {place}, so the method grows at every step and shows it when a run has \
-         steps enough: {held}{fails}"
+         steps enough: {held}{fails}{unlike}"
     )
 }
 
@@ -128,12 +129,13 @@ fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
 fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
     match along(bench, row.measured.unwrap_or(0.0), 0).filter(|(_, later)| later.step.is_finite()) {
         Some((t, later)) => format!(
-            "nothing sets a limit at t = 0, but the scene stiffens: at t = {} s the critical step is {} s (set around {})",
-            figures(t, 4),
-            figures(later.step, 4),
+            "nothing sets a limit at the start, but {}: {} {} (set around {})",
+            what_changed(bench.critical, later),
+            when(t),
+            limit(later.step),
             place_of(bench.scene(), later.dof)
         ),
-        None => format!("nothing sets a limit at t = 0{}", because(row)),
+        None => format!("nothing sets a limit at the start{}", because(row)),
     }
 }
 
@@ -161,12 +163,13 @@ fn coupled(bench: &Bench<'_>) -> bool {
 
 /// "at 0.1 s it grows by 2 % a step, 7.9 e-folds in 400 steps"
 fn growth(bench: &Bench<'_>, h: f64) -> String {
-    let (steps, rate) = (bench.steps(h), bench.e_folds(h).unwrap_or(f64::INFINITY));
+    let Some(rate) = bench.e_folds(h) else { return format!("at {} s no step can be made", figures(h, 4)) };
     format!(
-        "at {} s it grows by {} % a step, {} e-folds in {steps} steps",
+        "at {} s it grows by {} % a step, {} e-folds in {} steps",
         figures(h, 4),
         figures(100.0 * rate.exp_m1(), 3),
-        figures(rate * steps as f64, 3)
+        figures(bench.folds(h), 3),
+        bench.steps(h)
     )
 }
 
@@ -184,6 +187,43 @@ fn along(bench: &Bench<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)>
     let state: &State = bench.trial(h)?.extremes.get(which)?;
     let critical = Spectrum::with(bench.scene(), state.as_ref(), Effort::START).critical_step(bench.method);
     Some((state.t, critical))
+}
+
+/// What makes a critical step fall: a scene stiffens where its frequency rises, and only there.
+fn what_changed(start: CriticalStep, later: CriticalStep) -> &'static str {
+    let (was, is) = (start.rates, later.rates);
+    if is.frequency > (1.0 + CLEAR) * was.frequency {
+        "the scene stiffens"
+    } else if is.damping > (1.0 + CLEAR) * was.damping {
+        "damping rises"
+    } else if is.damping < (1.0 - CLEAR) * was.damping {
+        "damping falls"
+    } else {
+        "another motion sets the limit"
+    }
+}
+
+/// A run starts a little beside the scene's own start, which is where a slack spring may be taut and a taut one slack.
+fn when(t: f64) -> String {
+    if t == 0.0 { "right at the start, a little displaced".to_owned() } else { format!("at t = {} s", figures(t, 4)) }
+}
+
+fn fallen(step: f64) -> String {
+    if step > 0.0 { format!("the critical step has fallen to {} s", figures(step, 4)) } else { limit(step) }
+}
+
+fn risen(step: f64) -> String {
+    if step.is_finite() { format!("the critical step has risen to {} s", figures(step, 4)) } else { limit(step) }
+}
+
+fn limit(step: f64) -> String {
+    if step == 0.0 {
+        "no step is stable".to_owned()
+    } else if step.is_finite() {
+        format!("the critical step is {} s", figures(step, 4))
+    } else {
+        "nothing limits the step any more".to_owned()
+    }
 }
 
 fn below(later: CriticalStep, row: &Row) -> bool {

@@ -3,7 +3,7 @@
 //! A run has to be long enough for an instability just beyond the limit to grow from the tiny displacement that the run starts with to a size
 //! that cannot be overlooked. How fast it grows follows from one step of the scheme on the oscillator that sets the limit. A run makes as many
 //! steps as that growth takes, at least as many as the case itself would, and no more than a number of force passes (or implicit steps) that
-//! depends on the size of the scene alone.
+//! depends on the size of the scene alone. A run beyond the predicted limit that is cut short by this, and holds, settles nothing.
 
 use super::row::RunRow;
 use super::start::Start;
@@ -13,11 +13,10 @@ use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::analysis::limit::{growth, swing};
 use crate::analysis::rates::step_by_bounds;
 use crate::drive::clock::Step;
-use crate::drive::observer::StepView;
 use crate::drive::{self, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
-use crate::model::state::{State, StateRef};
+use crate::model::state::State;
 use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,8 +28,9 @@ pub(super) const E_FOLDS: f64 = 45.0;
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
 pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
-/// Degree-of-freedom steps of an implicit run, and most steps of one.
-const SOLVES: [f64; 2] = [6e4, 1e3];
+/// Degree-of-freedom steps of an implicit run, and most steps of one: a second or two, and growth a percent beyond a limit takes a thousand
+/// steps where damping slows it.
+const SOLVES: [f64; 2] = [4e6, 1e5];
 /// Fewest steps of a run: explicit, implicit.
 const FEWEST: [f64; 2] = [400.0, 20.0];
 /// [-] Share of its limit at which a scheme is asked whether it swings the energy of an oscillation.
@@ -41,8 +41,6 @@ const CALM: f64 = 1.5;
 const LIVELY: [f64; 2] = [30.0, 1e-3];
 /// Factor between the lengths of runs that can be compared.
 const ALIKE: f64 = 2.5;
-/// Looks at the scene in a run.
-const LOOKS: u64 = 64;
 
 /// Why a method's measurement ends before its time.
 #[derive(Debug)]
@@ -154,6 +152,41 @@ impl<'a> Bench<'a> {
         growth(self.method, self.critical.rates, h).map(f64::ln)
     }
 
+    /// [-] E-folds of that motion in a run at step `h` [s]; infinite where no step can be made.
+    pub fn folds(&self, h: f64) -> f64 {
+        self.e_folds(h).map_or(f64::INFINITY, |rate| rate * self.steps(h) as f64)
+    }
+
+    /// Whether a run at step `h` [s] that held says that the step is stable: beyond the predicted limit it has to be long enough for growth to
+    /// be seen. Of methods without a predicted limit nothing is known that a run could be too short for.
+    pub fn settles(&self, h: f64) -> bool {
+        let Kind::Near(limit) = self.kind() else { return true };
+        let folds = self.folds(h);
+        h <= limit || folds <= 0.0 || folds >= E_FOLDS
+    }
+
+    /// [s] What the runs so far say of the limit: the largest step that is known to hold, and the least that failed.
+    pub fn between(&self) -> [Option<f64>; 2] {
+        let known = |h: &f64| self.critical.step > 0.0 && self.settles(*h);
+        [self.held().filter(known).max_by(f64::total_cmp), self.failed()]
+    }
+
+    /// [s] The largest step that held below the least that failed.
+    pub fn longest(&self) -> Option<f64> {
+        self.held().max_by(f64::total_cmp)
+    }
+
+    fn failed(&self) -> Option<f64> {
+        let failed = self.trials.iter().map(|trial| trial.row).filter(|row| !row.verdict.is_stable());
+        failed.map(|row| row.step).min_by(f64::total_cmp)
+    }
+
+    fn held(&self) -> impl Iterator<Item = f64> {
+        let failed = self.failed().unwrap_or(f64::INFINITY);
+        let held = self.trials.iter().map(|trial| trial.row).filter(|row| row.verdict.is_stable());
+        held.map(|row| row.step).filter(move |h| *h < failed)
+    }
+
     /// Whether a run at step `h` [s] holds; `before` is asked for leave to begin it.
     pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
         let steps = self.steps(h);
@@ -225,46 +258,5 @@ impl<'a> Bench<'a> {
     /// The run at exactly this step.
     pub fn trial(&self, h: f64) -> Option<&Trial> {
         self.trials.iter().find(|trial| trial.row.step == h)
-    }
-}
-
-/// Now and then a measure of the critical step, from one pass over the elements.
-pub(super) struct Looks<'a> {
-    scene: &'a dyn Scene,
-    every: u64,
-    room: BoundRoom,
-    /// [s] least and largest measure, and where
-    seen: [(f64, State); 2],
-}
-
-impl<'a> Looks<'a> {
-    pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
-        let start = scene.initial_state();
-        let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
-        // Odd, so that a motion that alternates is seen on both sides.
-        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundRoom::default(), seen }
-    }
-
-    pub fn look(&mut self, at: StateRef<'_>) {
-        let now = step_by_bounds(self.scene, at, &mut self.room);
-        let [(least, stiffest), (largest, softest)] = &mut self.seen;
-        if now < *least {
-            *least = now;
-            stiffest.copy_from(at);
-        }
-        if now > *largest {
-            *largest = now;
-            softest.copy_from(at);
-        }
-    }
-
-    pub fn stepped(&mut self, step: &StepView<'_>) {
-        if step.step.is_multiple_of(self.every) {
-            self.look(step.to.state.as_ref());
-        }
-    }
-
-    pub fn extremes(self) -> [State; 2] {
-        self.seen.map(|(_, state)| state)
     }
 }

@@ -13,6 +13,7 @@
 //! methods out.
 
 mod explain;
+mod looks;
 mod measure;
 mod prediction;
 mod region;
@@ -131,7 +132,7 @@ impl Common<'_> {
         if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
             let small = self.small.get_or_init(|| start::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
-                return row.halted(Halt::Interrupted);
+                return row.halted(Halt::Interrupted, Some(&bench));
             }
             if let Some(state) = small {
                 row.set_aside();
@@ -161,7 +162,7 @@ impl Common<'_> {
                 Some(bench)
             }
             Err(halt) => {
-                row.halted(halt);
+                row.halted(halt, Some(&bench));
                 None
             }
         }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 /// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no number. Two words say what
 /// each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or `refused`, `measurement` is `limit`, `none-holds`,
-/// `no-limit-found`, `refused`, `out-of-budget` or `interrupted`.
+/// `no-limit-found`, `not-settled`, `refused`, `out-of-budget` or `interrupted`.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = String::from("method,predicted,measured,prediction,measurement\n");
     for row in rows {
@@ -38,6 +38,7 @@ fn prediction_word(row: &Row) -> &'static str {
 fn measurement_word(row: &Row) -> &'static str {
     match (row.status, row.measured) {
         (Status::Refused, _) => "refused",
+        (Status::NotSettled, _) => "not-settled",
         (Status::OutOfBudget, _) => "out-of-budget",
         (Status::Interrupted, _) => "interrupted",
         (Status::Measured, Some(step)) if step > 0.0 => "limit",
@@ -50,9 +51,11 @@ fn measurement_word(row: &Row) -> &'static str {
 pub fn table(study: &Stability) -> String {
     let longest = study.methods.iter().map(|row| row.method.len()).max().unwrap_or(0).max(6);
     let mut text = format!("{}: largest stable steps, {} unknowns\n", study.name, study.unknowns);
+    let heading = "measured [s]: holds, fails";
+    let widest = study.methods.iter().map(|row| measured(row).len()).max().unwrap_or(0).max(heading.len());
     let _ = writeln!(
         text,
-        "  {:<longest$}  predicted [s]  known by   measured [s]: holds, fails  measured/predicted  runs",
+        "  {:<longest$}  predicted [s]  known by   {heading:<widest$}  measured/predicted  runs",
         "method"
     );
     for row in &study.methods {
@@ -60,7 +63,7 @@ pub fn table(study: &Stability) -> String {
         let ratio = row.ratio.map_or_else(|| "-".to_owned(), |ratio| figures(ratio, 3));
         let _ = writeln!(
             text,
-            "  {:<longest$}  {predicted:<13}  {:<9}  {:<26}  {ratio:<18}  {}",
+            "  {:<longest$}  {predicted:<13}  {:<9}  {:<widest$}  {ratio:<18}  {}",
             row.method,
             if row.status == Status::Refused { "-" } else { row.prediction.known_by.word() },
             measured(row),
@@ -104,8 +107,9 @@ fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
 fn measured(row: &Row) -> String {
     match (row.status, row.measured, row.unstable, row.tried_up_to) {
         (Status::Refused, ..) => "refused".to_owned(),
-        (Status::OutOfBudget, ..) => "left out: budget".to_owned(),
-        (Status::Interrupted, ..) => "left out: interrupted".to_owned(),
+        (Status::NotSettled, ..) => known(row, "not settled"),
+        (Status::OutOfBudget, ..) => known(row, "left out: budget"),
+        (Status::Interrupted, ..) => known(row, "left out: interrupted"),
         (Status::Measured, Some(measured), Some(unstable), _) if measured > 0.0 => {
             format!("{}, {}", figures(measured, 4), figures(unstable, 4))
         }
@@ -113,4 +117,12 @@ fn measured(row: &Row) -> String {
         (Status::Measured, _, _, Some(longest)) => format!("no limit up to {}", figures(longest, 4)),
         (Status::Measured, ..) => "-".to_owned(),
     }
+}
+
+/// What runs know of a limit that is not settled.
+fn known(row: &Row, status: &str) -> String {
+    let least = row.at_least.map(|h| format!("at least {}", figures(h, 4)));
+    let most = row.at_most.map(|h| format!("at most {}", figures(h, 4)));
+    let both: Vec<String> = least.into_iter().chain(most).collect();
+    if both.is_empty() { status.to_owned() } else { format!("{status}: {}", both.join(", ")) }
 }

@@ -20,6 +20,8 @@ pub(super) const AGREES: f64 = 0.02;
 pub enum Status {
     /// it was
     Measured,
+    /// runs beyond the predicted limit hold, too short for growth to be seen: it lies between `at_least` and `at_most`
+    NotSettled,
     /// it does not go with the scene
     Refused,
     /// the budget was spent before
@@ -79,14 +81,18 @@ pub struct Row {
     pub unstable: Option<f64>,
     /// [s] longest step tried by a method that held at every step
     pub tried_up_to: Option<f64>,
+    /// [s] where a limit is not settled, or the study ended before: largest step known to hold
+    pub at_least: Option<f64>,
+    /// [s] where a limit is not settled, or the study ended before: least step known to fail
+    pub at_most: Option<f64>,
     /// what runs from the scene's own start gave, where `start` is small motion: the scene's own motion is linear, and steps near the limit
     /// are not
     pub as_given: Option<AsGiven>,
     /// [-] measured over predicted
     pub ratio: Option<f64>,
-    /// whether they differ by more than 2 %
+    /// whether they differ by more than 2 %, or may
     pub differs: bool,
-    /// why they differ
+    /// why they differ, or may
     pub explanation: Option<String>,
     /// the failure of a run at `unstable`
     pub failure: Option<Failure>,
@@ -125,6 +131,8 @@ impl Row {
             measured: None,
             unstable: None,
             tried_up_to: None,
+            at_least: None,
+            at_most: None,
             as_given: None,
             ratio: None,
             differs: false,
@@ -157,29 +165,48 @@ impl Row {
             (Kind::Unlimited | Kind::Somewhere, _) => self.unstable.is_some(),
             (Kind::Near(_), None) => false,
         };
+        if self.differs && stable.is_some_and(|longest| !bench.settles(longest)) {
+            self.unsettled(Status::NotSettled, bench);
+        }
         self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| bench.failure(h));
     }
 
     /// Makes room for a measurement from small motion.
     pub(super) fn set_aside(&mut self) {
-        let AsGiven { measured, unstable } = self.take();
-        self.as_given = Some(AsGiven { measured, unstable });
+        let as_given = match self.status {
+            Status::NotSettled => AsGiven { measured: self.at_least, unstable: self.at_most },
+            _ => AsGiven { measured: self.measured, unstable: self.unstable },
+        };
+        self.clear(Status::Measured);
+        self.as_given = Some(as_given);
         self.start = Start::SmallMotion;
     }
 
-    /// The measurement so far, which is then no more.
-    fn take(&mut self) -> AsGiven {
-        (self.tried_up_to, self.ratio, self.differs, self.failure) = (None, None, false, None);
-        AsGiven { measured: self.measured.take(), unstable: self.unstable.take() }
+    /// No limit, but what runs know of it.
+    fn unsettled(&mut self, status: Status, bench: &Bench<'_>) {
+        self.status = status;
+        (self.measured, self.unstable, self.tried_up_to, self.ratio) = (None, None, None, None);
+        [self.at_least, self.at_most] = bench.between();
     }
 
-    /// A measurement that was not finished.
-    pub(super) fn halted(&mut self, halt: Halt) {
-        self.take();
-        (self.status, self.why) = match halt {
-            Halt::OutOfBudget => (Status::OutOfBudget, None),
-            Halt::Interrupted => (Status::Interrupted, None),
-            Halt::Refused(why) => (Status::Refused, Some(why)),
-        };
+    /// A row without a measurement.
+    fn clear(&mut self, status: Status) {
+        self.status = status;
+        (self.measured, self.unstable, self.tried_up_to, self.ratio) = (None, None, None, None);
+        (self.at_least, self.at_most, self.differs, self.failure) = (None, None, false, None);
+    }
+
+    /// A measurement that was not finished: what the runs that were made of `bench` know.
+    pub(super) fn halted(&mut self, halt: Halt, bench: Option<&Bench<'_>>) {
+        self.clear(match halt {
+            Halt::OutOfBudget => Status::OutOfBudget,
+            Halt::Interrupted => Status::Interrupted,
+            Halt::Refused(_) => Status::Refused,
+        });
+        match (halt, bench) {
+            (Halt::Refused(why), _) => self.why = Some(why),
+            (_, Some(bench)) => [self.at_least, self.at_most] = bench.between(),
+            (_, None) => {}
+        }
     }
 }

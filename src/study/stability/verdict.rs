@@ -16,7 +16,8 @@
 //! scene holds at some level, such as a pendulum that whirls or a dashpot that overshoots in one spring of a cloth, keeps up a motion
 //! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
 
-use super::measure::{Bench, Looks};
+use super::looks::Looks;
+use super::measure::Bench;
 use super::start::{Start, displacement};
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use crate::drive::watch::push;

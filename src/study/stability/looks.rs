@@ -1,0 +1,50 @@
+//! Where a scene was stiffest and softest on the way of a run.
+
+use crate::analysis::rates::step_by_bounds;
+use crate::drive::observer::StepView;
+use crate::model::state::{State, StateRef};
+use crate::scene::{BoundRoom, Scene};
+
+/// Looks at the scene in a run.
+const LOOKS: u64 = 64;
+
+/// Now and then a measure of the critical step, from one pass over the elements.
+pub(super) struct Looks<'a> {
+    scene: &'a dyn Scene,
+    every: u64,
+    room: BoundRoom,
+    /// [s] least and largest measure, and where
+    seen: [(f64, State); 2],
+}
+
+impl<'a> Looks<'a> {
+    pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
+        let start = scene.initial_state();
+        let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
+        // Odd, so that a motion that alternates is seen on both sides.
+        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundRoom::default(), seen }
+    }
+
+    pub fn look(&mut self, at: StateRef<'_>) {
+        let now = step_by_bounds(self.scene, at, &mut self.room);
+        let [(least, stiffest), (largest, softest)] = &mut self.seen;
+        if now < *least {
+            *least = now;
+            stiffest.copy_from(at);
+        }
+        if now > *largest {
+            *largest = now;
+            softest.copy_from(at);
+        }
+    }
+
+    pub fn stepped(&mut self, step: &StepView<'_>) {
+        if step.step.is_multiple_of(self.every) {
+            self.look(step.to.state.as_ref());
+        }
+    }
+
+    pub fn extremes(self) -> [State; 2] {
+        self.seen.map(|(_, state)| state)
+    }
+}
