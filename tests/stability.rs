@@ -234,7 +234,7 @@ fn linear_acceleration_is_limited() {
     assert!(row.prediction.step.is_some() && row.method.starts_with("newmark(beta=0.1666"), "{}", row.method);
 }
 
-/// The same with 1800 unknowns, where a run of an implicit method was cut off after 29 steps, before growth of 1 e-fold a step showed.
+/// The same with 1800 degrees of freedom, where runs of implicit methods were cut off after 34 steps: at a limit 1.5 % too high.
 #[test]
 fn a_large_scene_has_steps_enough_for_growth_to_show() {
     let given = |list: &[(&str, f64)]| list.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
@@ -242,7 +242,8 @@ fn a_large_scene_has_steps_enough_for_growth_to_show() {
     let methods = lists.map(|list| MethodChoice::new("newmark", &given(list)).expect("a method"));
     for row in rows(&chain_of(600, None), &methods, None) {
         agrees(&row);
-        assert_eq!(row.status, Status::Measured);
+        let (predicted, failed) = (row.prediction.step.expect("a limit"), row.unstable.expect("agrees"));
+        assert!(failed < 1.008 * predicted, "{}: {failed}, predicted {predicted}", row.method);
     }
 }
 

@@ -28,9 +28,11 @@ pub(super) const E_FOLDS: f64 = 45.0;
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
 pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
-/// Degree-of-freedom steps of an implicit run, and most steps of one: a second or two, and growth a percent beyond a limit takes a thousand
-/// steps where damping slows it.
+/// Degree-of-freedom steps of an implicit run, and most steps of one. Of a method with a limit they take a second or two, and growth a percent
+/// beyond a limit takes a thousand steps where damping slows it.
 const SOLVES: [f64; 2] = [4e6, 1e5];
+/// The same of a method without limit, where no growth has to be waited for.
+const UNLIMITED_SOLVES: [f64; 2] = [6e4, 1e3];
 /// Fewest steps of a run: explicit, implicit.
 const FEWEST: [f64; 2] = [400.0, 20.0];
 /// [-] Share of its limit at which a scheme is asked whether it swings the energy of an oscillation.
@@ -130,7 +132,10 @@ impl<'a> Bench<'a> {
     pub fn steps(&self, h: f64) -> u64 {
         let n = self.scene().n_dof().max(1) as f64;
         let (cap, fewest) = match dear(self.method) {
-            true => ((SOLVES[0] / n).min(SOLVES[1]), FEWEST[1]),
+            true => {
+                let [all, most] = if self.kind() == Kind::Unlimited { UNLIMITED_SOLVES } else { SOLVES };
+                ((all / n).min(most), FEWEST[1])
+            }
             false => {
                 let passes = self.method.info.evaluations[usize::from(self.scene().velocity_dependent())].max(1);
                 ((PASSES[0] / n).min(PASSES[1]) / f64::from(passes), FEWEST[0])
