@@ -267,16 +267,22 @@ fn growth_too_slow_to_be_seen_settles_nothing() {
     assert!(least <= predicted && least > 0.97 * predicted && most > 1.02 * predicted, "{least} to {most}");
     let words = row.explanation.as_deref().expect("it may differ");
     assert!(words.starts_with("not settled: ") && !words.contains("inf"), "{words}");
-    let study = Stability {
+    let rows = [row];
+    assert!(csv(&rows).ends_with(",nan,certified,not-settled\n"), "{}", csv(&rows));
+    let text = told(rows.into());
+    assert!(text.contains("  not settled: at least 0.00977"), "{text}");
+}
+
+/// The table of a study with these rows.
+fn told(methods: Vec<Row>) -> String {
+    table(&Stability {
         name: "chain".to_owned(),
         end: 4.0,
-        unknowns: 598,
-        methods: vec![row],
+        unknowns: 1,
+        methods,
         case: Value::Null,
         version: String::new(),
-    };
-    assert!(table(&study).contains("not settled: at least 0.00977"), "{}", table(&study));
-    assert!(csv(&study.methods).ends_with(",nan,certified,not-settled\n"), "{}", csv(&study.methods));
+    })
 }
 
 /// A study that ends before its time keeps what its runs found.
@@ -298,6 +304,8 @@ fn what_was_found_before_the_end_is_kept() {
     assert_eq!((row.status, row.measured), (Status::Interrupted, None));
     let share = [row.at_least, row.at_most].map(|h| (h.expect("a run") / predicted * 100.0).round());
     assert_eq!(share, [98.0, 102.0]);
+    let text = told(vec![row]);
+    assert!(text.contains("not settled (interrupted): at least ") && text.contains(", at most "), "{text}");
 }
 
 /// Masses that hang from springs which only pull, none of them taut at the start.

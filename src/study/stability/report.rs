@@ -107,9 +107,11 @@ fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
 fn measured(row: &Row) -> String {
     match (row.status, row.measured, row.unstable, row.tried_up_to) {
         (Status::Refused, ..) => "refused".to_owned(),
-        (Status::NotSettled, ..) => known(row, "not settled"),
-        (Status::OutOfBudget, ..) => known(row, "left out: budget"),
-        (Status::Interrupted, ..) => known(row, "left out: interrupted"),
+        (Status::NotSettled, ..) => {
+            known(row).map_or_else(|| "not settled".to_owned(), |steps| format!("not settled: {steps}"))
+        }
+        (Status::OutOfBudget, ..) => unfinished(row, "budget"),
+        (Status::Interrupted, ..) => unfinished(row, "interrupted"),
         (Status::Measured, Some(measured), Some(unstable), _) if measured > 0.0 => {
             format!("{}, {}", figures(measured, 4), figures(unstable, 4))
         }
@@ -119,10 +121,15 @@ fn measured(row: &Row) -> String {
     }
 }
 
+/// A measurement that ended before its time.
+fn unfinished(row: &Row, why: &str) -> String {
+    known(row).map_or_else(|| format!("left out: {why}"), |steps| format!("not settled ({why}): {steps}"))
+}
+
 /// What runs know of a limit that is not settled.
-fn known(row: &Row, status: &str) -> String {
+fn known(row: &Row) -> Option<String> {
     let least = row.at_least.map(|h| format!("at least {}", figures(h, 4)));
     let most = row.at_most.map(|h| format!("at most {}", figures(h, 4)));
     let both: Vec<String> = least.into_iter().chain(most).collect();
-    if both.is_empty() { status.to_owned() } else { format!("{status}: {}", both.join(", ")) }
+    (!both.is_empty()).then(|| both.join(", "))
 }
