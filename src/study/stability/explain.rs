@@ -93,8 +93,8 @@ fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     }
     if !bench.settles(held) {
         return format!(
-            "not settled: beyond the predicted limit the method grows slowly, and no run that held was long enough for the {E_FOLDS} e-folds \
-             that are sure to be seen: {}; {}",
+            "not settled: beyond the predicted limit no run that held was long enough for the {E_FOLDS} e-folds of growth that are sure to be \
+             seen: {}; {}",
             growth(bench, middle),
             growth(bench, held)
         );
