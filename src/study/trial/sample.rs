@@ -72,11 +72,21 @@ pub enum SampleError {
     /// The method cannot run here.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// It failed on its first steps.
+    /// Its own run from the start failed.
     #[error("fails at t = {time:.3e} s: {cause}")]
     Failed {
         /// [s] when
         time: f64,
+        /// what happened
+        cause: String,
+    },
+    /// It failed on its first steps from the state of another method.
+    #[error("fails at t = {time:.3e} s, tried from t = {from:.3e} s: {cause}")]
+    OnTheWay {
+        /// [s] when
+        time: f64,
+        /// [s] where the trial began
+        from: f64,
         /// what happened
         cause: String,
     },
@@ -96,30 +106,36 @@ pub fn sample(
     window: &Window,
 ) -> Result<Sample, SampleError> {
     let snapshot = begin(scene, stepper, tried, &window.state)?;
-    let stop = AtomicBool::new(false);
+    let (stop, from) = (AtomicBool::new(false), snapshot.t);
     let mut meter = Meter::new(tried, &stop);
     let outcome = drive::resume(scene, stepper, tried.spec(), snapshot, &mut [&mut meter], &stop)?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
     let sample = meter.sample();
     match (outcome.failure, outcome.status) {
         (Some(failure), Status::Diverged | Status::NotConverged) => {
-            Err(SampleError::Failed { time: failure.time, cause: failure.cause })
+            Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause })
         }
         _ => sample.ok_or(SampleError::Nothing),
     }
 }
 
-/// A run from its start until its allowance is spent, without leaving anything; `None` where it fails before.
-pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Option<Sample> {
+/// A run from its start until its allowance is spent, without leaving anything.
+///
+/// # Errors
+/// Where it fails before.
+pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Result<Sample, SampleError> {
     let stop = AtomicBool::new(false);
     let clock = Clock::default();
     let start = clock.seconds();
     let mut watch = Until { clock, deadline: start + tried.allowance, stop: &stop, made: 0 };
-    let outcome = drive::run(scene, stepper, tried.spec(), &mut [&mut watch], &stop).ok()?;
-    if outcome.failure.is_some() || outcome.steps == 0 {
-        return None;
+    let outcome = drive::run(scene, stepper, tried.spec(), &mut [&mut watch], &stop)?;
+    if let Some(failure) = outcome.failure {
+        return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
     }
-    Some(Sample {
+    if outcome.steps == 0 {
+        return Err(SampleError::Nothing);
+    }
+    Ok(Sample {
         steps: outcome.steps as f64,
         simulated: outcome.t_end,
         seconds: clock.seconds() - start,

@@ -3,7 +3,7 @@
 use super::cost::{ForceCost, TangentCost};
 use super::course::{Course, Pilot, Window};
 use super::estimate::{Basis, Estimate};
-use super::sample::{Attempted, Sample, beginning, sample};
+use super::sample::{Attempted, Sample, SampleError, beginning, sample};
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::clock::{FixedSteps, Step};
@@ -29,6 +29,8 @@ const UNTRIED: [f64; 2] = [2.0, 3.0];
 /// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on the rest.
 const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
+/// [s] What a run may take from its start that has failed in a trial.
+const FAILING: f64 = 0.1;
 /// Steps that adaptive steps take at least: none is longer than a tenth of the run.
 const FEWEST: f64 = 10.0;
 
@@ -135,7 +137,7 @@ impl<'a> Trials<'a> {
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
         let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
-        let sample = beginning(self.scene, &mut stepper, tried)?;
+        let sample = beginning(self.scene, &mut stepper, tried).ok()?;
         let steps = sample.steps * self.end / sample.simulated;
         (sample.simulated >= PART * self.end).then(|| Estimate::from_one(&sample, self.end, steps))
     }
@@ -155,9 +157,20 @@ impl<'a> Trials<'a> {
         let skip = (self.windows.len() - count.min(self.windows.len())) / 2;
         let mut samples = Vec::new();
         for window in self.windows.iter().skip(skip).take(count) {
-            samples.push(sample(self.scene, &mut stepper, tried, window).map_err(|e| e.to_string())?);
+            let failed = |why| self.at_first(tried, why).to_string();
+            samples.push(sample(self.scene, &mut stepper, tried, window).map_err(failed)?);
         }
         Estimate::of(&samples, self.end, steps).ok_or_else(|| "no state to try it from".to_owned())
+    }
+
+    /// What fails on the way mostly fails soon after its own start, which is when `solve` will tell it to.
+    fn at_first(&self, tried: Attempted<'_>, why: SampleError) -> SampleError {
+        let bound = Stepper::bind(tried.method.scheme(self.solver), self.scene.abilities());
+        let (SampleError::OnTheWay { .. }, Ok(mut stepper)) = (&why, bound) else { return why };
+        match beginning(self.scene, &mut stepper, Attempted { allowance: FAILING, ..tried }) {
+            Err(own @ SampleError::Failed { .. }) => own,
+            _ => why,
+        }
     }
 
     /// From the iterations another method needed, or from two a step.
