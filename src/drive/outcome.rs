@@ -83,6 +83,8 @@ pub struct Outcome {
     pub t_end: f64,
     /// work done
     pub counters: Counters,
+    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its step
+    pub account_passes: u64,
     /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies that were rounded
     pub energy_error: f64,
     /// [-] largest energy made by the scheme over all energy that was there or was put in

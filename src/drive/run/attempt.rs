@@ -62,6 +62,7 @@ impl Run<'_> {
         if !report.forces_at_end {
             // The ledger and observers want them; the scheme does not, so they are not counted.
             self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
+            self.account_passes += 1;
         }
         Ok(report)
     }
