@@ -2,6 +2,8 @@
 
 #[path = "cli/adaptive.rs"]
 mod adaptive;
+#[path = "cli/advice.rs"]
+mod advice;
 #[path = "cli/bench.rs"]
 mod bench;
 #[path = "cli/check.rs"]

@@ -142,21 +142,31 @@ fn run_of(row: &Row) -> String {
 }
 
 fn describe_advice(text: &mut String, advice: &Advice) {
-    let Advice { accuracy, compared, best, runner_up, factor } = advice;
+    let Advice { accuracy, compared, best, runner_up, factor, own_cheaper } = advice;
     let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
     if let (Some(other), Some(factor)) = (runner_up, factor) {
         let concluded = |choice: &Choice| choice.known_by == Proof::LocalErrors;
         let than = if *factor < 1.0 / TIE {
-            format!("single steps promise {} times cheaper integration by", figures(1.0 / factor, 2))
+            format!(
+                "single steps promise, by counted work, {} times cheaper integration with",
+                figures(1.0 / factor, 2)
+            )
         } else if *factor < TIE {
-            "in integration about as cheap as".to_owned()
+            "by counted work, output apart, about as cheap as".to_owned()
         } else {
-            format!("in integration {} times cheaper than", figures(*factor, 2))
+            format!("by counted work, output apart, {} times cheaper than", figures(*factor, 2))
         };
         let but = if concluded(other) && !concluded(best) { ", which could not be compared" } else { "" };
         let _ = write!(text, ";\n  {than} {}{but}", options(other));
     }
     let _ = writeln!(text, "\n  ({}; `canopy-fem tradeoff` measures all methods)", known_by(best, *compared));
+    if let Some(times) = own_cheaper {
+        let _ = writeln!(
+            text,
+            "  (the run of the case itself is {} times cheaper by counted work; its error is not known)",
+            figures(*times, 2)
+        );
+    }
 }
 
 /// How the error of what is recommended is known.
@@ -168,6 +178,11 @@ fn known_by(best: &Choice, compared: f64) -> String {
         Proof::Part => format!("the step was run over the first {part:.1} %: error {error} expected at the end"),
         Proof::LongerSteps => {
             format!("longer steps were run over the first {part:.1} %: error {error} expected of this one at the end")
+        }
+        Proof::TwiceTheStep => {
+            format!(
+                "error {error} expected from the difference to a run with twice the step; no reference was affordable"
+            )
         }
         Proof::LocalErrors => "from the errors of single steps; what they add up to is not known".to_owned(),
     }

@@ -2,10 +2,12 @@
 
 use super::cost::TangentCost;
 use super::estimate::Estimate;
-use super::search::{Asked, CAREFUL, Found, Proof, Search, Units, nice};
+use super::halving::by_halving;
+use super::search::{Asked, CAREFUL, Found, Proof, Search, nice};
 use super::trials::Trials;
+use super::units::Units;
 use super::yardstick::Yardstick;
-use super::{Candidate, ForecastSpec, tolerance_of};
+use super::{Candidate, ForecastSpec, planned, tolerance_of};
 use crate::drive::clock::Step;
 use crate::integrate::registry::Family;
 
@@ -46,6 +48,8 @@ pub struct Advice {
     /// [-] how many times the runner-up's integration costs what the best's does, by counted work; below 1 where the best was measured and
     /// the runner-up, which was not, seems cheaper
     pub factor: Option<f64>,
+    /// [-] how many times cheaper to integrate the case's own run is, by counted work, where it is clearly cheaper and its error is not known
+    pub own_cheaper: Option<f64>,
 }
 
 /// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else the first of
@@ -57,6 +61,8 @@ const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
 
+/// [-] From so many times on the case's own run, whose error is not known, is said to be cheaper.
+const CHEAPER: f64 = 2.0;
 /// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that are told wrong
 /// by hundreds are steps, and so costs, told wrong by tens.
 const FAR: f64 = 100.0;
@@ -94,6 +100,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let mut offers = Vec::new();
         for implicit in [false, true] {
             let found = self.search.as_ref().map_or_else(Vec::new, |search| self.measured(search, implicit));
+            let found = if found.is_empty() && implicit { self.halved() } else { found };
             offers.extend(if found.is_empty() { self.unmeasured(trials, implicit) } else { found });
         }
         let place = |offer: &Offer<'_>| {
@@ -125,6 +132,13 @@ impl<'s, 'a> Adviser<'s, 'a> {
         offers
     }
 
+    /// By runs with a step and with twice the step: the case's own method where it is implicit, else Newmark's.
+    fn halved(&self) -> Vec<Offer<'a>> {
+        let own = self.spec.problem.method.info.name;
+        let tried = self.family(true).find(|c| own == c.method.info.name || UNMEASURED.contains(&c.method.info.name));
+        tried.and_then(|c| by_halving(self.spec, self.units, c).map(|found| (c, found))).into_iter().collect()
+    }
+
     /// From what local errors let adaptive steps be.
     fn unmeasured(&self, trials: &mut Trials<'_>, implicit: bool) -> Vec<Offer<'a>> {
         let ForecastSpec { problem, accuracy, .. } = *self.spec;
@@ -137,9 +151,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
             // What the errors of single steps come to is not known: with the mean of the steps that they allow it may be hundreds of times more.
             let careful = UNKNOWN * CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
             let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
-            let work = [made.force_evaluations, made.tangent_assemblies, made.factorizations, made.linear_solves];
-            let steps = problem.time.end / step;
-            let seconds = self.units.cost(steps, work.map(|n| n / made.steps * steps));
+            // Adaptive steps need other work: every change of a step changes W.
+            let seconds = self.units.untried(&candidate.method, problem.time.end / step);
             Some((candidate, Found { step, error: None, proof: Proof::LocalErrors, seconds, run: None }))
         };
         tried.filter_map(offer).collect()
@@ -167,7 +180,23 @@ impl<'s, 'a> Adviser<'s, 'a> {
             best: choose(best),
             runner_up: other.map(|offer| choose(*offer)),
             factor,
+            own_cheaper: self.own_cheaper(offers, best.1.seconds),
         })
+    }
+
+    /// [-] How many times cheaper than `seconds` the case's own run is, if it is clearly so and was not measured.
+    fn own_cheaper(&self, offers: &[Offer<'a>], seconds: f64) -> Option<f64> {
+        let ForecastSpec { problem, candidates, .. } = *self.spec;
+        let own = candidates.iter().find(|c| c.method.info.name == problem.method.info.name)?;
+        let name = own.method.info.name;
+        // A method that was measured and is not among the offers was too dear with the step of the accuracy.
+        let known = match offers.iter().find(|(c, _)| c.method.info.name == name) {
+            Some((_, found)) => found.proof != Proof::LocalErrors,
+            None => self.search.as_ref().is_some_and(|search| search.tries(own, name)),
+        };
+        let step = planned(own, problem.time.step, problem.time.end).fixed()?;
+        let times = seconds / self.units.untried(&own.method, problem.time.end / step);
+        (times > CHEAPER && !known).then_some(times)
     }
 
     fn choice(

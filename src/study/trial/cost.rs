@@ -58,6 +58,8 @@ pub struct TangentCost {
     pub factor_nonzeros: Option<usize>,
     /// `cholesky`, `lu` or `cg`
     pub linear_solver: &'static str,
+    /// whether implicit steps keep it, or its symmetric part, over many of them
+    pub kept: bool,
     /// [s] ordering and analysis, once a run
     pub analysis_seconds: f64,
     /// [s] one assembly
@@ -165,6 +167,7 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
         matrix_nonzeros: stats.matrix_nonzeros,
         factor_nonzeros: stats.factor_nonzeros,
         linear_solver: stats.name,
+        kept,
         analysis_seconds,
         assembly_seconds,
         factorization_seconds,

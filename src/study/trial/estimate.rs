@@ -1,6 +1,7 @@
 //! The cost of a whole run, estimated from a few real steps sampled along it.
 
 use super::sample::Sample;
+use super::yardstick::Delivered;
 
 /// What a figure rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -93,6 +94,16 @@ impl Estimate {
     #[must_use]
     pub fn with_output(self, seconds: f64) -> Estimate {
         Estimate { cpu_seconds: self.cpu_seconds + seconds, ..self }
+    }
+}
+
+impl Delivered {
+    /// A run to `whole` [s] in so many steps, from the work and the time of those that were made to `span` [s].
+    pub fn run(&self, span: f64, whole: f64, steps: f64) -> Estimate {
+        let [force_evaluations, tangent_assemblies, factorizations, linear_solves] = self.work;
+        let work = [force_evaluations, tangent_assemblies, factorizations, linear_solves, self.newton_iterations];
+        let sample = Sample { steps: self.steps.max(1.0), simulated: span, seconds: self.seconds, work };
+        Estimate::from_one(&sample, whole, steps)
     }
 }
 

@@ -5,18 +5,21 @@
 //! otherwise. What these steps cost stands for the parts of the run around them ([`estimate`]); the memory is counted ([`memory`]).
 //!
 //! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a reference
-//! ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked ([`advice`]).
+//! ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked ([`advice`]) by what their work
+//! costs nominally ([`units`]). Where no reference is affordable an implicit run is compared with one of twice its step (`halving`).
 
 pub mod advice;
 pub mod cost;
 pub mod course;
 pub mod estimate;
+mod halving;
 pub mod memory;
 pub mod output;
 pub mod sample;
 pub mod search;
 pub mod timing;
 mod trials;
+pub mod units;
 pub mod yardstick;
 
 use advice::{Advice, Adviser};
@@ -170,7 +173,12 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
             row.at_accuracy = complete(candidate, Step::Fixed(found.step), found.run);
         }
     }
-    let advice = adviser.advise(&offers, &mut complete);
+    let mut advice = adviser.advise(&offers, &mut complete);
+    if let Some(advice) = &mut advice {
+        // A run that fails is no cheaper one.
+        let made = methods.iter().any(|row| row.method == problem.method.info.name && row.run.is_some());
+        advice.own_cheaper = advice.own_cheaper.filter(|_| made);
+    }
     let seen = trials.seen();
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }

@@ -1,20 +1,19 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
-use super::cost::TangentCost;
 use super::estimate::Estimate;
-use super::sample::Sample;
-use super::yardstick::{Delivered, Yardstick};
+use super::units::Units;
+use super::yardstick::{Delivered, Purse, Yardstick};
 use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::figures::two_digits;
-use crate::integrate::registry::Family;
-use crate::scene::Scene;
-use crate::study::bench::{nominal_pass, nominal_step};
+use crate::integrate::registry::{Family, MethodChoice};
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];
+/// [-] Work of an implicit run over [`RUN`] at which it ends: iterations are not known before.
+const SPENT: f64 = 3.0;
 /// [-] What runs with longer steps showed is not carried over to steps more than so many times shorter.
-const REACH: f64 = 5.0;
+pub(super) const REACH: f64 = 5.0;
 /// [runs] at most for a step, and for a tolerance.
 const RUNS: [usize; 2] = [6, 3];
 /// [-] Share of the accuracy that the next step is to make as its error.
@@ -24,19 +23,17 @@ const ENOUGH: f64 = 0.4;
 /// [-] Share of the accuracy that is aimed at where the last run could not be afforded, and where none could.
 pub(super) const CAREFUL: f64 = 0.4;
 /// [-] What is told from a part of a run must not come closer to the accuracy than this.
-const FROM_PART: f64 = 0.6;
+pub(super) const FROM_PART: f64 = 0.6;
 /// [-] Most change of a step from run to run.
 const CHANGE: f64 = 20.0;
 /// [-] Longest step, as a share of the run.
-const LONGEST: f64 = 0.1;
+pub(super) const LONGEST: f64 = 0.1;
 /// [steps] Fewest of a run that is compared.
 const FEWEST: f64 = 4.0;
 /// [s] A step with a nominal cost above this is tried with the case's method and Newmark's only.
 const DEAR: f64 = 4e-3;
-/// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
-const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
 /// [-] Errors above are bounded by the motion and tell nothing of shorter steps.
-const SATURATED: f64 = 0.3;
+pub(super) const SATURATED: f64 = 0.3;
 
 /// What an error is known by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -48,6 +45,8 @@ pub enum Proof {
     Part,
     /// runs with longer steps, and the order that they showed
     LongerSteps,
+    /// its difference from a run with twice the step, and the method's order
+    TwiceTheStep,
     /// local errors only
     LocalErrors,
 }
@@ -65,30 +64,6 @@ pub struct Found {
     pub seconds: f64,
     /// the whole run as far as it is known, without output
     pub run: Option<Estimate>,
-}
-
-/// What the units of work cost here.
-#[derive(Clone, Copy, Debug)]
-pub struct Units {
-    /// [s] a step without its work
-    step: f64,
-    /// [s] force pass, assembly, factorisation, solve
-    work: [f64; 4],
-}
-
-impl Units {
-    /// All units are nominal, in proportions that hold on one core of an ordinary machine: what is recommended is the same in every call, whatever else
-    /// the machine does.
-    pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> Units {
-        let [assembly, factorization, solve] = tangent.map_or([0.0; 3], TangentCost::nominal);
-        let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
-        Units { step, work: [nominal_pass(scene), assembly, factorization, solve] }
-    }
-
-    /// [s] So many steps and their work.
-    pub fn cost(&self, steps: f64, work: [f64; 4]) -> f64 {
-        self.step * steps + self.work.iter().zip(work).map(|(unit, n)| unit * n).sum::<f64>()
-    }
 }
 
 /// A tolerance of an accuracy.
@@ -127,17 +102,16 @@ impl Search<'_> {
     pub fn tries(&self, candidate: &Candidate, own: &str) -> bool {
         let info = candidate.method.info;
         let stable = candidate.limit.is_some_and(|limit| limit.step > 0.0);
-        let dear = info.family == Family::Implicit && nominal_step(self.yardstick.scene, &candidate.method) > DEAR;
-        stable && (!dear || [own, "newmark"].contains(&info.name))
+        stable && (!self.dear(candidate) || [own, "newmark"].contains(&info.name))
     }
 
     /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be told.
     pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<Found> {
-        let Yardstick { scene, span, whole, .. } = self.yardstick;
+        let Yardstick { span, whole, .. } = self.yardstick;
         let method = &candidate.method;
         let mut longest = candidate.limit?.safe().min(LONGEST * whole).min(span / FEWEST);
-        let passes = f64::from(method.info.evaluations[usize::from(scene.velocity_dependent())]);
-        if self.units.cost(whole / longest, [passes * whole / longest, 0.0, 0.0, 0.0]) > dearest {
+        let known = method.info.family != Family::Implicit;
+        if known && self.units.untried(method, whole / longest) > dearest {
             return None;
         }
         let most = self.most(candidate);
@@ -149,7 +123,7 @@ impl Search<'_> {
         let mut h = nice(if from.is_finite() { from.min(longest) } else { longest }, whole);
         let mut tries: Vec<Try> = Vec::new();
         for _ in 0..RUNS[0] {
-            let Some(made) = self.yardstick.measure(method, Step::Fixed(h), (2.0 * most) as u64) else {
+            let Some(made) = self.yardstick.measure(method, Step::Fixed(h), self.purse(candidate, 2.0 * most)) else {
                 longest = h / 2.0;
                 h = nice(h / 3.0, whole);
                 if h < shortest { break } else { continue }
@@ -163,7 +137,7 @@ impl Search<'_> {
             if good && (made.error >= ENOUGH * self.bound() || next < 1.1 * h) {
                 break;
             }
-            if !good && self.cost((h, made), next) > dearest {
+            if !good && self.cost(method, (h, made), next) > dearest {
                 return None;
             }
             if next < shortest && h <= 1.01 * shortest {
@@ -175,47 +149,54 @@ impl Search<'_> {
             }
             h = new;
         }
-        self.judge(&tries, method.order()).filter(|found| found.seconds <= dearest)
+        self.judge(&tries, method).filter(|found| found.seconds <= dearest)
     }
 
     /// The longest step that was good, or what they tell of shorter ones.
-    fn judge(&self, tries: &[Try], nominal: u32) -> Option<Found> {
+    fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<Found> {
         let whole = self.yardstick.whole;
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
         if let Some(&(step, made)) = good.max_by(|a, b| a.0.total_cmp(&b.0)) {
             let proof = if self.yardstick.seen() < 1.0 { Proof::Part } else { Proof::Run };
-            return Some(self.found((step, made), step, made.error, proof));
+            return Some(self.found(method, (step, made), step, made.error, proof));
         }
         let [_, .., (h, made)] = tries else { return None };
         let (h, made) = (*h, *made);
         if made.error > SATURATED {
             return None;
         }
-        let p = order(tries, nominal);
+        let p = order(tries, method.order());
         let step = nice(h * (CAREFUL * self.accuracy / made.error).powf(1.0 / p).min(1.0), whole);
-        (h <= REACH * step).then(|| self.found((h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
+        (h <= REACH * step)
+            .then(|| self.found(method, (h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
     }
 
     /// A step, from a run with it or with a longer one.
-    fn found(&self, from: Try, step: f64, error: f64, proof: Proof) -> Found {
-        let run = Some(self.run(from.1, (self.yardstick.whole / step).ceil()));
-        Found { step, error: Some(error), proof, seconds: self.cost(from, step), run }
-    }
-
-    /// The whole run in so many steps, from the work and the time of those that were made.
-    fn run(&self, made: Delivered, steps: f64) -> Estimate {
-        let whole = self.yardstick.whole;
-        let [force_evaluations, tangent_assemblies, factorizations, linear_solves] = made.work;
-        let work = [force_evaluations, tangent_assemblies, factorizations, linear_solves, made.newton_iterations];
-        let sample = Sample { steps: made.steps.max(1.0), simulated: self.yardstick.span, seconds: made.seconds, work };
-        Estimate::from_one(&sample, whole, steps)
+    fn found(&self, method: &MethodChoice, from: Try, step: f64, error: f64, proof: Proof) -> Found {
+        let run = Some(from.1.run(self.yardstick.span, self.yardstick.whole, (self.yardstick.whole / step).ceil()));
+        Found { step, error: Some(error), proof, seconds: self.cost(method, from, step), run }
     }
 
     /// Steps that a run may have which is compared.
     fn most(&self, candidate: &Candidate) -> f64 {
-        let step = nominal_step(self.yardstick.scene, &candidate.method);
-        let dear = candidate.method.info.family == Family::Implicit && step > DEAR;
-        RUN[usize::from(dear)] / step
+        let step = self.nominal(candidate);
+        RUN[usize::from(self.dear(candidate))] / step
+    }
+
+    /// [s] A step, before any was made.
+    fn nominal(&self, candidate: &Candidate) -> f64 {
+        self.units.affordable(self.yardstick.scene, &candidate.method)
+    }
+
+    fn dear(&self, candidate: &Candidate) -> bool {
+        candidate.method.info.family == Family::Implicit && self.nominal(candidate) > DEAR
+    }
+
+    /// So many steps; implicit ones may turn out to need more iterations than was thought.
+    fn purse(&self, candidate: &Candidate, steps: f64) -> Purse {
+        let most = SPENT * RUN[usize::from(self.dear(candidate))];
+        let implicit = candidate.method.info.family == Family::Implicit;
+        Purse { steps: steps as u64, work: implicit.then_some((self.units, most)) }
     }
 
     /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
@@ -226,13 +207,15 @@ impl Search<'_> {
         if steps > 2.0 * self.most(candidate) {
             return untried;
         }
-        let most = (4.0 * steps) as u64 + 4 * self.yardstick.frames() + 100;
+        let most = 4.0 * steps + 4.0 * self.yardstick.frames() as f64 + 100.0;
         let mut tolerance = self.accuracy;
         for _ in 0..RUNS[1] {
             let step = Step::Adaptive(tolerance_of(tolerance));
-            let Some(made) = self.yardstick.measure(&candidate.method, step, most) else { break };
+            let Some(made) = self.yardstick.measure(&candidate.method, step, self.purse(candidate, most)) else {
+                break;
+            };
             if made.error <= self.bound() {
-                let run = self.run(made, made.steps * whole / span);
+                let run = made.run(span, whole, made.steps * whole / span);
                 return Asked { tolerance, error: Some(made.error), run: Some(run) };
             }
             tolerance = two_digits(tolerance * (self.aim() * self.accuracy / made.error).max(0.05));
@@ -250,9 +233,8 @@ impl Search<'_> {
     }
 
     /// [s] The whole run with steps of `step` [s], from the work of another.
-    fn cost(&self, (_, made): Try, step: f64) -> f64 {
-        let steps = self.yardstick.whole / step;
-        self.units.cost(steps, made.work.map(|n| n / made.steps.max(1.0) * steps))
+    fn cost(&self, method: &MethodChoice, (_, made): Try, step: f64) -> f64 {
+        self.units.as_made(method, &made, self.yardstick.whole / step)
     }
 }
 

@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Candidate;
 use super::timing::Clock;
+use super::units::Units;
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
 use crate::drive::{self, Outcome, RunSpec, Status};
+use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
@@ -58,10 +60,28 @@ pub struct Delivered {
     pub steps: f64,
     /// [-] force passes, assemblies, factorisations and solves, of the part that was run
     pub work: [f64; 4],
+    /// force passes that the run made for its account alone
+    pub account_passes: f64,
     /// Newton iterations
     pub newton_iterations: f64,
     /// [s] processor time it took; decides nothing
     pub seconds: f64,
+}
+
+/// What a run may take, by counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Purse {
+    /// steps
+    pub steps: u64,
+    /// [s] work, nominally, in these units; none where a step always costs the same
+    pub work: Option<(Units, f64)>,
+}
+
+impl Purse {
+    /// So many steps.
+    pub fn of(steps: u64) -> Purse {
+        Purse { steps, work: None }
+    }
 }
 
 impl<'a> Yardstick<'a> {
@@ -76,28 +96,45 @@ impl<'a> Yardstick<'a> {
         let span = whole * (REFERENCE / needed).min(1.0);
         let every = if span < whole { frames.min(span / FRAMES) } else { frames };
         let relative = (FINER * accuracy).clamp(TOLERANCES[0], TOLERANCES[1]);
-        let mut yardstick = Yardstick {
-            scene,
-            span,
-            whole,
-            solver: problem.solver,
-            every,
-            reference: Frames::default(),
-            motion: Vec::new(),
-        };
-        let stop = AtomicBool::new(false);
-        let most = (2.0 * REFERENCE / cost) as u64;
-        let mut keeper = Attendant::new(Sampler::keeping(scene, every), most, u64::MAX, &stop);
-        let step = Step::Adaptive(reference_tolerance(scene, relative));
-        let outcome = yardstick.drive(method, step, &mut keeper, &stop)?;
-        if !matches!(outcome.status, Status::Completed | Status::Interrupted) || outcome.t_end < FEW * whole {
-            return None;
-        }
+        let mut yardstick = Yardstick::blank(scene, problem, (span, every));
+        let purse = Purse::of((2.0 * REFERENCE / cost) as u64);
+        let (status, _) = yardstick.keep(method, Step::Adaptive(reference_tolerance(scene, relative)), purse)?;
+        let far = matches!(status, Status::Completed | Status::Interrupted) && yardstick.span >= FEW * whole;
+        (far && yardstick.reference.motion.squares > 0.0).then_some(yardstick)
+    }
+
+    /// A run of any method to the end as a reference, and what it took; `None` where it does not come to the end, or nothing moves.
+    pub fn by(
+        scene: &'a dyn Scene,
+        problem: &Problem,
+        method: &MethodChoice,
+        step: Step,
+        purse: Purse,
+    ) -> Option<(Self, Delivered)> {
+        let whole = problem.time.end;
+        let every = interval(problem, scene).max(whole / FRAMES);
+        let mut yardstick = Yardstick::blank(scene, problem, (whole, every));
+        let (status, made) = yardstick.keep(method, step, purse)?;
+        (status == Status::Completed && yardstick.reference.motion.squares > 0.0).then_some((yardstick, made))
+    }
+
+    fn blank(scene: &'a dyn Scene, problem: &Problem, (span, every): (f64, f64)) -> Self {
+        let (whole, solver) = (problem.time.end, problem.solver);
+        Yardstick { scene, span, whole, solver, every, reference: Frames::default(), motion: Vec::new() }
+    }
+
+    /// Makes the reference.
+    fn keep(&mut self, method: &MethodChoice, step: Step, purse: Purse) -> Option<(Status, Delivered)> {
+        let (stop, clock) = (AtomicBool::new(false), Clock::default());
+        let before = clock.seconds();
+        let mut keeper = Attendant::new(Sampler::keeping(self.scene, self.every), purse, u64::MAX, &stop);
+        let outcome = self.drive(method, step, &mut keeper, &stop)?;
+        let made = Delivered::of(&outcome, 0.0, clock.seconds() - before);
         // The last state is a frame, wherever the run was stopped.
-        yardstick.span = outcome.t_end;
-        yardstick.reference = keeper.sampler.into_frames();
-        yardstick.add_up();
-        (yardstick.reference.motion.squares > 0.0).then_some(yardstick)
+        self.span = outcome.t_end;
+        self.reference = keeper.sampler.into_frames();
+        self.add_up();
+        Some((outcome.status, made))
     }
 
     /// [-] Part of the run that is compared.
@@ -115,21 +152,18 @@ impl<'a> Yardstick<'a> {
         self.reference.motion.period()
     }
 
-    /// Makes a run in at most `most` steps; `None` where it fails, or needs more.
-    pub fn measure(&self, method: &MethodChoice, step: Step, most: u64) -> Option<Delivered> {
+    /// Makes a run; `None` where it fails, or needs more than it may.
+    pub fn measure(&self, method: &MethodChoice, step: Step, purse: Purse) -> Option<Delivered> {
         let stop = AtomicBool::new(false);
         let comparing = Sampler::comparing(self.scene, self.every, &self.reference, (0.0, Distance::default()));
-        let mut attendant = Attendant::new(comparing, most, self.reference.motion.frames / 2, &stop);
+        let mut attendant = Attendant::new(comparing, purse, self.reference.motion.frames / 2, &stop);
         let clock = Clock::default();
         let before = clock.seconds();
-        let Outcome { status, counters: c, steps, .. } = self.drive(method, step, &mut attendant, &stop)?;
+        let outcome = self.drive(method, step, &mut attendant, &stop)?;
         let seconds = clock.seconds() - before;
         let [error, _] = attendant.sampler.distance().over(self.reference.motion)?;
-        let work = [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves].map(|n| n as f64);
-        let grown = self.grown(error, attendant.halfway);
-        let (steps, newton_iterations) = (steps as f64, c.newton_iterations as f64);
-        let made = Delivered { error: error * grown, steps, work, newton_iterations, seconds };
-        (status == Status::Completed).then_some(made)
+        let made = Delivered::of(&outcome, error * self.grown(error, attendant.halfway), seconds);
+        (outcome.status == Status::Completed).then_some(made)
     }
 
     fn drive(
@@ -178,10 +212,28 @@ impl<'a> Yardstick<'a> {
     }
 }
 
-/// Visits the frames, notes the distance half-way, and ends a run that takes too many steps.
+impl Delivered {
+    fn of(outcome: &Outcome, error: f64, seconds: f64) -> Self {
+        Delivered {
+            error,
+            steps: outcome.steps as f64,
+            work: work(outcome.counters),
+            account_passes: outcome.account_passes as f64,
+            newton_iterations: outcome.counters.newton_iterations as f64,
+            seconds,
+        }
+    }
+}
+
+/// In the order of [`Delivered::work`].
+fn work(c: Counters) -> [f64; 4] {
+    [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves].map(|n| n as f64)
+}
+
+/// Visits the frames, notes the distance half-way, and ends a run that takes too much.
 struct Attendant<'a> {
     sampler: Sampler<'a>,
-    most: u64,
+    purse: Purse,
     /// frames after which half the way is made
     half: u64,
     halfway: Distance,
@@ -190,12 +242,19 @@ struct Attendant<'a> {
 }
 
 impl<'a> Attendant<'a> {
-    fn new(sampler: Sampler<'a>, most: u64, half: u64, stop: &'a AtomicBool) -> Self {
-        Attendant { sampler, most, half, halfway: Distance::default(), made: 0, stop }
+    fn new(sampler: Sampler<'a>, purse: Purse, half: u64, stop: &'a AtomicBool) -> Self {
+        Attendant { sampler, purse, half, halfway: Distance::default(), made: 0, stop }
     }
 }
 
 impl Observer for Attendant<'_> {
+    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
+        if self.purse.work.is_some_and(|(units, most)| units.cost(run.step as f64, work(run.counters)) > most) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
     fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
         self.sampler.started(at, ledger)
     }
@@ -207,7 +266,7 @@ impl Observer for Attendant<'_> {
             self.halfway = distance;
         }
         self.made += 1;
-        if self.made >= self.most {
+        if self.made >= self.purse.steps {
             self.stop.store(true, Ordering::Relaxed);
         }
         Ok(())

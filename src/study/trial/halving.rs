@@ -1,0 +1,97 @@
+//! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what their order tells of their errors.
+
+use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
+use super::units::Units;
+use super::yardstick::{Purse, Yardstick};
+use super::{Candidate, ForecastSpec};
+use crate::drive::clock::Step;
+
+/// [s] What runs with a step and with twice the step may cost together, nominally.
+const RUNS: f64 = 2.0;
+/// [-] Work at which they end, over that: iterations are not known before.
+const SPENT: f64 = 3.0;
+/// Steps that are tried.
+const TRIES: usize = 3;
+/// Steps of both runs over those of the one with the smaller step.
+const BOTH: f64 = 1.5;
+
+/// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they tell nothing.
+pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
+    let (method, whole) = (&candidate.method, spec.problem.time.end);
+    let order = f64::from(method.order());
+    let times = 2_f64.powf(order) - 1.0;
+    let mut h = nice(candidate.limit?.safe().min(LONGEST * whole), whole);
+    let mut left = RUNS;
+    let mut found = None;
+    for _ in 0..TRIES {
+        let cost = BOTH * units.untried(method, whole / h);
+        if cost > left {
+            break;
+        }
+        left -= cost;
+        let purse = Purse { steps: u64::MAX, work: Some((units, SPENT * RUNS)) };
+        let (yardstick, made) = Yardstick::by(spec.scene, spec.problem, method, Step::Fixed(h), purse)?;
+        let twice = yardstick.measure(method, Step::Fixed(2.0 * h), purse)?;
+        if twice.error > SATURATED {
+            break;
+        }
+        let error = twice.error / times;
+        let good = error <= FROM_PART * spec.accuracy;
+        let aim = (CAREFUL * spec.accuracy / error).powf(1.0 / order);
+        let step = if good { h } else { nice(aim * h, whole) };
+        let told = error * (step / h).powf(order);
+        let run = Some(made.run(whole, whole, (whole / step).ceil()));
+        let seconds = units.as_made(method, &made, whole / step);
+        found =
+            (h <= REACH * step).then_some(Found { step, error: Some(told), proof: Proof::TwiceTheStep, seconds, run });
+        if step >= h {
+            break;
+        }
+        h = step;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::critical::Spectrum;
+    use crate::case::Case;
+    use crate::simulation::build_scene;
+    use crate::study::trial::cost::tangent_cost;
+    use crate::study::trial::memory::Baseline;
+    use std::path::Path;
+
+    /// Without any other reference the error that is told is that of the run, within a factor of three, and below the accuracy.
+    #[test]
+    fn a_run_with_twice_the_step_tells_the_error() {
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases");
+        let end = [("time.end".to_owned(), "0.2".to_owned())];
+        let case = Case::from_file(&assets.join("cloth-k100.json"), &end).expect("a case");
+        let (mut problem, _) = case.split();
+        let scene = build_scene(problem.take_system(), 1).expect("a scene");
+        let tangent = tangent_cost(&*scene, problem.solver, 1e6).expect("a tangent");
+        let candidates: Vec<Candidate> = problem
+            .method
+            .among_all()
+            .filter(|method| method.info.name == "newmark")
+            .map(|method| Candidate {
+                limit: Some(Spectrum::of(&*scene, scene.initial_state().as_ref()).critical_step(&method)),
+                method,
+            })
+            .collect();
+        let fields = problem.output.fields.as_slice().into();
+        for accuracy in [1e-2, 1e-3] {
+            let (scene, problem, baseline) = (&*scene, &problem, Baseline::now());
+            let spec = ForecastSpec { scene, problem, fields, candidates: &candidates, accuracy, baseline };
+            let found = by_halving(&spec, Units::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
+            let purse = Purse::of(u64::MAX);
+            let method = &candidates[0].method;
+            let (exact, _) = Yardstick::by(scene, problem, method, Step::Fixed(1e-4), purse).expect("a reference");
+            let made = exact.measure(method, Step::Fixed(found.step), purse).expect("a run").error;
+            let told = found.error.expect("told");
+            assert!(made <= accuracy, "--step {}: {made:e} for {accuracy:e}", found.step);
+            assert!(told < 3.0 * made && made < 3.0 * told, "--step {}: {made:e}, {told:e} told", found.step);
+        }
+    }
+}
