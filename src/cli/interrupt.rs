@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks, the second ends the program at once. A `SIGTERM`, with which batch systems announce the end of a job, asks too.
+//! Ctrl-C: the first asks, the second ends the program at once. `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job, ask too.
 
 use super::complain;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Interrupts closer than this are one.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
-/// A flag that Ctrl-C and `SIGTERM` set.
+/// A flag that Ctrl-C, `SIGTERM` and `SIGXCPU` set.
 pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
@@ -25,8 +25,15 @@ pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     }
     // Not by ctrlc, which would catch SIGHUP as well, and so end what was started with nohup.
     #[cfg(unix)]
-    if let Err(e) = signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop)) {
-        complain(&format!("warning: SIGTERM will not be caught: {e}"));
+    {
+        use signal_hook::consts::{SIGTERM, SIGXCPU, SIGXFSZ};
+        // Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program without one.
+        let no_one_asks = Arc::default();
+        for (signal, flag) in [(SIGTERM, &stop), (SIGXCPU, &stop), (SIGXFSZ, &no_one_asks)] {
+            if let Err(e) = signal_hook::flag::register(signal, Arc::clone(flag)) {
+                complain(&format!("warning: signal {signal} will not be caught: {e}"));
+            }
+        }
     }
     stop
 }

@@ -63,7 +63,7 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Makes `dir` ready for the case `name`: creates it if needed; refuses earlier results unless `force` is given,
     /// which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
-    /// `frames/NAME_<number>.vtu`, and `frames` if it is empty then. Other files stay. A link is removed, never
+    /// `frames/NAME_<number>.vtu`, the last two also of the case that `summary.json` is of, and `frames` if it is empty then. Other files stay. A link is removed, never
     /// followed; a linked `frames` is refused.
     ///
     /// # Errors
@@ -132,8 +132,9 @@ impl ResultFolder {
     /// Files of an earlier run, in a fixed order.
     fn earlier(&self) -> Result<Vec<PathBuf>, FolderError> {
         let mut found = Vec::new();
-        let collection = format!("{}.pvd", self.stem);
-        for name in [SUMMARY, HISTORY, PROBES, CHECKPOINT, &collection] {
+        let stems: Vec<String> = [self.stem.clone()].into_iter().chain(self.other_stem()).collect();
+        let collections = stems.iter().map(|stem| format!("{stem}.pvd"));
+        for name in [SUMMARY, HISTORY, PROBES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections) {
             let path = self.dir.join(name);
             for path in [part_path(&path), path] {
                 if let Some(there) = look(&path)? {
@@ -144,11 +145,19 @@ impl ResultFolder {
                 }
             }
         }
-        found.extend(self.earlier_frames()?);
+        for stem in &stems {
+            found.extend(self.earlier_frames(stem)?);
+        }
         Ok(found)
     }
 
-    fn earlier_frames(&self) -> Result<Vec<PathBuf>, FolderError> {
+    /// What the files of another case are named after, where the summary is of one.
+    fn other_stem(&self) -> Option<String> {
+        let summary: serde_json::Value = serde_json::from_slice(&fs::read(self.file(SUMMARY)).ok()?).ok()?;
+        Some(file_stem(summary["case"]["name"].as_str()?)).filter(|stem| *stem != self.stem)
+    }
+
+    fn earlier_frames(&self, stem: &str) -> Result<Vec<PathBuf>, FolderError> {
         let folder = self.dir.join(FRAMES);
         match look(&folder)? {
             None => return Ok(Vec::new()),
@@ -158,7 +167,7 @@ impl ResultFolder {
                 return Err(FolderError::InTheWay { path: folder.display().to_string(), what });
             }
         }
-        frames_in(&folder, &self.stem).map_err(|e| system(&folder, e))
+        frames_in(&folder, stem).map_err(|e| system(&folder, e))
     }
 
     /// Refuses a folder whose history another run is writing.

@@ -75,6 +75,26 @@ fn an_unsolvable_step_is_reported() {
     assert_eq!(last_good_frame(&bench.results()), 0.0);
 }
 
+/// A file that reaches the size a shell allows is a file that cannot be written: status 1 and its name, where a signal would end the program without a word.
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_grow_is_told() {
+    let bench = Bench::new();
+    let mut shell = std::process::Command::new("sh");
+    let program = bench.program();
+    shell
+        .current_dir(program.get_current_dir().expect("a folder"))
+        .args(["-c", "ulimit -f 8; exec \"$@\"", "sh"])
+        .arg(program.get_program());
+    let ended = shell
+        .args(["solve", "sail.json", "--out", "out", "--step", "1e-4", "--set", "output.history.every=1", "--quiet"])
+        .output()
+        .expect("a shell");
+    let words = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(1), "{words}");
+    assert!(words.contains("history.csv") && words.contains("too large"), "{words}");
+}
+
 /// Ctrl-C ends the run after the step it is in: status 130, "interrupted", and results that can be read.
 #[cfg(unix)]
 #[test]

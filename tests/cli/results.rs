@@ -277,3 +277,19 @@ fn commands_that_only_tell() {
     let file = made.stdout.split_whitespace().next().expect("the file's name").to_owned();
     assert_eq!(bench.run(&["solve", &file, "--end", "0.01", "--quiet"]).code, Some(0), "the example case runs");
 }
+
+/// `--force` takes away what an earlier case left, under its own name too, and nothing else.
+#[test]
+fn the_results_of_another_case_are_replaced_whole() {
+    let bench = Bench::new();
+    assert_eq!(bench.solve(&["--end", "0.2"]).code, Some(0));
+    assert!(bench.path("out/sail.pvd").exists());
+    std::fs::write(bench.path("out/frames/sail_notes.txt"), "mine").expect("written");
+    let other = ["--end", "0.1", "--set", "name=other"];
+    assert_eq!(bench.solve(&other).code, Some(2), "there are results");
+    assert_eq!(bench.solve(&[&other[..], &["--force"]].concat()).code, Some(0));
+    let left: Vec<_> = std::fs::read_dir(bench.path("out/frames")).expect("frames").filter_map(Result::ok).collect();
+    let names: Vec<String> = left.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    assert!(names.iter().all(|name| name.starts_with("other_") || name == "sail_notes.txt"), "{names:?}");
+    assert!(names.len() > 2 && bench.path("out/other.pvd").exists() && !bench.path("out/sail.pvd").exists());
+}

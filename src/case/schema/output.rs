@@ -19,7 +19,7 @@ pub struct Output {
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
-    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows.
+    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows, counted for the end that the run began with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<EverySteps>,
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
