@@ -415,6 +415,18 @@ fn nothing_is_missing() {
     assert!(predicted.is_some_and(|step| step > 0.0), "what costs nothing is still told");
 }
 
+/// A pressure that turns with the cloth acts outside Kang's filter: a limit, and none that theory tells.
+#[test]
+fn kang_has_no_known_limit_under_loads_that_turn() {
+    let pressed = json!({"name": "pressed", "system": {"network": {
+        "mesh": {"rectangle": {"width": 1.0, "height": 1.0, "columns": 6, "rows": 6}}, "mass": {"areal_density": 0.5},
+        "springs": [{"on": "all", "stiffness": 200.0}], "supports": [{"on": "boundary", "fix": "xyz"}],
+        "loads": [{"on": "all", "pressure": 100}]}}, "time": {"end": 0.5, "method": "kang", "step": 1e-3}});
+    let row = of(&case_of(&pressed, &[]), &["kang"]).remove(0);
+    assert_eq!(row.prediction.known_by, KnownBy::Unknown);
+    assert!(row.measured.is_some_and(|step| step > 1e-3) && row.unstable.is_some_and(|step| step < 0.05), "{row:?}");
+}
+
 /// The same study twice gives the same numbers to the last bit.
 #[test]
 fn studies_repeat_exactly() {

@@ -21,7 +21,7 @@ use crate::figures::two_digits;
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
-use crate::model::system::Weights;
+use crate::model::system::{TermInfo, Weights};
 use crate::scene::{BoundRoom, Scene};
 
 pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
@@ -67,6 +67,12 @@ pub struct CriticalStep {
 pub fn has_limit(method: &MethodChoice) -> bool {
     let some = Rates { frequency: 1.0, ..Rates::default() };
     method.info.family != Family::MatrixFree && critical_step(method, some).is_finite()
+}
+
+/// Whether a limit is not known: forces that follow velocities, and loads that turn with the cloth, act outside Kang's filter.
+pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
+    let outside = |term: &TermInfo| term.velocity_dependent || term.follower;
+    method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
 }
 
 impl CriticalStep {

@@ -5,7 +5,7 @@ use super::check_cost::describe_forecast;
 use super::check_json::Report;
 use super::doubts::{check_solver, disk_doubt, slack_doubt, step_doubt};
 use super::{CheckArgs, CliError};
-use crate::analysis::critical::{Confidence, CriticalStep, Spectrum};
+use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, outside_filter};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
@@ -61,10 +61,11 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
 
 /// Every method, the case's with its own parameters, with its limit at the start.
 fn candidates(problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) -> Vec<Candidate> {
-    let mut limit = |method: &MethodChoice| match method.info.family {
-        Family::MatrixFree if scene.abilities().graph.is_none() || scene.velocity_dependent() => None,
-        _ => Some(spectrum.critical_step(method)),
+    let known = |method: &MethodChoice| {
+        let needs_network = method.info.family == Family::MatrixFree && scene.abilities().graph.is_none();
+        !needs_network && !outside_filter(method, scene)
     };
+    let mut limit = |method: &MethodChoice| known(method).then(|| spectrum.critical_step(method));
     problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
@@ -135,7 +136,7 @@ fn describe_limits(
         let mark = if name == problem.method.info.name { '*' } else { ' ' };
         let limit = match limit {
             Some(limit) => describe_limit(*limit, problem.time.step, scene),
-            None => "none for springs; air and dashpots outside the filter: not known".to_owned(),
+            None => "none for springs; air, dashpots and loads that turn are outside the filter: not known".to_owned(),
         };
         let _ = writeln!(text, "{mark} {name:<20}  {limit}");
     }

@@ -1,7 +1,7 @@
 //! What theory says of a method on a scene.
 
-use crate::analysis::critical::{Confidence, CriticalStep, has_limit};
-use crate::integrate::registry::{Family, MethodChoice};
+use crate::analysis::critical::{Confidence, CriticalStep, has_limit, outside_filter};
+use crate::integrate::registry::MethodChoice;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +61,7 @@ impl Prediction {
             frequency: None,
             damping: None,
         };
-        if method.info.family == Family::MatrixFree && scene.velocity_dependent() {
+        if outside_filter(method, scene) {
             return none(KnownBy::Unknown);
         }
         if !has_limit(method) || critical.step.is_infinite() {
