@@ -179,11 +179,9 @@ fn known_by(best: &Choice, compared: f64) -> String {
         Proof::LongerSteps => {
             format!("longer steps were run over the first {part:.1} %: error {error} expected of this one at the end")
         }
-        Proof::TwiceTheStep => {
-            format!(
-                "error {error} expected from the difference to a run with twice the step; no reference was affordable"
-            )
-        }
+        Proof::TwiceTheStep => format!(
+            "error {error} expected from the difference of two runs, one with twice the step of the other; not compared with a reference"
+        ),
         Proof::LocalErrors => "from the errors of single steps; what they add up to is not known".to_owned(),
     }
 }

@@ -26,14 +26,21 @@ pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     // Not by ctrlc, which would catch SIGHUP as well, and so end what was started with nohup.
     #[cfg(unix)]
     {
-        use signal_hook::consts::{SIGTERM, SIGXCPU, SIGXFSZ};
-        // Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program without one.
-        let no_one_asks = Arc::default();
-        for (signal, flag) in [(SIGTERM, &stop), (SIGXCPU, &stop), (SIGXFSZ, &no_one_asks)] {
-            if let Err(e) = signal_hook::flag::register(signal, Arc::clone(flag)) {
-                complain(&format!("warning: signal {signal} will not be caught: {e}"));
-            }
-        }
+        use signal_hook::consts::{SIGTERM, SIGXCPU};
+        [SIGTERM, SIGXCPU].into_iter().for_each(|signal| catch(signal, &stop));
     }
     stop
+}
+
+/// Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program without one.
+pub(super) fn outlive_full_files() {
+    #[cfg(unix)]
+    catch(signal_hook::consts::SIGXFSZ, &Arc::default());
+}
+
+#[cfg(unix)]
+fn catch(signal: i32, flag: &Arc<AtomicBool>) {
+    if let Err(e) = signal_hook::flag::register(signal, Arc::clone(flag)) {
+        complain(&format!("warning: signal {signal} will not be caught: {e}"));
+    }
 }

@@ -32,6 +32,7 @@ use std::process::ExitCode;
 /// Parses the command line, runs the command, prints its result, and gives the exit status: 0 done, 1 input/output or
 /// internal failure, 2 bad usage or bad case, 3 diverged or not solvable, 130 interrupted.
 pub fn main() -> ExitCode {
+    interrupt::outlive_full_files();
     let args = Args::parse();
     match dispatch(&args.command) {
         Ok(Finished { text, code }) => {

@@ -83,7 +83,8 @@ pub struct Outcome {
     pub t_end: f64,
     /// work done
     pub counters: Counters,
-    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its step
+    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its step; since this start, where `counters`
+    /// go on from a snapshot
     pub account_passes: u64,
     /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies that were rounded
     pub energy_error: f64,

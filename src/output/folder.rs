@@ -153,7 +153,9 @@ impl ResultFolder {
 
     /// What the files of another case are named after, where the summary is of one.
     fn other_stem(&self) -> Option<String> {
-        let summary: serde_json::Value = serde_json::from_slice(&fs::read(self.file(SUMMARY)).ok()?).ok()?;
+        let path = self.file(SUMMARY);
+        look(&path).ok()?.filter(Metadata::is_file)?;
+        let summary: serde_json::Value = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
         Some(file_stem(summary["case"]["name"].as_str()?)).filter(|stem| *stem != self.stem)
     }
 

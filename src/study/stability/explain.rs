@@ -85,18 +85,18 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
 /// Runs hold above the predicted step.
 fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
     let middle = (held * row.prediction.step.unwrap_or(held)).sqrt();
-    if bench.folds(middle) <= 0.0 {
-        return format!(
-            "the prediction is an estimate, and too small: a step of {} s does not grow where forces are linear either",
-            figures(middle, 4)
-        );
-    }
     if !bench.settles(held) {
         return format!(
             "not settled: beyond the predicted limit no run that held was long enough for the {E_FOLDS} e-folds of growth that are sure to be \
              seen: {}; {}",
             growth(bench, middle),
             growth(bench, held)
+        );
+    }
+    if bench.folds(middle) <= 0.0 {
+        return format!(
+            "the prediction is an estimate, and too small: a step of {} s does not grow where forces are linear either",
+            figures(middle, 4)
         );
     }
     if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {

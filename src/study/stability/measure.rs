@@ -28,10 +28,10 @@ pub(super) const E_FOLDS: f64 = 45.0;
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
 pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
-/// Degree-of-freedom steps of an implicit run, and most steps of one. Of a method with a limit they take a second or two, and growth a percent
-/// beyond a limit takes a thousand steps where damping slows it.
+/// Degree-of-freedom steps of an implicit run of a method with a predicted limit, and most steps of one: growth a percent beyond a limit takes a thousand
+/// steps where damping slows it. A run takes a second or two.
 const SOLVES: [f64; 2] = [4e6, 1e5];
-/// The same of a method without limit, where no growth has to be waited for.
+/// The same where no growth is waited for.
 const UNLIMITED_SOLVES: [f64; 2] = [6e4, 1e3];
 /// Fewest steps of a run: explicit, implicit.
 const FEWEST: [f64; 2] = [400.0, 20.0];
@@ -133,7 +133,7 @@ impl<'a> Bench<'a> {
         let n = self.scene().n_dof().max(1) as f64;
         let (cap, fewest) = match dear(self.method) {
             true => {
-                let [all, most] = if self.kind() == Kind::Unlimited { UNLIMITED_SOLVES } else { SOLVES };
+                let [all, most] = if let Kind::Near(_) = self.kind() { SOLVES } else { UNLIMITED_SOLVES };
                 ((all / n).min(most), FEWEST[1])
             }
             false => {

@@ -84,15 +84,17 @@ pub fn table(study: &Stability) -> String {
 }
 
 /// Why small motion was measured.
-fn as_given(row: &Row, AsGiven { measured, unstable }: AsGiven) -> String {
+fn as_given(row: &Row, AsGiven { measured, unstable, settled }: AsGiven) -> String {
     let found = match (measured, unstable) {
+        _ if !settled => between([measured, unstable])
+            .map_or_else(|| "nothing is settled".to_owned(), |steps| format!("the limit is not settled: {steps}")),
         (Some(held), Some(fails)) if held > 0.0 => {
             format!("runs hold up to {} s and fail at {} s", figures(held, 4), figures(fails, 4))
         }
         (_, Some(fails)) => format!("no run holds, down from {} s", figures(fails, 4)),
         (_, None) => "no run fails".to_owned(),
     };
-    let held = row.measured.or(row.tried_up_to).unwrap_or(0.0);
+    let held = row.measured.or(row.tried_up_to).or(row.at_least).unwrap_or(0.0);
     let why = match unstable {
         Some(fails) if fails < (1.0 - AGREES) * held => {
             ", where steps reach beyond the range in which its forces are linear"
@@ -128,8 +130,12 @@ fn unfinished(row: &Row, why: &str) -> String {
 
 /// What runs know of a limit that is not settled.
 fn known(row: &Row) -> Option<String> {
-    let least = row.at_least.map(|h| format!("at least {}", figures(h, 4)));
-    let most = row.at_most.map(|h| format!("at most {}", figures(h, 4)));
+    between([row.at_least, row.at_most])
+}
+
+fn between([least, most]: [Option<f64>; 2]) -> Option<String> {
+    let least = least.map(|h| format!("at least {}", figures(h, 4)));
+    let most = most.map(|h| format!("at most {}", figures(h, 4)));
     let both: Vec<String> = least.into_iter().chain(most).collect();
     (!both.is_empty()).then(|| both.join(", "))
 }

@@ -58,6 +58,8 @@ pub struct AsGiven {
     pub measured: Option<f64>,
     /// [s] least step above it that did not hold
     pub unstable: Option<f64>,
+    /// whether the limit lies between them; else runs between them held that were too short for growth to be seen
+    pub settled: bool,
 }
 
 /// A method, its predicted and its measured largest stable step.
@@ -174,8 +176,8 @@ impl Row {
     /// Makes room for a measurement from small motion.
     pub(super) fn set_aside(&mut self) {
         let as_given = match self.status {
-            Status::NotSettled => AsGiven { measured: self.at_least, unstable: self.at_most },
-            _ => AsGiven { measured: self.measured, unstable: self.unstable },
+            Status::NotSettled => AsGiven { measured: self.at_least, unstable: self.at_most, settled: false },
+            _ => AsGiven { measured: self.measured, unstable: self.unstable, settled: true },
         };
         self.clear(Status::Measured);
         self.as_given = Some(as_given);

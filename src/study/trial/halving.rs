@@ -2,40 +2,38 @@
 
 use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
 use super::units::Units;
-use super::yardstick::{Purse, Yardstick};
+use super::yardstick::{Delivered, Purse, Yardstick};
 use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 
-/// [s] What runs with a step and with twice the step may cost together, nominally.
+/// [s] What all runs are expected to cost together, nominally.
 const RUNS: f64 = 2.0;
-/// [-] Work at which they end, over that: iterations are not known before.
+/// [-] Work at which a run ends, over what it is expected to need: iterations are not known before.
 const SPENT: f64 = 3.0;
 /// Steps that are tried.
-const TRIES: usize = 3;
+const TRIES: usize = 5;
 /// Steps of both runs over those of the one with the smaller step.
 const BOTH: f64 = 1.5;
+/// [-] A step that is shorter by less is not worth another try.
+const SHORTER: f64 = 0.9;
 
 /// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they tell nothing.
 pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
-    let times = 2_f64.powf(order) - 1.0;
+    let cost = |h: f64| BOTH * units.untried(method, whole / h);
     let mut h = nice(candidate.limit?.safe().min(LONGEST * whole), whole);
-    let mut left = RUNS;
-    let mut found = None;
+    let (mut left, mut found) = (RUNS, None);
     for _ in 0..TRIES {
-        let cost = BOTH * units.untried(method, whole / h);
-        if cost > left {
+        if cost(h) > left {
             break;
         }
-        left -= cost;
-        let purse = Purse { steps: u64::MAX, work: Some((units, SPENT * RUNS)) };
-        let (yardstick, made) = Yardstick::by(spec.scene, spec.problem, method, Step::Fixed(h), purse)?;
-        let twice = yardstick.measure(method, Step::Fixed(2.0 * h), purse)?;
-        if twice.error > SATURATED {
-            break;
-        }
-        let error = twice.error / times;
+        left -= cost(h);
+        let purse = Purse { steps: u64::MAX, work: Some((units, SPENT * cost(h))) };
+        let Some((made, error)) = differing(spec, candidate, h, purse) else {
+            h = nice(h / 3.0, whole);
+            continue;
+        };
         let good = error <= FROM_PART * spec.accuracy;
         let aim = (CAREFUL * spec.accuracy / error).powf(1.0 / order);
         let step = if good { h } else { nice(aim * h, whole) };
@@ -44,12 +42,23 @@ pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) 
         let seconds = units.as_made(method, &made, whole / step);
         found =
             (h <= REACH * step).then_some(Found { step, error: Some(told), proof: Proof::TwiceTheStep, seconds, run });
-        if step >= h {
+        // Where the step itself is too dear the shortest that is not comes nearest.
+        let next = nice(step.max(h * cost(h) / left), whole);
+        if step >= h || next > SHORTER * h {
             break;
         }
-        h = step;
+        h = next;
     }
     found
+}
+
+/// A run and its error, told by one with twice the step; `None` where one of them fails, needs more than it may, or is nowhere near the other.
+fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, purse: Purse) -> Option<(Delivered, f64)> {
+    let method = &candidate.method;
+    let (yardstick, made) = Yardstick::by(spec.scene, spec.problem, method, Step::Fixed(h), purse)?;
+    let twice = yardstick.measure(method, Step::Fixed(2.0 * h), purse)?;
+    let times = 2_f64.powi(method.order() as i32) - 1.0;
+    (twice.error <= SATURATED).then_some((made, twice.error / times))
 }
 
 #[cfg(test)]

@@ -175,8 +175,9 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     }
     let mut advice = adviser.advise(&offers, &mut complete);
     if let Some(advice) = &mut advice {
-        // A run that fails is no cheaper one.
-        let made = methods.iter().any(|row| row.method == problem.method.info.name && row.run.is_some());
+        // A run that fails, or would with the step that is asked for, is no cheaper one.
+        let own = methods.iter().find(|row| row.method == problem.method.info.name);
+        let made = own.is_some_and(|row| row.run.is_some() && !row.step_reduced);
         advice.own_cheaper = advice.own_cheaper.filter(|_| made);
     }
     let seen = trials.seen();

@@ -82,8 +82,8 @@ impl Units {
 mod tests {
     use super::*;
 
-    /// What a step is told to cost before it was made is what it costs by its count, of every explicit method: a second pass at the same positions is cheaper than
-    /// the first, and one for the account alone costs as much as any.
+    /// A second pass at the same positions is cheaper than the first, before a step was made and by its count; one for the account alone costs as much as any, and is
+    /// known when it was made.
     #[test]
     fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
         let units = Units { step: 0.0, work: [1.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };
