@@ -113,6 +113,9 @@ fn describe_runs(text: &mut String, problem: &Problem, forecast: &Forecast) {
     if forecast.methods.iter().any(|row| row.step_reduced) {
         text.push_str("  (< the case's step is not stable with this method: a smaller one)\n");
     }
+    if forecast.methods.iter().any(|row| row.run.is_some_and(|run| run.doubtful)) {
+        text.push_str("  (? adaptive steps that change along the run, of which only parts were tried: may cost many times more)\n");
+    }
     if forecast.methods.iter().any(|row| row.run.is_some_and(|run| run.basis == Basis::Counts)) {
         text.push_str(
             "  (~ not tried: from the cost of one tangent and iterations counted with another method, or two a step)\n",
@@ -126,7 +129,7 @@ fn run_of(row: &Row) -> String {
         let why = row.refused.as_deref().unwrap_or("no prediction");
         return why.split_once("; ").map_or(why, |(first, _)| first).to_owned();
     };
-    let Estimate { steps, mean_step, step_seconds, cpu_seconds, basis, .. } = *run;
+    let Estimate { steps, mean_step, step_seconds, cpu_seconds, basis, doubtful, .. } = *run;
     let step = match row.step {
         Some(step) => format!("{}{}", figures(step, 3), if row.step_reduced { " <" } else { "" }),
         None => format!("~{mean_step:.1e}"),
@@ -137,7 +140,11 @@ fn run_of(row: &Row) -> String {
         count(steps),
         seconds(step_seconds),
         seconds(cpu_seconds),
-        if basis == Basis::Counts { '~' } else { ' ' }
+        match basis {
+            Basis::Counts => '~',
+            Basis::Steps if doubtful => '?',
+            Basis::Steps => ' ',
+        }
     )
 }
 

@@ -315,3 +315,17 @@ fn a_tolerance_of_the_case_is_predicted_with() {
         assert!(number(run, "cpu_seconds") >= number(run, "steps") * number(run, "step_seconds"), "{run}");
     }
 }
+
+/// A run whose adaptive steps change along it is no multiple of its beginning, and where it is far too long to be made its figure is marked.
+#[test]
+fn adaptive_steps_that_change_along_the_run_are_told_as_doubtful() {
+    let bench = Bench::new();
+    let case = [asset(&bench, "cloth-k1000.json"), "--method", "euler-cromer", "--tolerance", "1e-3"];
+    let report = checked(&bench, &case);
+    assert_eq!(row(&report, "kang")["run"]["doubtful"], true);
+    let ended = bench.run(&[&["solve"], &case[..], &["--out", "out", "--quiet"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let (told, counted) =
+        (number(&row(&report, "euler-cromer")["run"], "steps"), number(&bench.results().summary(), "steps"));
+    assert!(told <= 3.0 * counted && counted <= 3.0 * told, "{told} told, {counted} counted");
+}

@@ -1,7 +1,17 @@
 //! The cost of a whole run, estimated from a few real steps sampled along it.
 
+use super::beginning::Beginning;
 use super::sample::Sample;
 use super::yardstick::Delivered;
+
+/// [-] Paces of parts of a run that differ by more tell little of the parts between.
+const UNEVEN: f64 = 3.0;
+
+/// Whether paces [1/s] differ by more than figures are worth.
+fn differ(paces: impl Iterator<Item = f64>) -> bool {
+    let [least, most] = paces.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], pace| [a.min(pace), b.max(pace)]);
+    most > UNEVEN * least
+}
 
 /// What a figure rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -18,6 +28,8 @@ pub enum Basis {
 pub struct Estimate {
     /// what it rests on
     pub basis: Basis,
+    /// whether it may be wrong by more than a few times: adaptive steps that change along the run, which was not made to its end
+    pub doubtful: bool,
     /// accepted steps to the end
     pub steps: f64,
     /// [s] mean step
@@ -59,6 +71,7 @@ impl Estimate {
         let [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations] = work;
         Some(Estimate {
             basis: Basis::Steps,
+            doubtful: steps.is_none() && differ(samples.iter().map(Sample::pace)),
             steps: made,
             mean_step: end / made,
             step_seconds: seconds / made,
@@ -71,6 +84,35 @@ impl Estimate {
         })
     }
 
+    /// An adaptive run to `end` [s] that was made from its start, samples standing for equal parts of what is left; without them it goes on as it
+    /// did last.
+    pub fn begun(made: &Beginning, later: &[Sample], end: f64) -> Estimate {
+        let Beginning { sample: first, pace } = *made;
+        let rest = (end - first.simulated).max(0.0);
+        let last = Estimate::from_one(&first, rest, pace[1] * rest);
+        let left = if rest > 0.0 { Estimate::of(later, rest, None).unwrap_or(last) } else { last };
+        let paces = pace.into_iter().chain(later.iter().map(Sample::pace));
+        let add = |own: f64, left: f64| if rest > 0.0 { own + left } else { own };
+        let whole = Sample {
+            steps: add(first.steps, left.steps),
+            simulated: end,
+            seconds: add(first.seconds, left.cpu_seconds),
+            work: std::array::from_fn(|i| add(first.work[i], left.work()[i])),
+        };
+        Estimate { doubtful: rest > 0.0 && differ(paces), ..Estimate::from_one(&whole, end, whole.steps) }
+    }
+
+    /// In the order of [`Sample::work`].
+    pub fn work(&self) -> [f64; 5] {
+        [
+            self.force_evaluations,
+            self.tangent_assemblies,
+            self.factorizations,
+            self.linear_solves,
+            self.newton_iterations,
+        ]
+    }
+
     /// A run to `end` [s] in `steps` steps like those of a sample.
     pub fn from_one(sample: &Sample, end: f64, steps: f64) -> Estimate {
         let share = steps / sample.steps;
@@ -78,6 +120,7 @@ impl Estimate {
             sample.work.map(|n| n * share);
         Estimate {
             basis: Basis::Steps,
+            doubtful: false,
             steps,
             mean_step: end / steps,
             step_seconds: sample.seconds / sample.steps,
@@ -121,5 +164,21 @@ mod tests {
         let adaptive = Estimate::of(&[dear, cheap], 10.0, None).expect("samples");
         assert_eq!((adaptive.steps, adaptive.cpu_seconds, adaptive.mean_step), (12.5, 22.5, 0.8));
         assert!(Estimate::of(&[], 1.0, None).is_none());
+        assert!(adaptive.doubtful && !fixed.doubtful);
+    }
+
+    /// What was made counts as it is, samples for the rest only, and a pace that changes makes a doubt unless the end was seen.
+    #[test]
+    fn a_run_that_was_begun_goes_on_as_later_samples_tell() {
+        let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 5] };
+        let begun = Beginning { sample, pace: [50.0, 150.0] };
+        let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: [2.0; 5] };
+        let run = Estimate::begun(&begun, &[later], 10.0);
+        assert!((run.steps - 190.0).abs() < 1e-9 && (run.cpu_seconds - 28.0).abs() < 1e-9, "{run:?}");
+        assert!((run.force_evaluations - 280.0).abs() < 1e-9 && run.doubtful);
+        let run = Estimate::begun(&begun, &[], 10.0);
+        assert!((run.steps - 1450.0).abs() < 1e-9 && !run.doubtful, "{run:?}");
+        let whole = Estimate::begun(&begun, &[], 1.0);
+        assert_eq!((whole.steps, whole.cpu_seconds, whole.doubtful), (100.0, 10.0, false));
     }
 }

@@ -3,12 +3,15 @@
 //! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from states
 //! along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of refused steps is not known
 //! otherwise. What these steps cost stands for the parts of the run around them ([`estimate`]); the memory is counted ([`memory`]).
+//! Adaptive steps are first made from the start ([`beginning`]), and where that does not come to the end the states stand for the rest. A scheme may need far smaller
+//! steps in its own motion than from states of another, so paces that differ make a figure a doubtful one.
 //!
 //! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a reference
 //! ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked ([`advice`]) by what their work
 //! costs nominally ([`units`]). Where no reference is affordable an implicit run is compared with one of twice its step (`halving`).
 
 pub mod advice;
+pub mod beginning;
 pub mod cost;
 pub mod course;
 pub mod estimate;

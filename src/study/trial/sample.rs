@@ -42,14 +42,15 @@ pub struct Attempted<'a> {
 }
 
 impl<'a> Attempted<'a> {
-    fn spec(self) -> RunSpec<'a> {
+    /// Its run.
+    pub(super) fn spec(self) -> RunSpec<'a> {
         let Attempted { method, step, end, frames_every, .. } = self;
         RunSpec { end, step, frames_every, keep_going: false, explain_doubts: false, method }
     }
 }
 
 /// Counted work in the order of [`Sample::work`].
-fn work(c: Counters) -> [u64; 5] {
+pub(super) fn work(c: Counters) -> [u64; 5] {
     [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
 }
 
@@ -64,6 +65,13 @@ pub struct Sample {
     pub seconds: f64,
     /// [-] force passes, tangents, factorisations, solves, Newton iterations
     pub work: [f64; 5],
+}
+
+impl Sample {
+    /// [1/s] Steps a second simulated.
+    pub fn pace(&self) -> f64 {
+        self.steps / self.simulated
+    }
 }
 
 /// Why there is no sample.
@@ -116,64 +124,6 @@ pub fn sample(
             Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause })
         }
         _ => sample.ok_or(SampleError::Nothing),
-    }
-}
-
-/// A run from its start until its allowance is spent, without leaving anything.
-///
-/// # Errors
-/// Where it fails before.
-pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Result<Sample, SampleError> {
-    let stop = AtomicBool::new(false);
-    let clock = Clock::default();
-    let start = clock.seconds();
-    let mut watch = Until { clock, deadline: start + tried.allowance, stop: &stop, made: 0 };
-    let outcome = drive::run(scene, stepper, tried.spec(), &mut [&mut watch], &stop)?;
-    if let Some(failure) = outcome.failure {
-        return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
-    }
-    if outcome.steps == 0 {
-        return Err(SampleError::Nothing);
-    }
-    Ok(Sample {
-        steps: outcome.steps as f64,
-        simulated: outcome.t_end,
-        seconds: clock.seconds() - start,
-        work: work(outcome.counters).map(|n| n as f64),
-    })
-}
-
-/// Ends a run at a time of the clock.
-struct Until<'a> {
-    clock: Clock,
-    /// [s]
-    deadline: f64,
-    stop: &'a AtomicBool,
-    made: u64,
-}
-
-impl Until<'_> {
-    fn stepped(&mut self) {
-        self.made += 1;
-        if self.made.is_multiple_of(16) || self.made < 16 {
-            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
-        }
-    }
-}
-
-impl Observer for Until<'_> {
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
-        self.stepped();
-        Ok(())
-    }
-
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
-    }
-
-    fn passed(&mut self, _step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped();
-        Ok(())
     }
 }
 

@@ -1,9 +1,10 @@
 //! Every method tried along the way of one run.
 
+use super::beginning::beginning;
 use super::cost::{ForceCost, TangentCost};
 use super::course::{Course, Pilot, Window};
 use super::estimate::{Basis, Estimate};
-use super::sample::{Attempted, Sample, SampleError, beginning, sample};
+use super::sample::{Attempted, Sample, SampleError, sample};
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::clock::{FixedSteps, Step};
@@ -20,13 +21,16 @@ const FAR: f64 = 0.5;
 const WINDOWS: usize = 3;
 /// [s] What a method may take from one state, with fixed steps and with adaptive ones.
 const ALLOWANCE: [f64; 2] = [0.015, 0.03];
+/// States for what adaptive steps leave of a run that was made from its start, and what a trial from one of them may take [s].
+const MANY: usize = 8;
+const BEYOND: f64 = 0.012;
 /// [s] What makes a pilot dear: a single Newton iteration, or ten force passes; a method is tried from fewer states long before that.
 const COSTLY: f64 = 0.03;
 /// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
 const DEAR: f64 = 0.15;
 /// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
 const UNTRIED: [f64; 2] = [2.0, 3.0];
-/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on the rest.
+/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that no trial tells.
 const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
 /// [s] What a run may take from its start that has failed in a trial.
@@ -43,6 +47,8 @@ pub struct Trials<'a> {
     force: &'a ForceCost,
     tangent: Option<&'a TangentCost>,
     windows: Vec<Window>,
+    /// for what is left of adaptive runs
+    many: Vec<Window>,
     /// [s]
     reached: f64,
     /// what dear implicit steps needed, by whether they were fixed
@@ -64,7 +70,8 @@ impl<'a> Trials<'a> {
         if course.reached < FAR * end && cheap {
             course = follow("newmark").filter(|other| other.reached > course.reached).unwrap_or(course);
         }
-        let windows = course.windows(if 100.0 * force.pass_seconds > COSTLY * 10.0 { 1 } else { WINDOWS });
+        let dear = 100.0 * force.pass_seconds > COSTLY * 10.0;
+        let [windows, many] = [WINDOWS, MANY].map(|count| course.windows(if dear { 1 } else { count }));
         Trials {
             scene,
             solver,
@@ -73,6 +80,7 @@ impl<'a> Trials<'a> {
             force,
             tangent,
             windows,
+            many,
             reached: course.reached,
             learnt: [None; 2],
         }
@@ -121,25 +129,28 @@ impl<'a> Trials<'a> {
                 steps: estimate.steps,
                 simulated: self.end,
                 seconds: estimate.step_seconds * estimate.steps,
-                work: [
-                    estimate.force_evaluations,
-                    estimate.tangent_assemblies,
-                    estimate.factorizations,
-                    estimate.linear_solves,
-                    estimate.newton_iterations,
-                ],
+                work: estimate.work(),
             });
         }
         Ok(estimate)
     }
 
-    /// Adaptive steps from the start, as far as they come: their size is found on the way and differs from one part of the run to the next.
+    /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and differs from one part of the run to the next.
+    /// Where only a small part was made and a trial of the rest fails, nothing is told here.
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
         let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
-        let sample = beginning(self.scene, &mut stepper, tried).ok()?;
-        let steps = sample.steps * self.end / sample.simulated;
-        (sample.simulated >= PART * self.end).then(|| Estimate::from_one(&sample, self.end, steps))
+        let made = beginning(self.scene, &mut stepper, tried).ok()?;
+        let short = made.sample.simulated < PART * self.end;
+        let mut later = Vec::new();
+        for window in self.many.iter().filter(|window| window.state.t > made.sample.simulated) {
+            match sample(self.scene, &mut stepper, Attempted { allowance: BEYOND, ..tried }, window) {
+                Ok(found) => later.push(found),
+                Err(_) if short => return None,
+                Err(_) => {}
+            }
+        }
+        (!short || !later.is_empty()).then(|| Estimate::begun(&made, &later, self.end))
     }
 
     fn by_steps(
