@@ -6,6 +6,7 @@ mod common;
 mod scenes;
 mod tiles;
 
+use canopy_fem::assembly::Assembler;
 use canopy_fem::force::threads::Threads;
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::spec::*;
@@ -158,11 +159,16 @@ fn the_assembled_matrix_is_the_one_the_terms_emit() {
     }
 }
 
-/// W of a scene as its symmetric assembler has it, both triangles, unknown by unknown.
+/// W of a scene as its symmetric assembler has it.
 fn symmetric_matrix(scene: &Network, sample: &Sample, w: Weights, convex: bool) -> Vec<Vec<f64>> {
     let mut assembler = scene.symmetric_assembler().expect("small").expect("a network");
     assert!(assembler.pattern.symmetric);
     scene.assemble_symmetric(sample.at(), w, convex, &mut assembler);
+    columns(&assembler)
+}
+
+/// W, both triangles, unknown by unknown.
+fn columns(assembler: &Assembler) -> Vec<Vec<f64>> {
     let n = assembler.pattern.n();
     let column = |j: usize| {
         let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
@@ -183,14 +189,7 @@ fn symmetric_tangents_are_symmetric_and_near() {
         let exact = |sample: &Sample, w: Weights| -> Vec<Vec<f64>> {
             let mut assembler = scene.assembler().expect("small");
             scene.assemble(sample.at(), w, &mut assembler);
-            let n = assembler.pattern.n();
-            let column = |j: usize| {
-                let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
-                unit[j] = 1.0;
-                assembler.pattern.multiply(assembler.values(), &unit, &mut y);
-                y
-            };
-            (0..n).map(column).collect()
+            columns(&assembler)
         };
         for seed in 0..3 {
             let sample = Sample::new(&scene, seed);
