@@ -24,12 +24,9 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
     let why = unfit(scene, problem.solver);
     match why.filter(|_| problem.method.info.family == Family::Implicit) {
         Some(why) => {
-            let allowed: Vec<String> = ["auto", "cholesky", "lu", "cg"]
-                .into_iter()
-                .zip([LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg])
-                .filter(|(_, other)| unfit(scene, SolverSpec { newton, linear: *other }).is_none())
-                .map(|(name, _)| format!("\"{name}\""))
-                .collect();
+            let all = [LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg];
+            let fit = |linear: &LinearChoice| unfit(scene, SolverSpec { newton, linear: *linear }).is_none();
+            let allowed: Vec<String> = all.iter().filter(|l| fit(l)).flat_map(serde_json::to_string).collect();
             let allowed = format!("{} for this scene and strategy", allowed.join(", "));
             Err(source.refuse(&problem.case_json, "/solver/linear", &allowed, why.to_string()))
         }

@@ -6,6 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Candidate;
+use super::sample;
 use super::timing::Clock;
 use super::units::Units;
 use crate::case::spec::Problem;
@@ -227,7 +228,8 @@ impl Delivered {
 
 /// In the order of [`Delivered::work`].
 fn work(c: Counters) -> [f64; 4] {
-    [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves].map(|n| n as f64)
+    let [passes, assemblies, factorizations, solves, _] = sample::work(c).map(|n| n as f64);
+    [passes, assemblies, factorizations, solves]
 }
 
 /// Visits the frames, notes the distance half-way, and ends a run that takes too much.
