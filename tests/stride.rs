@@ -43,13 +43,23 @@ impl Observer for Witness {
     }
 }
 
-/// A sheet of springs of three strips of nodes, held along its edge, that falls and is thrown; taut springs, slack ones and short ones.
+/// Columns and rows of sheets: of three strips of nodes, and of one, whose nodes stay in its windows.
+const SIZES: [[u32; 2]; 2] = [[69, 79], [18, 22]];
+
 fn sheet() -> Value {
+    sheet_of(SIZES[0])
+}
+
+/// A sheet of springs, held along its edge, that falls and is thrown; taut springs, slack ones and short ones.
+fn sheet_of([columns, rows]: [u32; 2]) -> Value {
+    let middle = (columns + 1) * (rows + 1) / 2;
+    // The same for every node, so that the critical steps are.
+    let density = 20.0 * f64::from(columns * rows) / f64::from(SIZES[0][0] * SIZES[0][1]);
     json!({
         "name": "sheet",
         "system": {"network": {
-            "mesh": {"rectangle": {"width": 1.0, "height": 1.1, "columns": 69, "rows": 79, "pattern": "regular"}},
-            "mass": {"areal_density": 20.0},
+            "mesh": {"rectangle": {"width": 1.0, "height": 1.1, "columns": columns, "rows": rows, "pattern": "regular"}},
+            "mass": {"areal_density": density},
             "springs": [{"on": "all", "stiffness": 300.0, "slack": "tension-only"}],
             "supports": [{"on": "boundary", "fix": "xyz"}],
             "initial": {"velocity": [0.3, 0.1, 1.0]},
@@ -57,7 +67,7 @@ fn sheet() -> Value {
         }},
         "time": {"end": 0.06, "step": 1e-3, "method": "velocity-verlet"},
         "output": {
-            "frames": {"every": 0.013}, "history": {"every": 1}, "probes": [{"name": "middle", "on": {"ids": [2800]}}]
+            "frames": {"every": 0.013}, "history": {"every": 1}, "probes": [{"name": "middle", "on": {"ids": [middle]}}]
         }
     })
 }
@@ -127,8 +137,8 @@ fn assert_same(case: &Case, how: How, what: &str) -> (Outcome, u64) {
 /// Frames between steps and at their ends, rows of every step, of every third and seventh; one, two and three threads.
 #[test]
 fn every_file_is_the_same() {
-    let case = case_of(&sheet(), &[]);
-    for method in STRIDING {
+    for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
+        let case = case_of(&sheet_of(size), &[]);
         for (threads, frames, history) in [
             (1, r#"{"every": 0.013}"#, "1"),
             (2, r#"{"every": 0.0135}"#, "3"),
@@ -137,7 +147,7 @@ fn every_file_is_the_same() {
         ] {
             let sets = [("time.method", method), ("output.frames", frames), ("output.history.every", history)];
             let (outcome, in_strides) =
-                assert_same(&changed(&case, &sets), until_the_end(threads), &format!("{method}, {sets:?}"));
+                assert_same(&changed(&case, &sets), until_the_end(threads), &format!("{size:?}, {method}, {sets:?}"));
             assert_eq!(outcome.status, Status::Completed);
             // Where every step ends a frame, none; else all but the last and the few that a frame falls into.
             let expected = if frames.contains("1e-3") { 0..1 } else { 45..60 };
@@ -163,17 +173,27 @@ fn a_large_sheet() {
 /// What goes wrong within a stride is told of the step in which it does, also if the run goes on.
 #[test]
 fn a_divergence_is_found_at_its_step() {
-    let case = case_of(&sheet(), &[("time.end", "0.3"), ("output.frames", "null")]);
-    for method in STRIDING {
-        for (step, at_least) in [("2e-2", 0), ("4e-3", 0), ("3e-3", 8), ("2.8e-3", 64)] {
+    for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
+        let case = case_of(&sheet_of(size), &[("time.end", "0.6"), ("output.frames", "null")]);
+        // A stride of one tile is longer than most of these runs last.
+        let steps = match size == SIZES[0] {
+            true => [("2e-2", 0), ("4e-3", 0), ("3e-3", 8), ("2.8e-3", 64)],
+            false => [("2e-2", 0), ("4e-3", 0), ("3e-3", 0), ("2.92e-3", 64)],
+        };
+        for (step, at_least) in steps {
             let case = changed(&case, &[("time.method", method), ("time.step", step)]);
             let (outcome, in_strides) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
             let on = assert_same(&case, How { threads: 1, keep_going: true }, &format!("{method}, {step}, and on"));
-            assert!(on.0.steps > outcome.steps);
+            assert!(
+                on.0.steps > outcome.steps,
+                "{size:?}, {method}, {step}: {:?} after {}",
+                outcome.status,
+                outcome.steps
+            );
             assert_eq!(outcome.status, Status::Diverged, "{method}, {step}");
             let failure = outcome.failure.expect("a diverged run says why");
             assert_eq!(failure.step, outcome.steps + 1, "{method}, {step}");
-            assert!(in_strides >= at_least, "{method}, {step}: {in_strides} of {} steps", outcome.steps);
+            assert!(in_strides >= at_least, "{size:?}, {method}, {step}: {in_strides} of {} steps", outcome.steps);
         }
     }
 }

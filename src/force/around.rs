@@ -87,8 +87,12 @@ pub(super) mod tests {
 
     pub const NODES: usize = 500;
 
-    /// Dashpots to the node after the next 30 in the first sum, links to the next node in the last.
-    pub struct Pairs(RelativeDashpots, Neighbours);
+    /// Dashpots to the node after the next 30 in the first sum, links to the next node in the first or in the last.
+    pub struct Pairs {
+        dashpots: RelativeDashpots,
+        links: Neighbours,
+        sum_of_links: usize,
+    }
 
     impl Terms for Pairs {
         fn count(&self) -> usize {
@@ -96,16 +100,20 @@ pub(super) mod tests {
         }
 
         fn term(&self, i: usize) -> (&dyn Summand, usize) {
-            [(&self.0 as &dyn Summand, 0), (&self.1, 2)][i]
+            [(&self.dashpots as &dyn Summand, 0), (&self.links, self.sum_of_links)][i]
         }
     }
 
     pub fn terms(limits: Limits) -> (Pairs, Sweep) {
+        terms_with(limits, 2)
+    }
+
+    pub fn terms_with(limits: Limits, sum_of_links: usize) -> (Pairs, Sweep) {
         let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
         let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
         let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };
-        let mut terms = Pairs(Batch::new(data), Batch::new(links));
-        let tiling = Tiling::within(limits, NODES, &mut [&mut terms.0, &mut terms.1]);
+        let mut terms = Pairs { dashpots: Batch::new(data), links: Batch::new(links), sum_of_links };
+        let tiling = Tiling::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
         (terms, Sweep::of(tiling))
     }
 

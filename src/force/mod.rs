@@ -38,6 +38,7 @@ mod pull;
 mod push;
 pub mod rayleigh;
 pub mod relative_dashpot;
+mod resident;
 mod room;
 pub mod series;
 pub mod slack;

@@ -9,8 +9,7 @@ use super::around::Moving;
 use super::room::{Needs, Room};
 use super::sweep::{Round, Still, Sweep, Terms, Work, by_node, wants};
 use super::threads::{SUMS, Threads};
-use crate::model::stride::{NodeSums, Passed};
-use crate::model::system::Onward;
+use crate::model::stride::{Kicks, NodeSums, Nodes, Passed};
 use bytemuck::cast_slice_mut;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,16 +19,15 @@ use std::ops::Range;
 /// of all levels.
 const STRIPS: [usize; 2] = [4, 2];
 
-/// What some nodes are like by their positions [m], velocities [m/s] and forces [N], when all three belong to the end of one step.
-pub type SumNodes<'a> = &'a (dyn Fn(Range<usize>, [&[f64]; 3]) -> NodeSums + Sync);
-
 /// What is to be done where one step of several ends.
 #[derive(Clone, Copy)]
 pub struct Between<'a> {
     /// moves nodes on to the next step
-    pub scheme: &'a dyn Onward,
-    /// tells what is left of the step
-    pub sums: SumNodes<'a>,
+    pub kicks: Kicks,
+    /// [kg] one a node
+    pub mass: &'a [f64],
+    /// [1/kg] by degree of freedom, 0 at fixed ones
+    pub inverse_mass: &'a [f64],
 }
 
 /// What follows a level.
@@ -93,6 +91,9 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         passed: &mut [Passed],
     ) {
+        if self.resides(terms) {
+            return self.stride_in_windows((terms, moving), between, threads, out, passed);
+        }
         let needs = Needs { terms: terms.count(), levels: passed.len(), keeps: false };
         let mut room = self.room(needs, &out);
         for (level, passed) in room.levels.iter_mut().zip(&*passed) {
@@ -188,14 +189,13 @@ impl Sweep {
             let first = dofs.start + i * 3 * self.tiling.strip();
             let r = first..first + f.len();
             self.tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
-            if level == 0 || !matches!(then, Then::Again) {
-                around.after(r.clone(), v, f);
-            }
-            if let Then::Next(Between { scheme, sums: of }) = then {
-                *sums = of(r.start / 3..r.end / 3, [x, v, f]);
-                if level + 1 < levels {
-                    scheme.onward(r, x, v, f);
+            match then {
+                Then::Next(Between { kicks, mass, inverse_mass }) => {
+                    let (mass, inverse_mass) = (&mass[r.start / 3..r.end / 3], &inverse_mass[r]);
+                    *sums = kicks.end(Nodes::<3> { mass, inverse_mass, x, v, f }, level + 1 < levels);
                 }
+                Then::Again if level > 0 => {}
+                Then::Again | Then::Done => around.after(r, v, f),
             }
         };
         let size = 3 * self.tiling.strip();
@@ -219,13 +219,14 @@ impl Sweep {
 mod tests {
     use super::*;
     use crate::force::NodeState;
-    use crate::force::around::tests::{NODES, Pairs, terms};
+    use crate::force::around::tests::{NODES, Pairs, terms_with};
     use crate::force::tiling::Limits;
     use crate::model::bounds::Bounds;
     use crate::model::forces::Tally;
+    use crate::model::motion::{Motion, motion};
     use crate::model::system::Around;
 
-    /// Moves nodes by numbers of their own and, between two steps, by the forces on them.
+    /// Moves nodes by numbers of their own.
     struct Scheme;
 
     impl Around for Scheme {
@@ -236,25 +237,31 @@ mod tests {
             }
         }
 
-        fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
-            assert_eq!((f.len(), v.len()), (dofs.len(), dofs.len()));
-            v.iter_mut().zip(f).for_each(|(v, f)| *v += 0.1 * f);
+        fn after(&self, _: Range<usize>, _: &mut [f64], _: &[f64]) {
+            unreachable!("kicks stand for it");
         }
     }
 
-    impl Onward for Scheme {
-        fn onward(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64], f: &[f64]) {
-            for (((x, v), f), i) in x.iter_mut().zip(v).zip(f).zip(dofs) {
-                *v += 0.2 * f;
-                *x += 0.01 * *v + 1e-3 * i as f64;
-            }
-        }
+    const KICKS: Kicks = Kicks { begin: 0.2, drift: 0.01, end: Some(0.1) };
+
+    /// [kg], and [1/kg] with every 50th degree of freedom fixed
+    fn masses() -> [Vec<f64>; 2] {
+        let mass: Vec<f64> = (0..NODES).map(|i| 1.0 + (i % 7) as f64).collect();
+        let inverse = (0..3 * NODES).map(|dof| if dof % 50 == 0 { 0.0 } else { 1.0 / mass[dof / 3] }).collect();
+        [mass, inverse]
     }
 
-    fn sums(nodes: Range<usize>, [x, v, f]: [&[f64]; 3]) -> NodeSums {
-        assert_eq!([x.len(), v.len(), f.len()], [3 * nodes.len(); 3]);
-        let low = [x, v, f].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
-        NodeSums { bounds: Bounds { low, ..Bounds::default() }, ..NodeSums::default() }
+    /// What is told of all nodes, strip after strip.
+    fn told(sweep: &Sweep, [x, v, f]: [&[f64]; 3]) -> NodeSums {
+        let [mass, _] = masses();
+        let of = |strip: usize| {
+            let nodes = sweep.tiling.nodes_of(strip..strip + 1);
+            let Motion { kinetic, largest_square } = motion(&v[3 * nodes.start..3 * nodes.end], &mass[nodes.clone()]);
+            let nodes = nodes.map(|i| [x[3 * i], x[3 * i + 1], x[3 * i + 2]]);
+            let bounds = nodes.fold(Bounds::default(), |all, x| all.and(Bounds { low: x, high: x }));
+            NodeSums { kinetic, largest_square, bounds, finite: f.iter().all(|f| f.is_finite()) }
+        };
+        sweep.tiling.strips().map(of).fold(NodeSums::default(), NodeSums::and)
     }
 
     /// Sums of forces, state, and what was told of every step.
@@ -263,7 +270,7 @@ mod tests {
         forces: [Vec<DVec3>; 3],
         x: Vec<f64>,
         v: Vec<f64>,
-        told: Vec<([f64; 3], Vec<Tally>)>,
+        told: Vec<(NodeSums, Vec<Tally>)>,
     }
 
     impl Found {
@@ -280,35 +287,47 @@ mod tests {
         let mut passed = vec![Passed::default(); steps];
         let Found { forces, x, v, told } = &mut found;
         let moving = Moving { t: 0.0, x, v, around: &Scheme };
-        let between = Between { scheme: &Scheme, sums: &sums };
+        let [mass, inverse_mass] = masses();
+        let between = Between { kicks: KICKS, mass: &mass, inverse_mass: &inverse_mass };
         sweep.stride((terms, moving), between, threads, forces.each_mut().map(Vec::as_mut_slice), &mut passed);
-        told.extend(passed.into_iter().map(|passed| (passed.nodes.bounds.low, passed.tallies)));
+        told.extend(passed.into_iter().map(|passed| (passed.nodes, passed.tallies)));
         found
     }
 
     fn one_by_one((terms, sweep): &(Pairs, Sweep), steps: usize) -> Found {
         let mut found = Found::start();
-        let Found { forces, x, v, told } = &mut found;
+        let Found { forces, x, v, told: of_steps } = &mut found;
+        let [_, inverse_mass] = masses();
+        let kick = |by: f64, v: &mut [f64], f: &[DVec3]| {
+            let f = bytemuck::cast_slice::<_, f64>(f);
+            v.iter_mut().zip(f).zip(&inverse_mass).for_each(|((v, f), m)| *v += by * (m * f));
+        };
         for step in 0..steps {
             let mut tallies = vec![Tally::default(); 2];
-            match step {
-                0 => Scheme.before(0..3 * NODES, x, v),
-                _ => Scheme.onward(0..3 * NODES, x, v, bytemuck::cast_slice(&forces[0])),
+            if step == 0 {
+                Scheme.before(0..3 * NODES, x, v);
+            } else {
+                kick(0.2, v, &forces[0]);
+                x.iter_mut().zip(&*v).for_each(|(x, v)| *x += 0.01 * v);
             }
             let at = NodeState { t: 0.0, x: bytemuck::cast_slice(x), v: bytemuck::cast_slice(v) };
             let out = forces.each_mut().map(Vec::as_mut_slice);
             sweep.pass((terms, at), &Threads::one(), out, &mut tallies);
-            Scheme.after(0..3 * NODES, v, bytemuck::cast_slice(&forces[0]));
-            told.push((sums(0..NODES, [x, v, bytemuck::cast_slice(&forces[0])]).bounds.low, tallies));
+            kick(0.1, v, &forces[0]);
+            of_steps.push((told(sweep, [x, v, bytemuck::cast_slice(&forces[0])]), tallies));
         }
         found
     }
 
-    /// Whatever the tiles, the threads and the number of steps: also where elements reach many strips ahead, so that levels wait for each other.
+    /// Whatever the tiles, the threads and the number of steps: also where elements reach many strips ahead, so that levels wait for each other, and in one
+    /// tile whose nodes stay in its windows.
     #[test]
     fn steps_in_one_go_have_the_bits_of_steps_one_by_one() {
-        for (strip, records) in [(500, 600), (250, 600), (64, 300), (16, 300), (16, 60), (40, 50)] {
-            let scene = terms(Limits { strip, records });
+        for (strip, records, sum_of_links) in
+            [(500, 600, 0), (500, 600, 2), (250, 600, 2), (64, 300, 0), (16, 300, 2), (16, 60, 2), (40, 50, 2)]
+        {
+            let scene = terms_with(Limits { strip, records }, sum_of_links);
+            assert_eq!(scene.1.resides(&scene.0), strip == 500 && sum_of_links == 0);
             for steps in [1, 2, 3, 8] {
                 let expected = one_by_one(&scene, steps);
                 assert!(expected.forces[0].iter().chain(&expected.forces[2]).all(|f| f.is_finite()));

@@ -7,11 +7,11 @@
 //! Symplectic, not energy-conserving: on an oscillator it keeps v^2 + w^2 x^2 - w^2 h x v. Limit w h < 2 undamped,
 //! 2 (sqrt(1 + zeta^2) - zeta) with damping ratio zeta.
 
-use super::strides::KickDriftKick;
+use super::strides::stride;
 use super::updates::{BeforeAndAfter, Product, Sizes, kick_then_drift, nothing};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::stride::{Kicks, Passed};
 use crate::model::system::System;
 use std::ops::Range;
 
@@ -47,7 +47,6 @@ impl Integrator<dyn System> for EulerCromer {
         passed: &mut [Passed],
         counters: &mut Counters,
     ) -> bool {
-        let first = Sizes { kick: step.h, drift: step.h };
-        KickDriftKick { first, second: None }.stride(step, to, passed, counters)
+        stride(Kicks { begin: step.h, drift: step.h, end: None }, step, to, passed, counters)
     }
 }

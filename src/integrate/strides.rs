@@ -2,58 +2,49 @@
 //!
 //! Predictions for forces that depend on velocities have no place here: no system has strides where there are any.
 
-use super::updates::{Product, Sizes, accumulate_product, kick_and_drift, kick_then_drift};
+use super::updates::{Product, Sizes, accumulate_product, kick_then_drift};
 use super::{Counters, StepInput};
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::stride::{Kicks, Passed};
 use crate::model::system::{Around, Onward, System};
 use std::ops::Range;
 
-/// A step v += k M^-1 f, x += h v, then with the new forces v += l M^-1 f.
-#[derive(Clone, Copy)]
-pub(super) struct KickDriftKick {
-    /// [s] k and h
-    pub first: Sizes,
-    /// [s] l, if there is a second kick
-    pub second: Option<f64>,
+/// See [`super::Integrator::stride`].
+pub(super) fn stride(
+    kicks: Kicks,
+    StepInput { system, from, t_next, .. }: StepInput<'_, dyn System>,
+    to: &mut Point,
+    passed: &mut [Passed],
+    counters: &mut Counters,
+) -> bool {
+    to.state.t = t_next;
+    counters.stride(system, to, &From { from, kicks, inverse_mass: system.inverse_mass() }, passed)
 }
 
-impl KickDriftKick {
-    /// See [`super::Integrator::stride`].
-    pub fn stride(
-        self,
-        StepInput { system, from, t_next, .. }: StepInput<'_, dyn System>,
-        to: &mut Point,
-        passed: &mut [Passed],
-        counters: &mut Counters,
-    ) -> bool {
-        to.state.t = t_next;
-        counters.stride(system, to, &Kicks { steps: self, from, inverse_mass: system.inverse_mass() }, passed)
-    }
-}
-
-struct Kicks<'a> {
-    steps: KickDriftKick,
+/// The steps from a point on.
+struct From<'a> {
     from: &'a Point,
+    kicks: Kicks,
     inverse_mass: &'a [f64],
 }
 
-impl Around for Kicks<'_> {
+impl Around for From<'_> {
     fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
         let (n, f) = (&self.from.state, &self.from.forces.total[dofs.clone()]);
         let from = (&n.x[dofs.clone()], &n.v[dofs.clone()]);
-        kick_then_drift((x, v), from, Product { inverse_mass: &self.inverse_mass[dofs], f }, self.steps.first);
+        let sizes = Sizes { kick: self.kicks.begin, drift: self.kicks.drift };
+        kick_then_drift((x, v), from, Product { inverse_mass: &self.inverse_mass[dofs], f }, sizes);
     }
 
     fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
-        if let Some(l) = self.steps.second {
+        if let Some(l) = self.kicks.end {
             accumulate_product(v, l, Product { inverse_mass: &self.inverse_mass[dofs], f });
         }
     }
 }
 
-impl Onward for Kicks<'_> {
-    fn onward(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64], f: &[f64]) {
-        kick_and_drift((x, v), Product { inverse_mass: &self.inverse_mass[dofs], f }, self.steps.first);
+impl Onward for From<'_> {
+    fn kicks(&self) -> Kicks {
+        self.kicks
     }
 }

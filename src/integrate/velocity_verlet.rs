@@ -13,11 +13,11 @@
 //! ratio 0.1). Both stand at x_{n+1}, so that springs and weight are found once for the two. Without velocity-dependent forces a* = a_{n+1}.
 //! Limit w h < 2 undamped.
 
-use super::strides::KickDriftKick;
+use super::strides::stride;
 use super::updates::{BeforeAndAfter, Product, Sizes, accumulate_product, add_product, kick_then_drift};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::stride::{Kicks, Passed};
 use crate::model::system::System;
 use std::ops::Range;
 
@@ -69,7 +69,6 @@ impl Integrator<dyn System> for VelocityVerlet {
         passed: &mut [Passed],
         counters: &mut Counters,
     ) -> bool {
-        let first = Sizes { kick: 0.5 * step.h, drift: step.h };
-        KickDriftKick { first, second: Some(0.5 * step.h) }.stride(step, to, passed, counters)
+        stride(Kicks { begin: 0.5 * step.h, drift: step.h, end: Some(0.5 * step.h) }, step, to, passed, counters)
     }
 }

@@ -1,5 +1,8 @@
 //! The box that nodes lie in.
 
+use super::quad::{self, Quad, VectorUnit};
+use super::workers::Workers;
+
 /// The box that some nodes lie in. A coordinate that is not a number stays, wherever it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -32,6 +35,40 @@ impl Bounds {
         (0..3)
             .map(|i| 0.5 * (self.high[i] - self.low[i]))
             .fold(f64::NEG_INFINITY, |most, half| if half > most || half.is_nan() { half } else { most })
+    }
+}
+
+/// [m] half the longest side of the box that nodes lie in
+pub fn extent(x: &[[f64; 3]], workers: &Workers) -> f64 {
+    workers.fold(x.len(), Bounds::default(), |r| bounds(&x[r]), Bounds::and).extent()
+}
+
+/// Coordinates that are no numbers may be left out.
+fn bounds(x: &[[f64; 3]]) -> Bounds {
+    let (rows, rest) = x.as_chunks::<4>();
+    let [low, high]: [[[f64; 3]; 4]; 2] = quad::run(Boxes(bytemuck::cast_slice(rows))).map(bytemuck::cast);
+    let four = (0..4).map(|i| Bounds { low: low[i], high: high[i] });
+    let last = rest.iter().map(|x| Bounds { low: *x, high: *x });
+    four.chain(last).fold(Bounds::default(), Bounds::and)
+}
+
+/// Four nodes side by side, in three quads.
+struct Boxes<'a>(&'a [[[f64; 4]; 3]]);
+
+impl quad::Pass for Boxes<'_> {
+    type Output = [[[f64; 4]; 3]; 2];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [[[f64; 4]; 3]; 2] {
+        let mut low = [unit.splat(f64::INFINITY); 3];
+        let mut high = [unit.splat(f64::NEG_INFINITY); 3];
+        for row in self.0 {
+            for i in 0..3 {
+                let x = unit.quad(row[i]);
+                (low[i], high[i]) = (x.smaller(low[i]), x.larger(high[i]));
+            }
+        }
+        [low.map(Quad::numbers), high.map(Quad::numbers)]
     }
 }
 

@@ -4,6 +4,7 @@
 pub mod bounds;
 pub mod forces;
 pub mod lanes;
+pub mod motion;
 pub mod picture;
 pub mod point;
 pub mod quad;

@@ -48,6 +48,9 @@ pub trait Quad: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
     /// First, second and third numbers of four records, record after record.
     fn pack(rows: [Self; 4]) -> [Self; 3];
+
+    /// First, second and third numbers of four records that are packed.
+    fn unpack(packed: [Self; 3]) -> [Self; 3];
 }
 
 /// A loop that can be compiled for every unit.
@@ -163,6 +166,12 @@ impl Quad for Plain {
         let [a, b, c, d] = rows.map(Quad::numbers);
         [[a[0], a[1], a[2], b[0]], [b[1], b[2], c[0], c[1]], [c[2], d[0], d[1], d[2]]].map(Plain)
     }
+
+    #[inline(always)]
+    fn unpack(packed: [Self; 3]) -> [Self; 3] {
+        let [a, b, c] = packed.map(Quad::numbers);
+        [[a[0], a[3], b[2], c[1]], [a[1], b[0], b[3], c[2]], [a[2], b[1], c[0], c[3]]].map(Plain)
+    }
 }
 
 // Below the macro it uses.
@@ -185,6 +194,7 @@ mod tests {
             let single = [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b)];
             let single = single.into_iter().chain([a.larger(b), a.smaller(b)]);
             let (columns, pack) = (U::Quad::columns([a, b, c, d]), U::Quad::pack([a, b, c, d]));
+            let pack = pack.into_iter().chain(U::Quad::unpack([a, b, c]));
             let splat = unit.splat(c.numbers()[2]);
             let all = single.chain(columns).chain(U::Quad::rows(columns)).chain(pack).chain([splat]);
             all.map(Quad::numbers).collect()
@@ -220,5 +230,6 @@ mod tests {
         assert_eq!(again, rows.map(|r| [r.0[0], r.0[1], r.0[2], 0.0]));
         let packed = Plain::pack(rows).map(Quad::numbers);
         assert_eq!(packed, [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [10.0, 11.0, 12.0, 13.0]]);
+        assert_eq!(Plain::unpack(Plain::pack(rows)).map(Quad::numbers), columns.map(Quad::numbers));
     }
 }

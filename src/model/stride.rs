@@ -4,18 +4,22 @@
 //! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
 //! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
 
+mod kicks;
+
+pub use kicks::{Kicks, Nodes};
+
 use super::bounds::Bounds;
 use super::forces::Tally;
 use super::workers::Workers;
 
-/// Steps of a stride at most, on one thread: what they all work on still fits into a third-level cache.
-pub const LONGEST: usize = 8;
+/// Steps of a stride at most: so many that what begins and ends one is next to nothing.
+pub const LONGEST: usize = 32;
 
-/// The same for the threads of a scene: several work on more at once.
-pub fn longest(workers: &Workers) -> usize {
+/// Steps at most that follow each other through a large scene: what they all work on still fits into a third-level cache. Several threads work on more at once.
+pub fn longest_skewed(workers: &Workers) -> usize {
     match workers.pool() {
-        None => LONGEST,
-        Some(_) => LONGEST / 2,
+        None => 8,
+        Some(_) => 4,
     }
 }
 

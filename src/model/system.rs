@@ -6,7 +6,7 @@
 
 use super::forces::{Forces, Role};
 use super::state::{State, StateRef};
-use super::stride::Passed;
+use super::stride::{Kicks, Passed};
 use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 use std::ops::Range;
@@ -36,11 +36,10 @@ pub trait Around: Sync {
     fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]);
 }
 
-/// What a scheme does around the force passes of a [stride](super::stride).
+/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and between them what its kicks say.
 pub trait Onward: Around {
-    /// Moves some degrees of freedom on from where a pass has found them, with the forces f [N] it has found, to where the next is to find them.
-    /// At fixed ones f need not be 0, as in [`Around::after`]: what moves by M^-1 f stays where it is.
-    fn onward(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64], f: &[f64]);
+    /// Where a step ends, and the next begins.
+    fn kicks(&self) -> Kicks;
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
@@ -76,8 +75,13 @@ pub trait System: Sync {
         self.evaluate(at.as_ref(), out);
     }
 
-    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, [`System::evaluate`], `scheme.after`, then for every further
-    /// step `scheme.onward`, [`System::evaluate`], `scheme.after`. Where forces depend on anything but positions there is no such thing: `false`, and nothing was done.
+    /// Steps of a stride at most; fewer than two where forces depend on anything but positions: then there are no strides.
+    fn longest_stride(&self) -> usize {
+        0
+    }
+
+    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step [`System::evaluate`] and what
+    /// [`Onward::kicks`] do at its end. `false` where there is no such thing, and nothing was done.
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
         let _ = (at, out, scheme, passed);
         false

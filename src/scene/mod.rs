@@ -11,7 +11,6 @@ pub mod network;
 pub mod numbering;
 mod pendulum;
 mod picture;
-mod sums;
 mod suspect;
 
 pub use bound::BoundRoom;

@@ -2,7 +2,6 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
-use super::sums::motion;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
@@ -13,8 +12,9 @@ use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
+use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::Passed;
+use crate::model::stride::{LONGEST, Passed, longest_skewed};
 use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
@@ -237,13 +237,21 @@ impl System for Network {
         self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
     }
 
-    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
+    fn longest_stride(&self) -> usize {
         let from_positions = |info: &TermInfo| matches!(info.role, Role::Elastic | Role::Gravity);
-        if !self.infos.iter().all(from_positions) {
+        match self.infos.iter().all(from_positions) {
+            false => 0,
+            true if self.sweep.resides(self) => LONGEST,
+            true => longest_skewed(self.workers()),
+        }
+    }
+
+    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
+        if self.longest_stride() < 2 {
             return false;
         }
         let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around: scheme };
-        let between = Between { scheme, sums: &|nodes, at| self.node_sums(nodes, at) };
+        let between = Between { kicks: scheme.kicks(), mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
             self.sweep.stride((self, moving), between, &self.threads, sums, passed);
             if let Some(last) = passed.last() {

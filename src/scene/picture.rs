@@ -1,9 +1,9 @@
 //! A network as a person sees it: back in the user's numbering.
 
 use super::network::{Network, by_node, node_state};
-use super::sums::motion;
 use crate::force::axial_dashpot::AxialData;
 use crate::model::forces::Forces;
+use crate::model::motion::motion;
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
 use crate::model::stride::strain_of;

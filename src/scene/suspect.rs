@@ -1,9 +1,9 @@
 //! Who is at fault: what a failure report says about a node of a network, and its size.
 
 use super::network::{Network, by_node, node_state};
-use super::sums::extent;
 use super::{BoundRoom, Scene, Suspect};
 use crate::force::{ForceTerm, TangentSink};
+use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{Abilities, Weights};
@@ -17,11 +17,11 @@ impl Scene for Network {
     }
 
     fn size(&self) -> f64 {
-        extent(&self.start, self.threads.workers())
+        extent(bytemuck::cast_slice(&self.start), self.threads.workers())
     }
 
     fn extent(&self, at: StateRef<'_>) -> f64 {
-        extent(by_node(at.x), self.threads.workers())
+        extent(bytemuck::cast_slice(at.x), self.threads.workers())
     }
 
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect {

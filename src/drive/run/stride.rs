@@ -7,7 +7,7 @@ use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::Watched;
 use super::{Pace, Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::model::stride::{LONGEST, Passed, longest};
+use crate::model::stride::{LONGEST, Passed};
 
 /// What a run needs for strides.
 #[derive(Default)]
@@ -62,7 +62,7 @@ impl Run<'_> {
         if self.failure.is_some() || self.steps < self.strides.not_before {
             return (coming, 0);
         }
-        let longest = longest(self.scene.workers());
+        let longest = self.scene.longest_stride().min(LONGEST);
         let left = clock.count().saturating_sub(self.steps + 1).min(longest as u64) as usize;
         for (step, number) in coming[..left].iter_mut().zip(self.steps + 1..) {
             let tick = clock.tick(number);

@@ -135,4 +135,18 @@ impl Quad for Register {
         ]
         .map(|r| Register(a.0, r))
     }
+
+    #[inline(always)]
+    fn unpack([a, b, c]: [Self; 3]) -> [Self; 3] {
+        let avx = a.0.avx;
+        let xy = avx._mm256_blend_pd::<0b1100>(a.1, b.1);
+        let zx = avx._mm256_permute2f128_pd::<0x21>(a.1, c.1);
+        let yz = avx._mm256_blend_pd::<0b1100>(b.1, c.1);
+        [
+            avx._mm256_shuffle_pd::<0b1010>(xy, zx),
+            avx._mm256_shuffle_pd::<0b0101>(xy, yz),
+            avx._mm256_shuffle_pd::<0b1010>(zx, yz),
+        ]
+        .map(|r| Register(a.0, r))
+    }
 }

@@ -1,0 +1,199 @@
+//! What happens to nodes between the force passes of a stride, in one way through them.
+//!
+//! ```text
+//! v += l M^-1 f                       a step ends: kinetic energy, largest speed, bounds, and whether all is finite
+//! v += k M^-1 f,  x += h v            the next begins
+//! ```
+//! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of four numbers, the last of them 0). The same
+//! operations as in single steps, and in the same order: the same bits.
+
+use super::NodeSums;
+use crate::model::bounds::Bounds;
+use crate::model::motion::{BLOCK, Sum};
+use crate::model::quad::{self, Quad, VectorUnit};
+
+/// A step v += k M^-1 f, x += h v, then with the new forces v += l M^-1 f.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kicks {
+    /// [s] k
+    pub begin: f64,
+    /// [s] h
+    pub drift: f64,
+    /// [s] l, if there is a second kick
+    pub end: Option<f64>,
+}
+
+/// Some nodes where a step ends: vectors of `W` numbers a node.
+#[derive(Debug)]
+pub struct Nodes<'a, const W: usize> {
+    /// [kg] one a node
+    pub mass: &'a [f64],
+    /// [1/kg] by degree of freedom, 0 at fixed ones
+    pub inverse_mass: &'a [f64],
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
+    /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0 afterwards where another step follows, whose
+    /// pass adds to them
+    pub f: &'a mut [f64],
+}
+
+impl Kicks {
+    /// Ends a step; where another follows, begins that too. Tells what the nodes are like between both.
+    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> NodeSums {
+        quad::run(Pass { kicks: self, nodes, another })
+    }
+}
+
+struct Pass<'a, const W: usize> {
+    kicks: Kicks,
+    nodes: Nodes<'a, W>,
+    another: bool,
+}
+
+impl<const W: usize> quad::Pass for Pass<'_, W> {
+    type Output = NodeSums;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> NodeSums {
+        match (self.kicks.end.is_some(), self.another) {
+            (true, true) => self.blocks::<U, true, true>(unit),
+            (true, false) => self.blocks::<U, true, false>(unit),
+            (false, true) => self.blocks::<U, false, true>(unit),
+            (false, false) => self.blocks::<U, false, false>(unit),
+        }
+    }
+}
+
+impl<const W: usize> Pass<'_, W> {
+    #[inline(always)]
+    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool>(self, unit: U) -> NodeSums {
+        let Nodes { mass, inverse_mass, x, v, f } = self.nodes;
+        let mut four = Four::<U, W, END, ANOTHER>::new(unit, self.kicks);
+        let n = W * BLOCK;
+        let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
+        for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
+            let (x, x_last) = groups_mut::<W>(x);
+            let (v, v_last) = groups_mut::<W>(v);
+            let (m, m_last) = groups::<W>(inverse_mass);
+            let (f, f_last) = groups_mut::<W>(f);
+            let (mass, mass_last) = mass.as_chunks::<4>();
+            for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
+                four.node(unit, (*mass, m), [x, v, f]);
+            }
+            if !mass_last.is_empty() {
+                // The first of them stands for those that are missing, without a mass.
+                let mut mass = [0.0; 4];
+                mass[..mass_last.len()].copy_from_slice(mass_last);
+                let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
+                four.node(unit, (mass, &filled(m_last)), [&mut x, &mut v, &mut f]);
+                for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
+                    last.copy_from_slice(&new.as_flattened()[..last.len()]);
+                }
+            }
+            four.motion.end_block(unit);
+        }
+        four.sums()
+    }
+}
+
+/// Four nodes.
+type Group<const W: usize> = [[f64; 4]; W];
+
+fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
+    let (whole, last) = values.split_at(values.len() / (4 * W) * (4 * W));
+    (whole.as_chunks().0.as_chunks().0, last)
+}
+
+fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64]) {
+    let (whole, last) = values.split_at_mut(values.len() / (4 * W) * (4 * W));
+    (whole.as_chunks_mut().0.as_chunks_mut().0, last)
+}
+
+/// Nodes, and the first of them in the places that are left.
+fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
+    let mut group = [[0.0; 4]; W];
+    for to in group.as_flattened_mut().chunks_mut(W) {
+        to.copy_from_slice(&nodes[..W]);
+    }
+    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
+    group
+}
+
+/// What becomes of four nodes, and what was found of those before.
+struct Four<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> {
+    /// k, h and l
+    sizes: [U::Quad; 3],
+    motion: Sum<U::Quad>,
+    low: [U::Quad; W],
+    high: [U::Quad; W],
+    /// 0, if all is finite
+    nothing: U::Quad,
+}
+
+impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Four<U, W, END, ANOTHER> {
+    #[inline(always)]
+    fn new(unit: U, Kicks { begin, drift, end }: Kicks) -> Self {
+        Four {
+            sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
+            motion: Sum::new(unit),
+            low: [unit.splat(f64::INFINITY); W],
+            high: [unit.splat(f64::NEG_INFINITY); W],
+            nothing: unit.splat(0.0),
+        }
+    }
+
+    #[inline(always)]
+    fn node(&mut self, unit: U, (mass, inverse_mass): ([f64; 4], &Group<W>), [x, v, f]: [&mut Group<W>; 3]) {
+        let [k, h, l] = self.sizes;
+        let mut between = [unit.splat(0.0); W];
+        for i in 0..W {
+            let (x_i, mut v_i, f_i) = (unit.quad(x[i]), unit.quad(v[i]), unit.quad(f[i]));
+            let a = unit.quad(inverse_mass[i]) * f_i;
+            if END {
+                v_i = v_i + l * a;
+            }
+            between[i] = v_i;
+            // All quads of records have the same coordinates in the same places.
+            let place = if W == 4 { 0 } else { i };
+            self.low[place] = x_i.smaller(self.low[place]);
+            self.high[place] = x_i.larger(self.high[place]);
+            self.nothing = self.nothing + unit.splat(0.0) * f_i;
+            if ANOTHER {
+                v_i = v_i + k * a;
+                x[i] = (x_i + h * v_i).numbers();
+                if W == 4 {
+                    f[i] = [0.0; 4];
+                }
+            }
+            if END || ANOTHER {
+                v[i] = v_i.numbers();
+            }
+        }
+        self.motion.add(unit.quad(mass), columns::<U::Quad, W>(between));
+    }
+
+    fn sums(self) -> NodeSums {
+        let mut bounds = Bounds::default();
+        let places = if W == 4 { 1 } else { W };
+        let numbers = |quads: [U::Quad; W]| quads.into_iter().take(places).flat_map(Quad::numbers);
+        for (i, (low, high)) in numbers(self.low).zip(numbers(self.high)).enumerate().filter(|(i, _)| i % W < 3) {
+            let mut of_axis = Bounds::default();
+            (of_axis.low[i % W], of_axis.high[i % W]) = (low, high);
+            bounds = bounds.and(of_axis);
+        }
+        let motion = self.motion.motion();
+        let finite = self.nothing.numbers().into_iter().all(|zero| zero == 0.0);
+        NodeSums { kinetic: motion.kinetic, largest_square: motion.largest_square, bounds, finite }
+    }
+}
+
+/// The components of four nodes.
+#[inline(always)]
+fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
+    match W {
+        3 => Q::unpack([nodes[0], nodes[1], nodes[2]]),
+        _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),
+    }
+}
