@@ -20,7 +20,7 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the next multiple of eight steps.
+/// Growth of the kinetic energy since the liveliest look at which is looked at once, or, where steps are made in strides, at the next multiple of the longest stride.
 const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;

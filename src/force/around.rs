@@ -75,7 +75,8 @@ impl Sweep {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::force::batch::{Batch, Records, Summand, Wants};
+    use crate::force::batch::{Records, Summand, Wants};
+    use crate::force::edges::EdgeBatch;
     use crate::force::neighbours::{Links, Neighbours};
     use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
     use crate::force::spring::{Coefficient, SpringData, Springs};
@@ -112,7 +113,7 @@ pub(super) mod tests {
         let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
         let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
         let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };
-        let mut terms = Pairs { dashpots: Batch::new(data), links: Batch::new(links), sum_of_links };
+        let mut terms = Pairs { dashpots: EdgeBatch::new(data), links: EdgeBatch::new(links), sum_of_links };
         let tiling = Tiling::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
         (terms, Sweep::of(tiling))
     }
@@ -250,8 +251,8 @@ pub(super) mod tests {
             stiffness: Coefficient::Uniform(5.0),
             slack: Slack::None,
         };
-        let springs = Counted(Batch::new(data), AtomicUsize::new(0));
-        let dashpots = Batch::new(RelativeData { nodes, coefficient: Coefficient::Uniform(2.0) });
+        let springs = Counted(EdgeBatch::new(data), AtomicUsize::new(0));
+        let dashpots = EdgeBatch::new(RelativeData { nodes, coefficient: Coefficient::Uniform(2.0) });
         let mut terms = Damped { springs, dashpots, still };
         let tiling = Tiling::within(limits, NODES, &mut [&mut terms.springs, &mut terms.dashpots]);
         (terms, Sweep::of(tiling))

@@ -2,7 +2,6 @@
 
 use crate::model::lanes::LANES;
 use crate::model::quad::VectorUnit;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// One value for all elements, or one each; a uniform value is not read from memory again and again.
@@ -31,17 +30,9 @@ impl Coefficient {
             Coefficient::Each(values) => values[i],
         }
     }
-
-    /// The values of a tile's elements.
-    pub(super) fn column(&self, elements: Range<usize>) -> Column<'_> {
-        match self {
-            Coefficient::Uniform(c) => Column { quads: &[], last: [[*c; 4]; 2] },
-            Coefficient::Each(values) => Column::each(&values[elements]),
-        }
-    }
 }
 
-/// Where four elements stand in a tile.
+/// Where four elements stand among those that are gone over.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// number of the block of eight
@@ -50,7 +41,15 @@ pub(super) struct Place {
     pub half: usize,
 }
 
-/// The values of a tile's elements, four at a time.
+impl Place {
+    /// Number of the four among the elements that are gone over.
+    #[inline(always)]
+    pub fn quad(self) -> usize {
+        2 * self.block + self.half
+    }
+}
+
+/// The values of elements, four at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column<'a> {
     /// those of whole blocks; none where all are the same
@@ -68,9 +67,22 @@ impl<'a> Column<'a> {
         Column { quads: blocks.as_flattened().as_chunks().0, last }
     }
 
-    /// The values of four elements.
+    /// The same for all.
+    pub fn uniform(value: f64) -> Self {
+        Column { quads: &[], last: [[value; 4]; 2] }
+    }
+
+    /// The value of one element.
+    pub fn at(&self, element: usize) -> f64 {
+        match self.quads.as_flattened().get(element) {
+            Some(value) => *value,
+            None => self.last.as_flattened()[element % LANES],
+        }
+    }
+
+    /// The values of four elements, by the number of the four among those of the column.
     #[inline(always)]
-    pub fn quad<U: VectorUnit>(&self, unit: U, place: Place) -> U::Quad {
-        unit.quad(*self.quads.get(2 * place.block + place.half).unwrap_or(&self.last[place.half & 1]))
+    pub fn quad<U: VectorUnit>(&self, unit: U, number: usize) -> U::Quad {
+        unit.quad(*self.quads.get(number).unwrap_or(&self.last[number % 2]))
     }
 }

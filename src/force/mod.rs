@@ -6,8 +6,9 @@
 //! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a [`batch::Kernel`] for it and
 //!    `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`] and [`ForceTerm`]. Either adds to one tile of the scene at a
 //!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
-//!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` for two nodes that pull along a difference (`pull`,
-//!    see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
+//!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that pull
+//!    along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
+//!    What follows from positions alone reads them in the tile's windows: in steps that are made several at once the scene's own state stands still.
 //!    Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one piece of them: see `nodal`.
 //! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
 //!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one. A term with elastic energy also adds its
@@ -17,7 +18,7 @@
 //! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`, which says what must be the same
 //!    for a run to go on; the compiler asks for the last.
 //! 5. Add it to the list in `tests/tangent/scenes.rs`: both tangents are compared with finite differences at random states, what its
-//!    [`TermInfo`] says with its forces, and copies of it in several tiles with one alone.
+//!    [`TermInfo`] says with its forces, copies of it in several tiles with one alone, and steps made several at once with steps one by one.
 //!
 //! A program that only uses the library builds scenes from [`crate::model::spec`]; a force of one's own means a changed copy of this crate.
 //!
@@ -29,6 +30,8 @@ pub(crate) mod around;
 pub mod axial_dashpot;
 pub mod batch;
 pub mod coefficient;
+pub mod edges;
+mod fans;
 pub mod follower_pressure;
 pub mod gravity;
 pub mod neighbours;

@@ -1,7 +1,10 @@
 //! Sums over neighbours along springs: `out_i = sum_j k_ij u_j`, the second sweep of Kang's filter. Not a force term: no force of a scene
 //! has this form.
 
-use super::batch::{Batch, Elements, Kernel, Records, Wants};
+use super::batch::{Records, Wants};
+use super::coefficient::Column;
+use super::edges::{EdgeBatch, EdgeKernel, Edges};
+use super::fans::link_fans;
 use super::spring::Coefficient;
 use super::window::{record, set_record};
 use crate::model::forces::Tally;
@@ -18,30 +21,31 @@ pub struct Links {
 }
 
 /// A batch of links.
-pub type Neighbours = Batch<Links, 2>;
+pub type Neighbours = EdgeBatch<Links>;
 
-impl Kernel<2> for Links {
+impl EdgeKernel for Links {
     const WANTS: Wants = Wants { x: true, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        add_links(self, tile, f);
+    fn numbers(&self) -> [Coefficient; 2] {
+        [self.stiffness.clone(), Coefficient::Uniform(0.0)]
+    }
+
+    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
+        let ((fans, [of_fans, _]), (others, [of_others, _])) = (tile.fans(), tile.others());
+        link_fans(of_fans, fans, tile.x, f);
+        add_links(of_others, others, tile.x, f);
         Tally::default()
     }
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn add_links(links: &Links, tile: Elements<'_, 2>, f: &mut Records) {
-    match &links.stiffness {
-        Coefficient::Uniform(k) => tile.nodes.iter().for_each(|&nodes| add_link(nodes, *k, tile.x, f)),
-        Coefficient::Each(k) => {
-            for (&nodes, k) in tile.nodes.iter().zip(&k[tile.range()]) {
-                add_link(nodes, *k, tile.x, f);
-            }
-        }
+fn add_links(k: Column<'_>, links: &[[u16; 2]], u: &Records, f: &mut Records) {
+    for (i, &nodes) in links.iter().enumerate() {
+        add_link(nodes, k.at(i), u, f);
     }
 }
 

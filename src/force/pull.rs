@@ -3,9 +3,11 @@
 //! ```text
 //! d = ub - ua      force on a = s d, on b = -s d
 //! ```
-//! To add such a force, write a [`PullLaw`]: s and the energy or power from d, as equations on four numbers at once.
+//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2, as equations on four numbers at once, and an [`super::edges::EdgeKernel`].
 
-use super::coefficient::Place;
+use super::coefficient::{Column, Place};
+use super::edges::Edges;
+use super::fans::pull_fans;
 use super::phases::{Phases, add};
 use super::window::{Padded, Records, record, set_record};
 use crate::model::lanes::LANES;
@@ -13,8 +15,8 @@ use crate::model::quad::{Quad, VectorUnit};
 
 /// How elements pull.
 pub(super) trait PullLaw {
-    /// Four elements with the components of their differences; `#[inline(always)]`.
-    fn pull<U: VectorUnit>(&self, unit: U, place: Place, d: [U::Quad; 3]) -> Pull<U::Quad>;
+    /// Four elements by the number of the four among those whose numbers the law has, with the squares d^2 of their differences; `#[inline(always)]`.
+    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad>;
 }
 
 /// What four elements do.
@@ -26,9 +28,16 @@ pub(super) struct Pull<Q> {
     pub amount: Q,
 }
 
-/// Adds the forces [N] of elements to a window; `u` is the nodal vector of the differences.
-pub(super) fn pull<L: PullLaw>(law: L, nodes: &[[u16; 2]], u: &Records, f: &mut Records) -> f64 {
-    add(Pulling { law, u }, nodes, f)
+/// Adds the forces [N] of a tile's elements to its window; `law` makes the law of some of them from their numbers, `u` is the nodal vector of the differences.
+pub(super) fn pull<'a, L: PullLaw>(
+    edges: &Edges<'a>,
+    law: impl Fn([Column<'a>; 2]) -> L,
+    u: &Records,
+    f: &mut Records,
+) -> f64 {
+    let ((fans, of_fans), (others, of_others)) = (edges.fans(), edges.others());
+    let in_fans = pull_fans(law(of_fans), fans, u, f);
+    in_fans + add(Pulling { law: law(of_others), u }, others, f)
 }
 
 struct Pulling<'a, L> {
@@ -55,7 +64,8 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
             d[j] = unit.quad(record(self.u, b)) - unit.quad(record(self.u, a));
             kept.d[4 * at.half + j] = d[j].numbers();
         }
-        let Pull { scale, amount } = self.law.pull(unit, at, U::Quad::columns(d));
+        let [x, y, z] = U::Quad::columns(d);
+        let Pull { scale, amount } = self.law.pull(unit, at.quad(), x * x + y * y + z * z);
         kept.scale[at.half] = scale.numbers();
         amount
     }
@@ -73,16 +83,14 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::coefficient::Column;
     use crate::force::phases::tests::{elements, on_both, random, vectors};
 
     struct Law<'a>(Column<'a>);
 
     impl PullLaw for Law<'_> {
         #[inline(always)]
-        fn pull<U: VectorUnit>(&self, unit: U, place: Place, d: [U::Quad; 3]) -> Pull<U::Quad> {
-            let l = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-            let force = self.0.quad(unit, place);
+        fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
+            let (l, force) = (square.sqrt(), self.0.quad(unit, number));
             Pull { scale: (force / l).where_positive(l), amount: force * l }
         }
     }

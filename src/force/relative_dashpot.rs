@@ -5,8 +5,9 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use super::batch::{Batch, Elements, Kernel, Records, Wants};
-use super::coefficient::{Coefficient, Column, Place};
+use super::batch::{Records, Wants};
+use super::coefficient::{Coefficient, Column};
+use super::edges::{EdgeBatch, EdgeKernel, Edges};
 use super::pull::{Pull, PullLaw, pull};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -16,7 +17,7 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// A batch of relative dashpots.
-pub type RelativeDashpots = Batch<RelativeData, 2>;
+pub type RelativeDashpots = EdgeBatch<RelativeData>;
 
 /// Plain arrays of the batch.
 #[derive(Clone, Debug)]
@@ -27,16 +28,19 @@ pub struct RelativeData {
     pub coefficient: Coefficient,
 }
 
-impl Kernel<2> for RelativeData {
+impl EdgeKernel for RelativeData {
     const WANTS: Wants = Wants { x: false, v: true };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let coefficient = self.coefficient.column(tile.range());
-        Tally { energy: 0.0, power: pull(DashpotLaw { coefficient }, tile.nodes, tile.v, f) }
+    fn numbers(&self) -> [Coefficient; 2] {
+        [self.coefficient.clone(), Coefficient::Uniform(0.0)]
+    }
+
+    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
+        Tally { energy: 0.0, power: pull(&tile, |[coefficient, _]| DashpotLaw { coefficient }, tile.v, f) }
     }
 }
 
@@ -46,9 +50,8 @@ struct DashpotLaw<'a> {
 
 impl PullLaw for DashpotLaw<'_> {
     #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, place: Place, dv: [U::Quad; 3]) -> Pull<U::Quad> {
-        let c = self.coefficient.quad(unit, place);
-        let square = dv[0] * dv[0] + dv[1] * dv[1] + dv[2] * dv[2];
+    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
+        let c = self.coefficient.quad(unit, number);
         Pull { scale: c, amount: unit.splat(-1.0) * c * square }
     }
 }

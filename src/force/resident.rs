@@ -60,7 +60,7 @@ impl Sweep {
     }
 }
 
-/// Copies vectors into as many records, with nothing in their fourth numbers.
+/// Copies vectors into as many records, with 0 in their fourth numbers, which kicks move as all others.
 fn fill(from: &[f64], to: &mut [Padded]) {
     for (&[x, y, z], to) in from.as_chunks().0.iter().zip(to) {
         *to = [x, y, z, 0.0];

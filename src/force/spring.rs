@@ -6,9 +6,10 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use super::batch::{Batch, Elements, Kernel, Records, Wants};
+use super::batch::{Records, Wants};
 pub use super::coefficient::Coefficient;
-use super::coefficient::{Column, Place};
+use super::coefficient::Column;
+use super::edges::{EdgeBatch, EdgeKernel, Edges};
 use super::pull::{Pull, PullLaw, pull};
 use super::slack::{Plain, TensionLaw, clamped, tension};
 use super::stretch::{InScene, InWindow, Stretched, largest};
@@ -35,7 +36,7 @@ pub struct SpringData {
 }
 
 /// A batch of springs as a force term.
-pub type Springs = Batch<SpringData, 2>;
+pub type Springs = EdgeBatch<SpringData>;
 
 impl SpringData {
     /// Vector from a to b, length, and elongation of spring `i`.
@@ -83,12 +84,16 @@ struct SpringLaw<'a, T> {
     rest_length: Column<'a>,
 }
 
+fn law<T: TensionLaw>(tension: T, [stiffness, rest_length]: [Column<'_>; 2]) -> SpringLaw<'_, T> {
+    SpringLaw { tension, stiffness, rest_length }
+}
+
 impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
     #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, place: Place, d: [U::Quad; 3]) -> Pull<U::Quad> {
-        let l = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let e = l - self.rest_length.quad(unit, place);
-        let (force, energy) = self.tension.quad(unit, self.stiffness.quad(unit, place), e);
+    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
+        let l = square.sqrt();
+        let e = l - self.rest_length.quad(unit, number);
+        let (force, energy) = self.tension.quad(unit, self.stiffness.quad(unit, number), e);
         Pull { scale: (force / l).where_positive(l), amount: energy }
     }
 }
@@ -124,26 +129,28 @@ impl Stretch {
     }
 }
 
-impl Kernel<2> for SpringData {
+impl EdgeKernel for SpringData {
     const WANTS: Wants = Wants { x: true, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
-    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let stiffness = self.stiffness.column(tile.range());
-        let rest_length = Column::each(&self.rest_length[tile.range()]);
+    fn numbers(&self) -> [Coefficient; 2] {
+        // One each, even where all are the same: the largest stretch goes over them.
+        [self.stiffness.clone(), Coefficient::Each(self.rest_length.clone())]
+    }
+
+    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
         let energy = match clamped(self.slack) {
-            None => pull(SpringLaw { tension: Plain, stiffness, rest_length }, tile.nodes, tile.x, f),
-            Some(tension) => pull(SpringLaw { tension, stiffness, rest_length }, tile.nodes, tile.x, f),
+            None => pull(&tile, |of| law(Plain, of), tile.x, f),
+            Some(tension) => pull(&tile, |of| law(tension, of), tile.x, f),
         };
         Tally { energy, power: 0.0 }
     }
 
-    fn largest_stretch(&self, tile: Elements<'_, 2>) -> f64 {
-        let rest_length = &self.rest_length[tile.range()];
-        largest(Stretched { ends: tile.nodes, rest_length, at: InWindow(tile.x) })
+    fn largest_stretch(&self, tile: Edges<'_>) -> f64 {
+        largest(Stretched { ends: tile.ends, rest_length: tile.second(), at: InWindow(tile.x) })
     }
 }
 

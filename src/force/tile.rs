@@ -12,7 +12,7 @@ pub struct Tile<'a> {
     pub number: usize,
     /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where an earlier tile of the strip has them
     pub own: Range<usize>,
-    /// the whole scene's state
+    /// the whole scene's state; within a stride (`resident`) no nodes, and the time of its end
     pub at: NodeState<'a>,
     /// [m] positions of the windows' nodes, if some term wants them
     pub x: &'a Records,
@@ -29,7 +29,7 @@ pub(super) fn place(own: usize) -> u16 {
 /// The elements of a tile as a kernel sees them.
 #[derive(Clone, Copy)]
 pub struct Elements<'a, const N: usize> {
-    /// the whole scene's state
+    /// the whole scene's state; within a stride no nodes, so that forces that follow from positions alone read `x`
     pub at: NodeState<'a>,
     /// [m] positions of the window's nodes, where the kernel wants them
     pub x: &'a Records,

@@ -2,7 +2,7 @@
 //!
 //! Predictions for forces that depend on velocities have no place here: no system has strides where there are any.
 
-use super::updates::{Product, Sizes, accumulate_product, kick_then_drift};
+use super::updates::{Product, Sizes, kick_then_drift};
 use super::{Counters, StepInput};
 use crate::model::point::Point;
 use crate::model::stride::{Kicks, Passed};
@@ -18,32 +18,26 @@ pub(super) fn stride(
     counters: &mut Counters,
 ) -> bool {
     to.state.t = t_next;
-    counters.stride(system, to, &From { from, kicks, inverse_mass: system.inverse_mass() }, passed)
+    counters.stride(system, to, &Start { from, kicks, inverse_mass: system.inverse_mass() }, passed)
 }
 
-/// The steps from a point on.
-struct From<'a> {
+/// The first step begins at a point; between steps nodes are moved by kicks.
+struct Start<'a> {
     from: &'a Point,
     kicks: Kicks,
     inverse_mass: &'a [f64],
 }
 
-impl Around for From<'_> {
+impl Around for Start<'_> {
     fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
         let (n, f) = (&self.from.state, &self.from.forces.total[dofs.clone()]);
         let from = (&n.x[dofs.clone()], &n.v[dofs.clone()]);
         let sizes = Sizes { kick: self.kicks.begin, drift: self.kicks.drift };
         kick_then_drift((x, v), from, Product { inverse_mass: &self.inverse_mass[dofs], f }, sizes);
     }
-
-    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
-        if let Some(l) = self.kicks.end {
-            accumulate_product(v, l, Product { inverse_mass: &self.inverse_mass[dofs], f });
-        }
-    }
 }
 
-impl Onward for From<'_> {
+impl Onward for Start<'_> {
     fn kicks(&self) -> Kicks {
         self.kicks
     }

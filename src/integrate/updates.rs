@@ -100,15 +100,6 @@ pub(super) fn kick_then_drift(
     }
 }
 
-/// v += k M^-1 f, then x += h v
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn kick_and_drift((x, v): (&mut [f64], &mut [f64]), p: Product<'_>, h: Sizes) {
-    for ((x, v), (f, inverse_mass)) in x.iter_mut().zip(v.iter_mut()).zip(p.f.iter().zip(p.inverse_mass)) {
-        *v += h.kick * (inverse_mass * f);
-        *x += h.drift * *v;
-    }
-}
-
 /// out = M^-1 f
 pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &[f64]) {
     for ((out, f), inverse_mass) in out.iter_mut().zip(f).zip(system.inverse_mass()) {

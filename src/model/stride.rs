@@ -1,6 +1,6 @@
 //! Strides: several steps on end, of which only the last state is seen.
 //!
-//! Explicit steps of a large scene wait for memory. Where all forces follow from positions alone, a node's next step needs no more than the forces around
+//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step. Those of a large scene wait for memory. Where all forces follow from positions alone, a node's next step needs no more than the forces around
 //! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
 //! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
 

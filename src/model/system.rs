@@ -33,7 +33,9 @@ pub trait Around: Sync {
     fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]);
 
     /// What follows from their forces f [N], which at fixed ones need not be 0. No force of this pass reads these velocities any more.
-    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]);
+    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
+        let _ = (dofs, v, f);
+    }
 }
 
 /// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and between them what its kicks say.

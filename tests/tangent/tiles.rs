@@ -2,13 +2,19 @@
 
 use super::{Sample, build, scenes::scenes};
 use canopy_fem::force::threads::Threads;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::implicit::SolverSpec;
+use canopy_fem::integrate::registry::MethodChoice;
+use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::mesh::Mesh;
+use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{NetworkSpec, NodalLoad, PressureLoad, SpringGroup};
-use canopy_fem::model::state::StateRef;
+use canopy_fem::model::state::{State, StateRef};
+use canopy_fem::model::stride::Passed;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 
-/// Strips have 4,096 nodes: some copies lie across the ends of strips.
+/// Strips have 2,048 nodes: some copies lie across the ends of strips.
 const COPIES: usize = 1000;
 
 /// Many of each thing, those of one kind together: node `i` of copy `c` is node `i COPIES + c`.
@@ -92,4 +98,40 @@ fn every_copy_feels_what_one_feels_alone() {
             }
         }
     }
+}
+
+/// Steps made several at once, in which a scene's own state stands still, feel what steps one by one feel.
+#[test]
+fn a_stride_feels_what_steps_feel() {
+    const STEPS: usize = 5;
+    let mut strides = 0;
+    for (name, spec) in scenes() {
+        let scene = build(spec);
+        let choice = MethodChoice::with_defaults("velocity-verlet").expect("registered");
+        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("it fits");
+        let sample = Sample::new(&scene, 3);
+        let state = State { t: sample.t, x: sample.x.clone(), v: sample.v.clone() };
+        let mut from = Point { state, forces: scene.new_forces() };
+        scene.evaluate(from.state.as_ref(), &mut from.forces);
+        let (mut to, mut passed, h) = (from.clone(), vec![Passed::default(); STEPS], 1e-4);
+        let attempt = Attempt { from: &from, h, t_next: from.state.t + STEPS as f64 * h };
+        let made = stepper.stride(attempt, &mut to, &mut passed, &mut Counters::default());
+        assert_eq!(made, scene.longest_stride() >= STEPS, "{name}");
+        if !made {
+            continue;
+        }
+        strides += 1;
+        for passed in &passed {
+            let mut next = from.clone();
+            let attempt = Attempt { from: &from, h, t_next: from.state.t + h };
+            stepper.attempt(attempt, &mut next, &mut Counters::default()).expect("an easy step");
+            stepper.accept();
+            assert_eq!(next.forces.tallies, passed.tallies, "{name}");
+            assert_eq!(scene.kinetic_energy(&next.state.v), passed.nodes.kinetic, "{name}");
+            from = next;
+        }
+        assert_eq!((&to.state.x, &to.state.v), (&from.state.x, &from.state.v), "{name}");
+        assert_eq!(to.forces, from.forces, "{name}");
+    }
+    assert!(strides > 2, "{strides} scenes have strides");
 }

@@ -31,6 +31,13 @@ impl Run<'_> {
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<bool, RunError> {
+        if self.steps < self.strides.not_before || self.failure.is_some() {
+            return Ok(false);
+        }
+        if !matches!(self.pace, Pace::Fixed(_)) || self.scene.longest_stride() < 2 {
+            self.strides.not_before = u64::MAX;
+            return Ok(false);
+        }
         let (coming, n) = self.coming(observers);
         let coming = &coming[..n];
         let Some(last) = coming.last().filter(|_| n > 1) else { return Ok(false) };
@@ -59,9 +66,6 @@ impl Run<'_> {
     fn coming(&self, observers: &[&mut dyn Observer]) -> ([Coming; LONGEST], usize) {
         let mut coming = [Coming::default(); LONGEST];
         let Pace::Fixed(clock) = &self.pace else { return (coming, 0) };
-        if self.failure.is_some() || self.steps < self.strides.not_before {
-            return (coming, 0);
-        }
         let longest = self.scene.longest_stride().min(LONGEST);
         let left = clock.count().saturating_sub(self.steps + 1).min(longest as u64) as usize;
         for (step, number) in coming[..left].iter_mut().zip(self.steps + 1..) {

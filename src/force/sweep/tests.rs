@@ -1,7 +1,7 @@
 //! Passes over tiles, beside element after element.
 
 use super::*;
-use crate::force::batch::Batch;
+use crate::force::edges::EdgeBatch;
 use crate::force::gravity::Gravity;
 use crate::force::neighbours::{Links, Neighbours};
 use crate::force::phases::tests::random;
@@ -34,7 +34,7 @@ fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
     let links = Links { nodes: ends(&|i| [i, i - 1]), stiffness: Coefficient::Uniform(0.5) };
     let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
-    let mut terms = Mixed { star: Batch::new(data), chain: Batch::new(links), weight };
+    let mut terms = Mixed { star: EdgeBatch::new(data), chain: EdgeBatch::new(links), weight };
     let tiling = Tiling::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
     (terms, Sweep::of(tiling))
 }

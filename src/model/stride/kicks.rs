@@ -70,7 +70,7 @@ impl<const W: usize> Pass<'_, W> {
     #[inline(always)]
     fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool>(self, unit: U) -> NodeSums {
         let Nodes { mass, inverse_mass, x, v, f } = self.nodes;
-        let mut four = Four::<U, W, END, ANOTHER>::new(unit, self.kicks);
+        let mut totals = Totals::<U, W, END, ANOTHER>::new(unit, self.kicks);
         let n = W * BLOCK;
         let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
         for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
@@ -80,21 +80,21 @@ impl<const W: usize> Pass<'_, W> {
             let (f, f_last) = groups_mut::<W>(f);
             let (mass, mass_last) = mass.as_chunks::<4>();
             for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
-                four.node(unit, (*mass, m), [x, v, f]);
+                totals.four(unit, (*mass, m), [x, v, f]);
             }
             if !mass_last.is_empty() {
                 // The first of them stands for those that are missing, without a mass.
                 let mut mass = [0.0; 4];
                 mass[..mass_last.len()].copy_from_slice(mass_last);
                 let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
-                four.node(unit, (mass, &filled(m_last)), [&mut x, &mut v, &mut f]);
+                totals.four(unit, (mass, &filled(m_last)), [&mut x, &mut v, &mut f]);
                 for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
                     last.copy_from_slice(&new.as_flattened()[..last.len()]);
                 }
             }
-            four.motion.end_block(unit);
+            totals.motion.end_block(unit);
         }
-        four.sums()
+        totals.sums()
     }
 }
 
@@ -121,8 +121,8 @@ fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
     group
 }
 
-/// What becomes of four nodes, and what was found of those before.
-struct Four<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> {
+/// How steps end and begin, and what was found of the nodes so far.
+struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> {
     /// k, h and l
     sizes: [U::Quad; 3],
     motion: Sum<U::Quad>,
@@ -132,10 +132,10 @@ struct Four<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool>
     nothing: U::Quad,
 }
 
-impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Four<U, W, END, ANOTHER> {
+impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Totals<U, W, END, ANOTHER> {
     #[inline(always)]
     fn new(unit: U, Kicks { begin, drift, end }: Kicks) -> Self {
-        Four {
+        Totals {
             sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
             motion: Sum::new(unit),
             low: [unit.splat(f64::INFINITY); W],
@@ -145,7 +145,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Four<U
     }
 
     #[inline(always)]
-    fn node(&mut self, unit: U, (mass, inverse_mass): ([f64; 4], &Group<W>), [x, v, f]: [&mut Group<W>; 3]) {
+    fn four(&mut self, unit: U, (mass, inverse_mass): ([f64; 4], &Group<W>), [x, v, f]: [&mut Group<W>; 3]) {
         let [k, h, l] = self.sizes;
         let mut between = [unit.splat(0.0); W];
         for i in 0..W {
@@ -197,3 +197,6 @@ fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
         _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,187 @@
+//! Two-node elements in fans: a node with three of its elements, four such nodes side by side.
+//!
+//! In a net of triangles nearly every node can have three elements that are no other node's (a planar graph has at most 3 n - 6 edges). What a fan's elements add
+//! to its own node is summed in a register; added in memory, and one after the other, are three other ends and one sum in place of six ends. Elements that fill no fan
+//! are left to [`super::pull`].
+//!
+//! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or stores.
+
+use super::coefficient::Column;
+use super::pull::{Pull, PullLaw};
+use super::window::{Padded, RECORD, Records, record, set_record};
+use crate::model::quad::{self, Pass, Quad, VectorUnit};
+
+/// Elements of a fan, and fans side by side.
+const FAN: usize = 3;
+const FANS: usize = 4;
+
+/// Elements of four fans, each with its fan's node first: the three of fan `q` at `q`, 4 + `q` and 8 + `q`.
+pub(super) type Group = [[u16; 2]; GROUP];
+pub(super) const GROUP: usize = FAN * FANS;
+
+/// An element at its place in a tile.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Placed {
+    /// its number among the tile's
+    pub element: usize,
+    /// whether its second node is the fan's
+    pub turned: bool,
+}
+
+/// The order of a tile's elements, by their ends: groups of fans first, of which there are so many, then all others as they were. Node after node takes what
+/// elements are left, three by three.
+pub(super) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
+    let number = |place: u16| usize::from(place) / RECORD;
+    let nodes = ends.as_flattened().iter().max().map_or(0, |&last| number(last) + 1);
+    // Node after node its elements, in one list.
+    let mut ends_before = vec![0; nodes + 1];
+    ends.as_flattened().iter().for_each(|&place| ends_before[number(place) + 1] += 1);
+    (0..nodes).for_each(|node| ends_before[node + 1] += ends_before[node]);
+    let (mut list, mut next) = (vec![Placed::default(); 2 * ends.len()], ends_before.clone());
+    for (element, pair) in ends.iter().enumerate() {
+        for (&place, turned) in pair.iter().zip([false, true]) {
+            list[next[number(place)]] = Placed { element, turned };
+            next[number(place)] += 1;
+        }
+    }
+    let (mut fans, mut taken): (Vec<[Placed; FAN]>, _) = (Vec::new(), vec![false; ends.len()]);
+    let mut free = Vec::new();
+    for of_node in ends_before.windows(2) {
+        free.clear();
+        free.extend(list[of_node[0]..of_node[1]].iter().filter(|placed| !taken[placed.element]));
+        // One between a node and itself is there twice.
+        free.dedup_by_key(|placed: &mut Placed| placed.element);
+        for fan in free.as_chunks().0 {
+            fan.iter().for_each(|placed| taken[placed.element] = true);
+            fans.push(*fan);
+        }
+    }
+    let (groups, left) = fans.as_chunks::<FANS>();
+    left.as_flattened().iter().for_each(|placed| taken[placed.element] = false);
+    let in_groups = groups.iter().flat_map(|group| (0..FAN).flat_map(|j| group.each_ref().map(|fan| fan[j])));
+    let others = (0..ends.len()).filter(|&element| !taken[element]).map(|element| Placed { element, turned: false });
+    (in_groups.chain(others).collect(), groups.len())
+}
+
+/// Adds the forces [N] of fans to a window, and returns their energy or power; `u` is the nodal vector of the differences.
+pub(super) fn pull_fans<L: PullLaw>(law: L, groups: &[Group], u: &Records, f: &mut Records) -> f64 {
+    quad::run(Pulling { law, groups, u, f })
+}
+
+struct Pulling<'a, L> {
+    law: L,
+    groups: &'a [Group],
+    u: &'a Records,
+    f: &'a mut Records,
+}
+
+/// What is kept of a group from one stage to the next.
+#[derive(Clone, Copy, Default)]
+#[repr(align(32))]
+struct Kept {
+    d: [Padded; GROUP],
+    /// squared differences, then forces by difference
+    scale: [Padded; FAN],
+}
+
+impl<L: PullLaw> Pass for Pulling<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> f64 {
+        let Pulling { law, groups, u, f } = self;
+        // One more than there are stages: a power of two is cheaper to count through.
+        let mut kept = [Kept::default(); 4];
+        let mut sums = [unit.splat(0.0); FAN];
+        for i in 0..groups.len() + 2 {
+            if let Some(nodes) = groups.get(i) {
+                measure(unit, nodes, u, &mut kept[i % 4]);
+            }
+            if (1..=groups.len()).contains(&i) {
+                let kept = &mut kept[(i - 1) % 4];
+                for (j, sum) in sums.iter_mut().enumerate() {
+                    let Pull { scale, amount } = law.pull(unit, FAN * (i - 1) + j, unit.quad(kept.scale[j]));
+                    kept.scale[j] = scale.numbers();
+                    *sum = *sum + amount;
+                }
+            }
+            if let Some(nodes) = groups.get(i.wrapping_sub(2)) {
+                add(unit, nodes, &kept[(i - 2) % 4], f);
+            }
+        }
+        let [a, b, c, d] = (sums[0] + sums[1] + sums[2]).numbers();
+        (a + b) + (c + d)
+    }
+}
+
+#[inline(always)]
+fn measure<U: VectorUnit>(unit: U, nodes: &Group, u: &Records, kept: &mut Kept) {
+    let mut own = [unit.splat(0.0); FANS];
+    for (own, nodes) in own.iter_mut().zip(nodes) {
+        *own = unit.quad(record(u, nodes[0]));
+    }
+    for j in 0..FAN {
+        let mut d = own;
+        for (q, d) in d.iter_mut().enumerate() {
+            let at = FANS * j + q;
+            *d = unit.quad(record(u, nodes[at][1])) - *d;
+            kept.d[at] = d.numbers();
+        }
+        let [x, y, z] = U::Quad::columns(d);
+        kept.scale[j] = (x * x + y * y + z * z).numbers();
+    }
+}
+
+#[inline(always)]
+fn add<U: VectorUnit>(unit: U, nodes: &Group, kept: &Kept, f: &mut Records) {
+    for q in 0..FANS {
+        let mut own = unit.splat(0.0);
+        for j in 0..FAN {
+            let at = FANS * j + q;
+            let force = unit.splat(kept.scale[j][q]) * unit.quad(kept.d[at]);
+            own = own + force;
+            let other = nodes[at][1];
+            set_record(f, other, (unit.quad(record(f, other)) - force).numbers());
+        }
+        set_record(f, nodes[q][0], (unit.quad(record(f, nodes[q][0])) + own).numbers());
+    }
+}
+
+/// Adds `k u` of either end to the other, for fans with the numbers `k`.
+pub(super) fn link_fans(k: Column<'_>, groups: &[Group], u: &Records, f: &mut Records) {
+    quad::run(Linking { k, groups, u, f });
+}
+
+struct Linking<'a> {
+    k: Column<'a>,
+    groups: &'a [Group],
+    u: &'a Records,
+    f: &'a mut Records,
+}
+
+impl Pass for Linking<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) {
+        for (i, nodes) in self.groups.iter().enumerate() {
+            let mut k = [[0.0; FANS]; FAN];
+            for (j, k) in k.iter_mut().enumerate() {
+                *k = self.k.quad(unit, FAN * i + j).numbers();
+            }
+            for q in 0..FANS {
+                let own = nodes[q][0];
+                let (u_own, mut sum) = (unit.quad(record(self.u, own)), unit.splat(0.0));
+                for j in 0..FAN {
+                    let (other, k) = (nodes[FANS * j + q][1], unit.splat(k[j][q]));
+                    sum = sum + k * unit.quad(record(self.u, other));
+                    set_record(self.f, other, (unit.quad(record(self.f, other)) + k * u_own).numbers());
+                }
+                set_record(self.f, own, (unit.quad(record(self.f, own)) + sum).numbers());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
