@@ -7,7 +7,7 @@
 //! ```
 //! Undamped oscillations grow by (w h)^4/8 a step.
 
-use super::updates::{add_scaled, kick, power, weigh};
+use super::updates::{Slopes, follow, power, weigh};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
@@ -36,13 +36,13 @@ impl Integrator<dyn System> for EulerRichardson {
     ) -> Result<StepReport, StepError> {
         let (n, m) = (&from.state, &mut self.middle);
         m.t = n.t + 0.5 * h;
-        add_scaled(&mut m.x, &n.x, 0.5 * h, &n.v);
-        kick(system, &mut m.v, &n.v, 0.5 * h, &from.forces.total);
+        let from_n = (n.x.as_slice(), n.v.as_slice());
+        follow(system, (&mut m.x, &mut m.v), from_n, 0.5 * h, Slopes { u: &n.v, f: &from.forces.total });
         counters.evaluate(system, m.as_ref(), &mut self.forces);
 
         to.state.t = t_next;
-        add_scaled(&mut to.state.x, &n.x, h, &m.v);
-        kick(system, &mut to.state.v, &n.v, h, &self.forces.total);
+        let in_the_middle = Slopes { u: &m.v, f: &self.forces.total };
+        follow(system, (&mut to.state.x, &mut to.state.v), from_n, h, in_the_middle);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let work = weigh([(h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })

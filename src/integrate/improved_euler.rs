@@ -7,7 +7,7 @@
 //! ```
 //! Undamped oscillations grow by (w h)^4/8 a step.
 
-use super::updates::{accumulate, accumulate_kick, add_scaled, kick, power, weigh};
+use super::updates::{Slopes, accumulate_slopes, follow, power, weigh};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
@@ -36,15 +36,14 @@ impl Integrator<dyn System> for ImprovedEuler {
     ) -> Result<StepReport, StepError> {
         let (n, p) = (&from.state, &mut self.predicted);
         p.t = t_next;
-        add_scaled(&mut p.x, &n.x, h, &n.v);
-        kick(system, &mut p.v, &n.v, h, &from.forces.total);
+        let (from_n, at_n) = ((n.x.as_slice(), n.v.as_slice()), Slopes { u: &n.v, f: &from.forces.total });
+        follow(system, (&mut p.x, &mut p.v), from_n, h, at_n);
         counters.evaluate(system, p.as_ref(), &mut self.forces);
 
         to.state.t = t_next;
-        add_scaled(&mut to.state.x, &n.x, 0.5 * h, &n.v);
-        accumulate(&mut to.state.x, 0.5 * h, &p.v);
-        kick(system, &mut to.state.v, &n.v, 0.5 * h, &from.forces.total);
-        accumulate_kick(system, &mut to.state.v, 0.5 * h, &self.forces.total);
+        follow(system, (&mut to.state.x, &mut to.state.v), from_n, 0.5 * h, at_n);
+        let at_end = Slopes { u: &p.v, f: &self.forces.total };
+        accumulate_slopes(system, (&mut to.state.x, &mut to.state.v), 0.5 * h, at_end);
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let work = weigh([(0.5 * h, power(system, &from.forces)), (0.5 * h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })

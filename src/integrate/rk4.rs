@@ -10,7 +10,7 @@
 //! ```
 //! Limit on the imaginary axis w h < 2 sqrt 2.
 
-use super::updates::{accumulate, accumulate_kick, add_scaled, kick, power, weigh};
+use super::updates::{Slopes, accumulate_slopes, follow, follow_on, power, weigh};
 use super::{Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
@@ -21,15 +21,12 @@ use crate::model::system::System;
 #[derive(Clone, Debug, Default)]
 pub struct Rk4 {
     stage: State,
-    /// velocity of the stage before, which the positions of the next one need
-    velocity: Vec<f64>,
     forces: Forces,
 }
 
 impl Integrator<dyn System> for Rk4 {
     fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
         self.stage = at.state.clone();
-        self.velocity = at.state.v.clone();
         self.forces = system.new_forces();
         Ok(())
     }
@@ -42,8 +39,9 @@ impl Integrator<dyn System> for Rk4 {
     ) -> Result<StepReport, StepError> {
         let n = &from.state;
         to.state.t = t_next;
-        add_scaled(&mut to.state.x, &n.x, h / 6.0, &n.v);
-        kick(system, &mut to.state.v, &n.v, h / 6.0, &from.forces.total);
+        let (x_n, v_n) = (n.x.as_slice(), n.v.as_slice());
+        let first = Slopes { u: v_n, f: &from.forces.total };
+        follow(system, (&mut to.state.x, &mut to.state.v), (x_n, v_n), h / 6.0, first);
         let mut powers =
             [power(system, &from.forces), StageWork::default(), StageWork::default(), StageWork::default()];
 
@@ -51,14 +49,14 @@ impl Integrator<dyn System> for Rk4 {
         let stages = [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
         for (i, (c, b)) in stages.into_iter().enumerate() {
             let s = &mut self.stage;
-            let (v, f) = if i == 0 { (&n.v, &from.forces.total) } else { (&self.velocity, &self.forces.total) };
             s.t = if c == 1.0 { t_next } else { n.t + c * h };
-            add_scaled(&mut s.x, &n.x, c * h, v);
-            kick(system, &mut s.v, &n.v, c * h, f);
+            match i {
+                0 => follow(system, (&mut s.x, &mut s.v), (x_n, v_n), c * h, first),
+                _ => follow_on(system, (&mut s.x, &mut s.v), (x_n, v_n), c * h, &self.forces.total),
+            }
             counters.evaluate(system, s.as_ref(), &mut self.forces);
-            self.velocity.copy_from_slice(&s.v);
-            accumulate(&mut to.state.x, b * h, &s.v);
-            accumulate_kick(system, &mut to.state.v, b * h, &self.forces.total);
+            let slopes = Slopes { u: &s.v, f: &self.forces.total };
+            accumulate_slopes(system, (&mut to.state.x, &mut to.state.v), b * h, slopes);
             powers[i + 1] = power(system, &self.forces);
         }
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);

@@ -22,12 +22,60 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
     }
 }
 
-/// out = v + h M^-1 f
-pub(super) fn kick<S: System + ?Sized>(system: &S, out: &mut [f64], v: &[f64], h: f64, f: &[f64]) {
+/// How a stage changes states, before it is multiplied by a step: dx/dt = u, dv/dt = M^-1 f.
+#[derive(Clone, Copy)]
+pub(super) struct Slopes<'a> {
+    pub u: &'a [f64],
+    pub f: &'a [f64],
+}
+
+/// x = x_n + h u, v = v_n + h M^-1 f
+pub(super) fn follow<S: System + ?Sized>(
+    system: &S,
+    to: (&mut [f64], &mut [f64]),
+    (x_n, v_n): (&[f64], &[f64]),
+    h: f64,
+    Slopes { u, f }: Slopes<'_>,
+) {
     let product = Product { inverse_mass: system.inverse_mass(), f };
-    system.workers().each(out, |r, out| {
-        add_product(out, &v[r.clone()], h, product.of(r));
-        0.0
+    system.workers().both(to, |r, x, v| {
+        add_scaled(x, &x_n[r.clone()], h, &u[r.clone()]);
+        add_product(v, &v_n[r.clone()], h, product.of(r));
+    });
+}
+
+/// The same where u is v as it was.
+pub(super) fn follow_on<S: System + ?Sized>(
+    system: &S,
+    to: (&mut [f64], &mut [f64]),
+    (x_n, v_n): (&[f64], &[f64]),
+    h: f64,
+    f: &[f64],
+) {
+    let product = Product { inverse_mass: system.inverse_mass(), f };
+    system.workers().both(to, |r, x, v| next_stage((x, v), (&x_n[r.clone()], &v_n[r.clone()]), h, product.of(r)));
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn next_stage((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), h: f64, p: Product<'_>) {
+    let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
+    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
+        *x = x_n + h * *v;
+        *v = v_n + h * (inverse_mass * f);
+    }
+}
+
+/// x += h u, v += h M^-1 f
+pub(super) fn accumulate_slopes<S: System + ?Sized>(
+    system: &S,
+    to: (&mut [f64], &mut [f64]),
+    h: f64,
+    Slopes { u, f }: Slopes<'_>,
+) {
+    let product = Product { inverse_mass: system.inverse_mass(), f };
+    system.workers().both(to, |r, x, v| {
+        accumulate(x, h, &u[r.clone()]);
+        accumulate_product(v, h, product.of(r));
     });
 }
 
@@ -105,15 +153,6 @@ pub(super) fn acceleration<S: System + ?Sized>(system: &S, out: &mut [f64], f: &
     for ((out, f), inverse_mass) in out.iter_mut().zip(f).zip(system.inverse_mass()) {
         *out = inverse_mass * f;
     }
-}
-
-/// out += h M^-1 f
-pub(super) fn accumulate_kick<S: System + ?Sized>(system: &S, out: &mut [f64], h: f64, f: &[f64]) {
-    let product = Product { inverse_mass: system.inverse_mass(), f };
-    system.workers().each(out, |r, out| {
-        accumulate_product(out, h, product.of(r));
-        0.0
-    });
 }
 
 /// out += h M^-1 f
