@@ -81,11 +81,12 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::force::phases::tests::{elements, on_both, random, vectors};
 
-    struct Law<'a>(Column<'a>);
+    /// Pulls with given forces [N].
+    pub struct Law<'a>(pub Column<'a>);
 
     impl PullLaw for Law<'_> {
         #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::force::phases::tests::{NODES, elements, random, vectors};
+use crate::force::pull::tests::Law;
 use crate::force::window::{Window, rows};
 use crate::model::quad::Portable;
 
@@ -55,16 +56,6 @@ fn every_element_has_one_place_and_fans_have_one_node() {
         }
         assert!((GROUP * groups) as f64 >= least * ends.len() as f64, "{groups} groups of {}", ends.len());
         assert!(order[GROUP * groups..].is_sorted_by_key(|placed| placed.element));
-    }
-}
-
-struct Law<'a>(Column<'a>);
-
-impl PullLaw for Law<'_> {
-    #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
-        let (l, force) = (square.sqrt(), self.0.quad(unit, number));
-        Pull { scale: (force / l).where_positive(l), amount: force * l }
     }
 }
 
