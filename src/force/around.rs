@@ -11,6 +11,7 @@ use super::sweep::{Sweep, Terms};
 use super::threads::{SUMS, Threads};
 use crate::model::forces::Tally;
 use crate::model::system::Around;
+use crate::model::workers::Workers;
 use bytemuck::cast_slice;
 use glam::DVec3;
 use std::ops::Range;
@@ -19,6 +20,8 @@ use std::ops::Range;
 pub struct Moving<'a> {
     /// [s]
     pub t: f64,
+    /// number of the first node
+    pub first: usize,
     /// [m]
     pub x: &'a mut [f64],
     /// [m/s]
@@ -28,16 +31,32 @@ pub struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    pub(super) fn before(&mut self, nodes: Range<usize>, threads: &Threads) {
-        let (first, dofs) = (3 * nodes.start, 3 * nodes.start..3 * nodes.end);
-        let around = self.around;
-        threads.workers().both((&mut self.x[dofs.clone()], &mut self.v[dofs]), |r, x, v| {
+    /// Moves some of the nodes.
+    pub(super) fn before(&mut self, nodes: Range<usize>, workers: &Workers) {
+        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
+        let (first, around) = (3 * nodes.start, self.around);
+        workers.both((&mut self.x[dofs.clone()], &mut self.v[dofs]), |r, x, v| {
             around.before(first + r.start..first + r.end, x, v);
         });
     }
 
+    /// Of the nodes that are here.
     pub(super) fn state(&self) -> NodeState<'_> {
         NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
+    }
+
+    /// Some of the nodes.
+    pub(super) fn within(&mut self, nodes: Range<usize>) -> Moving<'_> {
+        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
+        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
+        Moving { t: self.t, first: nodes.start, x, v, around: self.around }
+    }
+
+    /// The nodes before one, and the others.
+    pub(super) fn split(self, at: usize) -> [Self; 2] {
+        let Moving { t, first, x, v, around } = self;
+        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
+        [Moving { t, first, x, v, around }, Moving { t, first: at, x: x_after, v: v_after, around }]
     }
 }
 
@@ -51,8 +70,8 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         // Before the pool is entered: a worker that waits for its share may begin another caller's pass meanwhile.
-        let mut room = self.room(Needs { terms: terms.count(), levels: 1, keeps: false }, &out);
-        self.steps(Steps { terms, moving, then: Then::Done, threads }, out, &mut room);
+        let mut room = self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false }, &out);
+        self.steps((Steps { terms, then: Then::Done, threads }, moving), out, &mut room);
         room.add_up(0, tallies);
     }
 
@@ -66,8 +85,8 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         let keeps = terms.still();
-        let mut room = self.room(Needs { terms: terms.count(), levels: 2, keeps }, &out);
-        self.steps(Steps { terms, moving, then: Then::Again, threads }, out, &mut room);
+        let mut room = self.room(Needs { terms: terms.count(), levels: 2, threads: 1, keeps }, &out);
+        self.steps((Steps { terms, then: Then::Again, threads }, moving), out, &mut room);
         room.add_up(if keeps { 0 } else { 1 }, tallies);
     }
 }
@@ -86,7 +105,7 @@ pub(super) mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::{Arc, Mutex};
 
-    pub const NODES: usize = 500;
+    pub const NODES: usize = 800;
 
     /// Dashpots to the node after the next 30 in the first sum, links to the next node in the first or in the last.
     pub struct Pairs {
@@ -164,7 +183,7 @@ pub(super) mod tests {
         if let Way::Apart = way {
             around.before(0..3 * NODES, &mut x, &mut v);
         } else {
-            let moving = Moving { t: 0.0, x: &mut x, v: &mut v, around: &around };
+            let moving = Moving { t: 0.0, first: 0, x: &mut x, v: &mut v, around: &around };
             let out = sums.each_mut().map(Vec::as_mut_slice);
             match way {
                 Way::Twice => sweep.pass_twice((terms, moving), threads, out, &mut tallies),
@@ -261,7 +280,7 @@ pub(super) mod tests {
     /// Whatever the tiles and threads, the second of two passes at the same positions has the bits of one of its own, and still terms are not asked again.
     #[test]
     fn a_second_pass_goes_over_what_velocities_change() {
-        for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
+        for (strip, records) in [(NODES, 900), (16, 300), (16, 60), (40, 50)] {
             for (threads, still) in [1, 2, 3].into_iter().flat_map(|n| [(n, true), (n, false)]) {
                 let scene = damped(Limits { strip, records }, still);
                 let threads = Threads::new(threads).expect("threads");
@@ -281,7 +300,7 @@ pub(super) mod tests {
     /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has its turn once.
     #[test]
     fn the_way_through_changes_nothing() {
-        for (strip, records) in [(500, 600), (16, 300), (16, 60), (40, 50)] {
+        for (strip, records) in [(NODES, 900), (16, 300), (16, 60), (40, 50)] {
             let scene = terms(Limits { strip, records });
             let (expected, _) = found(&scene, &Threads::one(), Way::Apart);
             for threads in [1, 2, 3] {

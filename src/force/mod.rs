@@ -33,6 +33,7 @@ pub mod coefficient;
 pub mod edges;
 mod fans;
 pub mod follower_pressure;
+mod fronts;
 pub mod gravity;
 pub mod neighbours;
 pub mod nodal;

@@ -27,7 +27,7 @@ impl Sweep {
         passed: &mut [Passed],
     ) {
         let n = mass.len();
-        moving.before(0..n, threads);
+        moving.before(0..n, threads.workers());
         let windows = &mut *threads.windows(0);
         let Windows { x, v, sums: [f, m, _] } = windows;
         let [x, v, f, m] = [x, v, f, m].map(Window::records);

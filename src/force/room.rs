@@ -1,6 +1,6 @@
 //! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its strips.
 
-use super::stride::Level;
+use super::fronts::Fronts;
 use super::threads::SUMS;
 use super::tiling::Tiling;
 use super::window::Padded;
@@ -13,19 +13,19 @@ use std::ops::Range;
 #[derive(Debug, Default)]
 pub(super) struct Room {
     /// what each sum gets beyond the strips' ends
-    pub beyond: [Vec<Padded>; SUMS],
+    beyond: [Vec<Padded>; SUMS],
     /// of the pass
     terms: usize,
-    tiles: usize,
-    /// level after level, tile after tile, term after term
+    levels: usize,
+    /// tile after tile, level after level, term after term
     tallies: Vec<Tally>,
-    /// [-] largest l^2/l0^2 of springs, level after level, tile after tile
+    /// [-] largest l^2/l0^2 of springs, tile after tile, level after level
     stretches: Vec<f64>,
-    /// level after level, strip after strip
-    pub nodes: Vec<NodeSums>,
-    pub levels: Vec<Level>,
+    /// strip after strip, level after level
+    nodes: Vec<NodeSums>,
     /// forces of the still terms, tile after tile, where they are kept
     kept: Vec<Padded>,
+    pub fronts: Fronts,
 }
 
 /// What passes need.
@@ -33,99 +33,110 @@ pub(super) struct Room {
 pub(super) struct Needs {
     pub terms: usize,
     pub levels: usize,
+    /// that may go over several levels side by side
+    pub threads: usize,
     /// whether forces of still terms are kept
     pub keeps: bool,
 }
 
-/// Some strips and where their sums go.
+/// Some strips and where their sums go, those of all levels.
 pub(super) struct Part<'a> {
     pub strips: Range<usize>,
     pub out: [&'a mut [DVec3]; SUMS],
     pub beyond: [&'a mut [Padded]; SUMS],
     pub tallies: &'a mut [Tally],
     pub stretches: &'a mut [f64],
+    pub nodes: &'a mut [NodeSums],
     /// empty where nothing is kept
     pub kept: &'a mut [Padded],
+    pub levels: usize,
 }
 
 impl Room {
-    /// Makes room for passes into sums of these sizes. All levels are at their beginning.
-    pub fn fit(&mut self, tiling: &Tiling, Needs { terms, levels, keeps }: Needs, out: &[&mut [DVec3]; SUMS]) {
+    /// Makes room for passes into sums of these sizes, with fronts at their beginning.
+    pub fn fit(&mut self, tiling: &Tiling, Needs { terms, levels, threads, keeps }: Needs, out: &[&mut [DVec3]; SUMS]) {
         for (beyond, _) in self.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
             beyond.resize(tiling.beyond().len(), Padded::default());
         }
-        (self.terms, self.tiles) = (terms, tiling.tiles().len());
-        self.tallies.resize(levels * self.tiles * terms, Tally::default());
-        self.stretches.resize(levels * self.tiles, f64::NEG_INFINITY);
-        self.nodes.resize(levels * tiling.strips().len(), NodeSums::default());
-        self.levels.clear();
-        self.levels.resize(levels, Level::default());
+        let tiles = tiling.tiles().len();
+        (self.terms, self.levels) = (terms, levels);
+        self.tallies.resize(tiles * levels * terms, Tally::default());
+        self.stretches.resize(tiles * levels, f64::NEG_INFINITY);
+        self.nodes.resize(tiling.strips().len() * levels, NodeSums::default());
+        self.fronts.plan(tiling, levels, threads);
         if keeps {
-            self.kept.resize(tiling.records_of(0..self.tiles).len(), Padded::default());
+            self.kept.resize(tiling.records_of(0..tiles).len(), Padded::default());
         }
     }
 
-    /// The places of some strips, in one of the levels.
-    pub fn part<'a>(
-        &'a mut self,
-        tiling: &Tiling,
-        (level, strips): (usize, Range<usize>),
-        out: &'a mut [&mut [DVec3]; SUMS],
-    ) -> Part<'a> {
-        let (nodes, tiles) = (tiling.nodes_of(strips.clone()), tiling.tiles_of(strips.clone()));
-        let beyond = tiling.beyond_of(tiles.clone());
-        let of_level = level * self.tiles * self.terms;
-        Part {
-            out: out.each_mut().map(|out| if out.is_empty() { &mut **out } else { &mut out[nodes.clone()] }),
-            beyond: self.beyond.each_mut().map(|sums| sums.get_mut(beyond.clone()).unwrap_or_default()),
-            tallies: &mut self.tallies[of_level..][tiles.start * self.terms..tiles.end * self.terms],
-            kept: self.kept.get_mut(tiling.records_of(tiles.clone())).unwrap_or_default(),
-            stretches: &mut self.stretches[level * self.tiles..][tiles],
-            strips,
-        }
+    /// All strips, and the fronts.
+    pub fn parts<'a>(&'a mut self, tiling: &Tiling, out: [&'a mut [DVec3]; SUMS]) -> (Part<'a>, &'a mut Fronts) {
+        let Room { beyond, tallies, stretches, nodes, kept, fronts, levels, .. } = self;
+        let (beyond, strips) = (beyond.each_mut().map(Vec::as_mut_slice), tiling.strips());
+        (Part { strips, out, beyond, tallies, stretches, nodes, kept, levels: *levels }, fronts)
     }
 
     /// Adds up energies and powers of every term, tile after tile, in one of the levels.
     pub fn add_up(&self, level: usize, tallies: &mut [Tally]) {
         tallies.fill(Tally::default());
-        let size = self.tiles * self.terms;
-        for by_tile in self.tallies[level * size..][..size].chunks(self.terms.max(1)) {
+        let terms = self.terms.max(1);
+        for by_tile in self.tallies.chunks(terms).skip(level).step_by(self.levels) {
             tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
         }
     }
 
     /// What the nodes are like in one of the levels, strip after strip.
     pub fn node_sums(&self, level: usize) -> NodeSums {
-        let strips = self.nodes.len() / self.levels.len().max(1);
-        self.nodes[level * strips..][..strips].iter().fold(NodeSums::default(), |sums, next| sums.and(*next))
+        let of_level = self.nodes.iter().skip(level).step_by(self.levels);
+        of_level.fold(NodeSums::default(), |sums, next| sums.and(*next))
     }
 
     /// [-] The largest stretch in one of the levels.
     pub fn largest_stretch(&self, level: usize) -> f64 {
-        self.stretches[level * self.tiles..][..self.tiles].iter().copied().fold(f64::NEG_INFINITY, f64::max)
+        self.stretches.iter().skip(level).step_by(self.levels).copied().fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
 impl Part<'_> {
+    /// Some of the strips.
+    pub fn within(&mut self, tiling: &Tiling, strips: Range<usize>) -> Part<'_> {
+        let all = Part {
+            strips: self.strips.clone(),
+            out: self.out.each_mut().map(|out| &mut **out),
+            beyond: self.beyond.each_mut().map(|beyond| &mut **beyond),
+            tallies: self.tallies,
+            stretches: self.stretches,
+            nodes: self.nodes,
+            kept: self.kept,
+            levels: self.levels,
+        };
+        let [_, from] = all.split(tiling, strips.start);
+        let [within, _] = from.split(tiling, strips.end);
+        within
+    }
+
     /// The strips before one, and the others.
     pub fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
-        let Part { strips, out, beyond, tallies, stretches, kept } = self;
+        let Part { strips, out, beyond, tallies, stretches, nodes, kept, levels } = self;
         let (before, after) = (strips.start..at, at..strips.end);
         let (tiles, terms) = (tiling.tiles_of(before.clone()), tallies.len() / stretches.len().max(1));
         let (out, out_after) = halves(out, tiling.nodes_of(before.clone()).len());
         let (beyond, beyond_after) = halves(beyond, tiling.beyond_of(tiles.clone()).len());
-        let (tallies, tallies_after) = tallies.split_at_mut(terms * tiles.len());
-        let (stretches, stretches_after) = stretches.split_at_mut(tiles.len());
+        let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * levels * terms);
+        let (stretches, stretches_after) = stretches.split_at_mut(tiles.len() * levels);
+        let (nodes, nodes_after) = nodes.split_at_mut(before.len() * levels);
         let (kept, kept_after) = kept.split_at_mut(tiling.records_of(tiles.clone()).len().min(kept.len()));
         [
-            Part { strips: before, out, beyond, tallies, stretches, kept },
+            Part { strips: before, out, beyond, tallies, stretches, nodes, kept, levels },
             Part {
                 strips: after,
                 out: out_after,
                 beyond: beyond_after,
                 tallies: tallies_after,
                 stretches: stretches_after,
+                nodes: nodes_after,
                 kept: kept_after,
+                levels,
             },
         ]
     }

@@ -1,21 +1,24 @@
 //! Force passes of one step, or of several steps at once, each a few strips behind the one before it (time skewing).
 //!
-//! A level is one of these passes: that of the first step, of the next one, or the second pass of the same step. The strips of a level are done in rounds. A round can begin
-//! as soon as all nodes that its elements reach are complete in the level before, and were moved on. Since elements belong to the strip of their smallest
-//! node, the level before does not need those nodes any more: all happens in place, and sums of a level overwrite those of the level before. Of the levels
-//! that can go on the highest goes first, so that it finds its nodes in cache.
+//! The strips of every level ([`super::fronts`]) are done in rounds. A round can begin as soon as all nodes that its elements reach are complete in the level before,
+//! and were moved on. Since elements belong to the strip of their smallest node, the level before does not need those nodes any more: all happens in
+//! place, and sums of a level overwrite those of the level before.
 
+use super::NodeState;
 use super::around::Moving;
-use super::room::{Needs, Room};
-use super::sweep::{Round, Still, Sweep, Terms, Work, by_node, wants};
+use super::fronts::{Ahead, Front, most_levels};
+use super::room::{Needs, Part, Room};
+use super::sweep::{Nodal, Still, Sweep, Terms, Work, by_node, wants};
 use super::threads::{SUMS, Threads};
-use crate::model::stride::{Kicks, NodeSums, Nodes, Passed};
+use super::tiling::{Beyond, Tiling};
+use crate::model::stride::{Kicks, LONGEST, NodeSums, Nodes, Passed};
+use crate::model::workers::{ALONE, Workers};
 use bytemuck::cast_slice_mut;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Strips in a round for each of several threads, enough that none waits long for another: in one step, and in several, where a cache is to hold those
+/// Strips in a round for each of several threads that share a front, enough that none waits long for another: in one step, and in several, where a cache is to hold those
 /// of all levels.
 const STRIPS: [usize; 2] = [4, 2];
 
@@ -42,14 +45,13 @@ pub(super) enum Then<'a> {
 }
 
 /// One step, or several levels with something between them.
-pub(super) struct Steps<'a, 'm, T: ?Sized> {
+pub(super) struct Steps<'a, T: ?Sized> {
     pub terms: &'a T,
-    pub moving: Moving<'m>,
     pub then: Then<'a>,
     pub threads: &'a Threads,
 }
 
-impl<T: Terms + ?Sized> Steps<'_, '_, T> {
+impl<T: Terms + ?Sized> Steps<'_, T> {
     /// What a level does with forces that its velocities cannot change.
     fn still(&self, level: usize) -> Still {
         match self.then {
@@ -59,28 +61,32 @@ impl<T: Terms + ?Sized> Steps<'_, '_, T> {
     }
 }
 
-/// How far a step has come.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Level {
-    /// the first strip that is left
-    next: usize,
-    /// nodes whose forces are complete
-    complete: usize,
-    /// the first tile that may still give something to the others
-    oldest: usize,
-    /// whether its largest stretch is asked for
-    stretch: bool,
+/// Some strips, and the state of their nodes.
+struct Span<'a> {
+    part: Part<'a>,
+    moving: Moving<'a>,
 }
 
-/// Some strips, their nodes and tiles, and where the nodes end that their elements reach.
-struct Ahead {
-    strips: Range<usize>,
-    nodes: Range<usize>,
-    tiles: Range<usize>,
-    reach: usize,
+impl Span<'_> {
+    fn within(&mut self, tiling: &Tiling, strips: Range<usize>) -> Span<'_> {
+        let moving = self.moving.within(tiling.nodes_of(strips.clone()));
+        Span { part: self.part.within(tiling, strips), moving }
+    }
+
+    /// The strips before one, and the others.
+    fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
+        let [before, after] = self.moving.split(tiling.nodes_of(at..at).start);
+        let [part, others] = self.part.split(tiling, at);
+        [Span { part, moving: before }, Span { part: others, moving: after }]
+    }
 }
 
 impl Sweep {
+    /// How many steps a stride may have that is worth while.
+    pub fn longest_stride<T: Terms + ?Sized>(&self, terms: &T, threads: &Threads) -> usize {
+        if self.resides(terms) { LONGEST } else { most_levels(&self.tiling, threads.count()) }
+    }
+
     /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first. Sums, state and what is told of every step
     /// have the bits of steps made one by one.
     pub fn stride<T: Terms + ?Sized>(
@@ -94,12 +100,12 @@ impl Sweep {
         if self.resides(terms) {
             return self.stride_in_windows((terms, moving), between, threads, out, passed);
         }
-        let needs = Needs { terms: terms.count(), levels: passed.len(), keeps: false };
+        let needs = Needs { terms: terms.count(), levels: passed.len(), threads: threads.count(), keeps: false };
         let mut room = self.room(needs, &out);
-        for (level, passed) in room.levels.iter_mut().zip(&*passed) {
-            level.stretch = passed.stretch_wanted;
+        for (number, level) in room.fronts.levels() {
+            level.stretch = passed[number].stretch_wanted;
         }
-        self.steps(Steps { terms, moving, then: Then::Next(between), threads }, out, &mut room);
+        self.steps((Steps { terms, then: Then::Next(between), threads }, moving), out, &mut room);
         for (level, passed) in passed.iter_mut().enumerate() {
             passed.tallies.resize(terms.count(), Default::default());
             room.add_up(level, &mut passed.tallies);
@@ -109,107 +115,133 @@ impl Sweep {
     }
 
     /// A step for every level of `room`.
-    pub(super) fn steps<T: Terms + ?Sized>(&self, steps: Steps<'_, '_, T>, out: [&mut [DVec3]; SUMS], room: &mut Room) {
-        match steps.threads.workers().pool().filter(|_| self.tiling.strips().len() > 1) {
-            None => self.rounds(steps, 1, out, room),
-            Some(pool) => {
-                let strips = STRIPS[usize::from(room.levels.len() > 1)] * pool.current_num_threads();
-                pool.install(|| self.rounds(steps, strips, out, room));
+    pub(super) fn steps<T: Terms + ?Sized>(
+        &self,
+        (steps, moving): (Steps<'_, T>, Moving<'_>),
+        out: [&mut [DVec3]; SUMS],
+        room: &mut Room,
+    ) {
+        let tiling = &self.tiling;
+        let (part, fronts) = room.parts(tiling, out);
+        let mut span = Span { part, moving };
+        let pool = steps.threads.workers().pool().filter(|_| tiling.strips().len() > 1);
+        let [parts, seams] = fronts.all();
+        if let (Some(pool), [_, ..]) = (pool, &*parts) {
+            pool.install(|| self.side_by_side(&steps, parts, span.within(tiling, tiling.strips())));
+        }
+        for front in seams {
+            let span = span.within(tiling, front.strips.clone());
+            match pool {
+                None => self.rounds(&steps, (front, 1), span, &ALONE),
+                Some(pool) => {
+                    let strips = STRIPS[usize::from(front.levels.len() > 1)] * pool.current_num_threads();
+                    pool.install(|| self.rounds(&steps, (front, strips), span, steps.threads.workers()));
+                }
             }
         }
     }
 
+    /// Every front by one thread.
+    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, fronts: &mut [Front], span: Span<'_>) {
+        match fronts {
+            [] => {}
+            [front] => self.rounds(steps, (front, 1), span, &ALONE),
+            _ => {
+                let (left, right) = fronts.split_at_mut(fronts.len() / 2);
+                let [before, after] = span.split(&self.tiling, right[0].strips.start);
+                rayon::join(|| self.side_by_side(steps, left, before), || self.side_by_side(steps, right, after));
+            }
+        }
+    }
+
+    /// A front to its end, so many strips at once.
     fn rounds<T: Terms + ?Sized>(
         &self,
-        mut steps: Steps<'_, '_, T>,
-        strips: usize,
-        mut out: [&mut [DVec3]; SUMS],
-        room: &mut Room,
+        steps: &Steps<'_, T>,
+        (front, strips): (&mut Front, usize),
+        mut span: Span<'_>,
+        workers: &Workers,
     ) {
-        let (tiling, mut moved) = (&self.tiling, 0);
-        let mut levels = std::mem::take(&mut room.levels);
-        while let Some((number, ahead)) = self.next_round(&levels, strips) {
-            let level = &mut levels[number];
-            if number == 0 && ahead.reach > moved {
-                steps.moving.before(moved..ahead.reach, steps.threads);
-                moved = ahead.reach;
+        let tiling = &self.tiling;
+        while let Some(ahead) = front.ahead(tiling, strips) {
+            let level = ahead.level;
+            let until = ahead.reach.min(front.unmoved.end);
+            if level == 0 && until > front.unmoved.start {
+                span.moving.before(front.unmoved.start..until, workers);
+                front.unmoved.start = until;
             }
-            let (still, terms, threads) = (steps.still(number), steps.terms, steps.threads);
-            let (wants, at) = (wants(terms, still), steps.moving.state());
-            let work = Work { terms, wants, stretch: level.stretch, still, at, threads, tiling };
-            // What is taken has its energies where they were left.
-            let account = if still == Still::Taken { number - 1 } else { number };
-            work.run(room.part(tiling, (account, ahead.strips.clone()), &mut out));
-            while level.oldest < ahead.tiles.start && tiling.tiles()[level.oldest].reach.end <= ahead.nodes.start {
-                level.oldest += 1;
-            }
-            (level.next, level.complete) = (ahead.strips.end, ahead.nodes.end);
-            let round = Round { nodes: ahead.nodes, tiles: level.oldest..ahead.tiles.end };
-            self.complete((round, ahead.strips), (number, levels.len()), &mut steps, &mut out, room);
+            let (still, terms, state) = (steps.still(level), steps.terms, span.moving.state());
+            // Forces in strides see windows alone.
+            let at = match steps.then {
+                Then::Next(_) => NodeState { x: &[], v: &[], ..state },
+                Then::Again | Then::Done => state,
+            };
+            let work = Work {
+                terms,
+                wants: wants(terms, still),
+                stretch: front.levels[level].stretch,
+                still,
+                // What is taken has its energies where they were left.
+                level: if still == Still::Taken { level - 1 } else { level },
+                at,
+                nodal: Nodal { first: span.moving.first, x: state.x, v: state.v },
+                threads: steps.threads,
+                workers,
+                tiling,
+            };
+            work.run(span.part.within(tiling, ahead.strips.clone()));
+            let tiles = front.advance(tiling, &ahead);
+            self.complete(steps, (ahead, tiles), &mut span, workers);
         }
-        room.levels = levels;
     }
 
-    /// The highest level that can go on, and with what.
-    fn next_round(&self, levels: &[Level], strips: usize) -> Option<(usize, Ahead)> {
-        (0..levels.len()).rev().find_map(|number| {
-            let ahead = self.ahead(&levels[number], strips)?;
-            (number == 0 || ahead.reach <= levels[number - 1].complete).then_some((number, ahead))
-        })
-    }
-
-    /// The next strips of a level; `None` at its end.
-    fn ahead(&self, level: &Level, strips: usize) -> Option<Ahead> {
-        let end = self.tiling.strips().end;
-        let strips = level.next..(level.next + strips).min(end);
-        if strips.is_empty() {
-            return None;
-        }
-        let (nodes, tiles) = (self.tiling.nodes_of(strips.clone()), self.tiling.tiles_of(strips.clone()));
-        let reach = self.tiling.tiles()[tiles.clone()].iter().fold(nodes.end, |most, plan| most.max(plan.reach.end));
-        Some(Ahead { strips, nodes, tiles, reach })
-    }
-
-    /// Adds what came from other strips to the sums of a round's nodes, and does what comes after, strip by strip.
+    /// Adds what came from other strips to the sums of nodes, and does what comes after, strip by strip.
     fn complete<T: Terms + ?Sized>(
         &self,
-        (round, strips): (Round, Range<usize>),
-        (level, levels): (usize, usize),
-        Steps { moving, then, threads, .. }: &mut Steps<'_, '_, T>,
-        [total, others @ ..]: &mut [&mut [DVec3]; SUMS],
-        room: &mut Room,
+        steps: &Steps<'_, T>,
+        (Ahead { level, completed, .. }, tiles): (Ahead, Range<usize>),
+        Span { part, moving }: &mut Span<'_>,
+        workers: &Workers,
     ) {
-        let [total_beyond, others_beyond @ ..] = &room.beyond;
-        for (out, beyond) in others.iter_mut().zip(others_beyond) {
-            self.add_beyond(&round, threads, beyond, out);
+        let tiling = &self.tiling;
+        let nodes = tiling.nodes_of(completed.clone());
+        let of_span = nodes.start - moving.first..nodes.end - moving.first;
+        let first = tiling.beyond_of(tiling.tiles_of(part.strips.clone())).start;
+        let [total_beyond, others_beyond @ ..] = part.beyond.each_ref().map(|sums| Beyond { first, sums });
+        let [total, others @ ..] = &mut part.out;
+        for (out, beyond) in others.iter_mut().zip(others_beyond).filter(|(out, _)| !out.is_empty()) {
+            tiling.add_beyond_by(workers, tiles.clone(), beyond, (nodes.start, &mut out[of_span.clone()]));
         }
-        let Round { nodes, tiles } = round;
-        let (around, then, dofs) = (moving.around, *then, 3 * nodes.start..3 * nodes.end);
-        let strip = |i: usize, [f, x, v]: [&mut [f64]; 3], sums: &mut NodeSums| {
-            let first = dofs.start + i * 3 * self.tiling.strip();
+        let (around, then, dofs) = (moving.around, steps.then, 3 * of_span.start..3 * of_span.end);
+        let (size, last) = (3 * tiling.strip(), level + 1 == part.levels);
+        let strip = |i: usize, [f, x, v]: [&mut [f64]; 3], sums: &mut [NodeSums]| {
+            let first = 3 * nodes.start + i * size;
             let r = first..first + f.len();
-            self.tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
+            tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
             match then {
                 Then::Next(Between { kicks, mass, inverse_mass }) => {
                     let (mass, inverse_mass) = (&mass[r.start / 3..r.end / 3], &inverse_mass[r]);
-                    *sums = kicks.end(Nodes::<3> { mass, inverse_mass, x, v, f }, level + 1 < levels);
+                    sums[level] = kicks.end(Nodes::<3> { mass, inverse_mass, x, v, f }, !last);
                 }
                 Then::Again if level > 0 => {}
                 Then::Again | Then::Done => around.after(r, v, f),
             }
         };
-        let size = 3 * self.tiling.strip();
-        let f: &mut [f64] = cast_slice_mut(&mut total[nodes.clone()]);
-        let (x, v) = (&mut moving.x[dofs.clone()], &mut moving.v[dofs.clone()]);
-        let sums = &mut room.nodes[level * self.tiling.strips().len()..][strips];
-        match threads.workers().pool().filter(|_| sums.len() > 1) {
+        let f: &mut [f64] = cast_slice_mut(&mut total[of_span]);
+        let (x, v) = (&mut moving.x[dofs.clone()], &mut moving.v[dofs]);
+        let levels = part.levels;
+        let of_part = completed.start - part.strips.start..completed.end - part.strips.start;
+        let sums = &mut part.nodes[levels * of_part.start..levels * of_part.end];
+        match workers.pool().filter(|_| completed.len() > 1) {
             None => {
-                let parts = f.chunks_mut(size).zip(x.chunks_mut(size)).zip(v.chunks_mut(size)).zip(sums);
+                let parts =
+                    f.chunks_mut(size).zip(x.chunks_mut(size)).zip(v.chunks_mut(size)).zip(sums.chunks_mut(levels));
                 parts.enumerate().for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
             }
             Some(_) => {
-                let parts = f.par_chunks_mut(size).zip(x.par_chunks_mut(size)).zip(v.par_chunks_mut(size)).zip(sums);
-                parts.enumerate().for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
+                let parts = f.par_chunks_mut(size).zip(x.par_chunks_mut(size)).zip(v.par_chunks_mut(size));
+                let parts = parts.zip(sums.par_chunks_mut(levels)).enumerate();
+                parts.for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
             }
         }
     }

@@ -9,9 +9,10 @@ use super::batch::{Summand, Wants};
 use super::room::{Needs, Part, Room};
 use super::threads::{SUMS, Threads, Windows};
 use super::tile::Tile;
-use super::tiling::{Plan, Tiling};
+use super::tiling::{Beyond, Plan, Tiling};
 use super::window::{Padded, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
 use crate::model::forces::Tally;
+use crate::model::workers::Workers;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -58,9 +59,27 @@ pub(super) struct Work<'a, T: ?Sized> {
     /// whether the largest stretch is looked for
     pub stretch: bool,
     pub still: Still,
+    /// in which level energies and powers are told
+    pub level: usize,
+    /// what kernels see besides windows
     pub at: NodeState<'a>,
+    /// what windows are filled from
+    pub nodal: Nodal<'a>,
     pub threads: &'a Threads,
+    /// all of them, or the one that this is done by
+    pub workers: &'a Workers,
     pub tiling: &'a Tiling,
+}
+
+/// The state of all nodes from one of them on, or of those that elements reach.
+#[derive(Clone, Copy)]
+pub(super) struct Nodal<'a> {
+    /// its number
+    pub first: usize,
+    /// [m]
+    pub x: &'a [DVec3],
+    /// [m/s]
+    pub v: &'a [DVec3],
 }
 
 /// What becomes of the forces of still terms.
@@ -81,12 +100,6 @@ impl Still {
     }
 }
 
-/// The nodes of some strips, and tiles that hold all whose elements reach them.
-pub(super) struct Round {
-    pub nodes: Range<usize>,
-    pub tiles: Range<usize>,
-}
-
 impl Sweep {
     /// Cuts `nodes` nodes into tiles and tells every summand its elements.
     pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
@@ -103,35 +116,21 @@ impl Sweep {
         &self,
         (terms, at): (&T, NodeState<'_>),
         threads: &Threads,
-        mut out: [&mut [DVec3]; SUMS],
+        out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room(Needs { terms: terms.count(), levels: 1, keeps: false }, &out);
-        let still = Still::Found;
-        let work = Work { terms, wants: wants(terms, still), stretch: false, still, at, threads, tiling: &self.tiling };
-        work.run(room.part(&self.tiling, (0, self.tiling.strips()), &mut out));
-        let all = Round { nodes: self.tiling.nodes_of(self.tiling.strips()), tiles: 0..self.tiling.tiles().len() };
-        for (out, beyond) in out.iter_mut().zip(&room.beyond) {
-            self.add_beyond(&all, threads, beyond, out);
+        let mut room = self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false }, &out);
+        let (tiling, workers) = (&self.tiling, threads.workers());
+        let (still, nodal) = (Still::Found, Nodal { first: 0, x: at.x, v: at.v });
+        let wants = wants(terms, still);
+        let work = Work { terms, wants, stretch: false, still, level: 0, at, nodal, threads, workers, tiling };
+        let (mut all, _) = room.parts(tiling, out);
+        work.run(all.within(tiling, tiling.strips()));
+        for (out, sums) in all.out.into_iter().zip(all.beyond).filter(|(out, _)| !out.is_empty()) {
+            tiling.add_beyond_by(workers, 0..tiling.tiles().len(), Beyond { first: 0, sums }, (0, out));
         }
         room.add_up(0, tallies);
-    }
-
-    /// Adds to a sum, unless it is empty, what a round's nodes get from beyond the strips of its tiles.
-    pub(super) fn add_beyond(
-        &self,
-        Round { nodes, tiles }: &Round,
-        threads: &Threads,
-        beyond: &[Padded],
-        out: &mut [DVec3],
-    ) {
-        if !out.is_empty() {
-            threads.workers().each(bytemuck::cast_slice_mut(&mut out[nodes.clone()]), |dofs, out| {
-                self.tiling.add_beyond(tiles.clone(), beyond, (nodes.start + dofs.start / 3, by_node(out)));
-                0.0
-            });
-        }
     }
 
     /// A sum over the nodes, strip after strip.
@@ -172,7 +171,7 @@ pub(super) fn wants<T: Terms + ?Sized>(terms: &T, still: Still) -> Wants {
 impl<T: Terms + ?Sized> Work<'_, T> {
     /// Fills the places of some strips.
     pub(super) fn run(&self, part: Part<'_>) {
-        match self.threads.workers().pool().filter(|_| part.strips.len() > 1) {
+        match self.workers.pool().filter(|_| part.strips.len() > 1) {
             None => self.in_order(part),
             Some(pool) => pool.install(|| self.side_by_side(part)),
         }
@@ -182,23 +181,24 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         while part.strips.len() > 1 {
             let next = part.strips.start + 1;
             let [one, others] = part.split(self.tiling, next);
-            self.strip(one, &mut self.threads.windows(0));
+            self.strip(one);
             part = others;
         }
-        self.strip(part, &mut self.threads.windows(0));
+        self.strip(part);
     }
 
     fn side_by_side(&self, part: Part<'_>) {
         if part.strips.len() <= 1 {
-            return self.strip(part, &mut self.threads.windows(rayon::current_thread_index().unwrap_or(0)));
+            return self.strip(part);
         }
         let middle = part.strips.start + part.strips.len() / 2;
         let [left, right] = part.split(self.tiling, middle);
         rayon::join(|| self.side_by_side(left), || self.side_by_side(right));
     }
 
-    fn strip(&self, part: Part<'_>, windows: &mut Windows) {
-        let Part { strips, mut out, mut beyond, tallies, stretches, mut kept } = part;
+    fn strip(&self, part: Part<'_>) {
+        let Part { strips, mut out, mut beyond, tallies, stretches, mut kept, levels, .. } = part;
+        let windows = &mut *self.threads.windows(rayon::current_thread_index().unwrap_or(0));
         let numbers = self.tiling.tiles_of(strips);
         let first = self.tiling.beyond_of(numbers.clone()).start;
         let count = self.terms.count();
@@ -207,7 +207,9 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             let (own_kept, others_kept) =
                 std::mem::take(&mut kept).split_at_mut_checked(plan.records()).unwrap_or_default();
             kept = others_kept;
-            stretches[i] = self.tile((number, own_kept), windows, &out, &mut tallies[i * count..(i + 1) * count]);
+            let level = i * levels + self.level;
+            let tallies = &mut tallies[level * count..(level + 1) * count];
+            stretches[level] = self.tile((number, own_kept), windows, &out, tallies);
             let place = plan.beyond.start - first..plan.beyond.end - first;
             for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
                 if !out.is_empty() {
@@ -235,10 +237,10 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         let Windows { x, v, sums } = windows;
         let (x, v) = (x.records(), v.records());
         if self.wants.x {
-            self.load(plan, self.at.x, x);
+            self.load(plan, self.nodal.x, x);
         }
         if self.wants.v {
-            self.load(plan, self.at.v, v);
+            self.load(plan, self.nodal.v, v);
         }
         let sums = sums.each_mut().map(Window::records);
         let mut present = sums.into_iter().zip(out).map(|(sum, out)| (!out.is_empty()).then_some(sum));
@@ -276,13 +278,14 @@ impl<T: Terms + ?Sized> Work<'_, T> {
 
     /// Copies a nodal vector into a tile's window.
     fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
+        let first = self.nodal.first;
         let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
-        copy_rows(&from[plan.own.clone()], own);
+        copy_rows(&from[plan.own.start - first..plan.own.end - first], own);
         match plan.run {
-            Some(first) => copy_rows(&from[first..first + others.len()], others),
+            Some(run) => copy_rows(&from[run - first..][..others.len()], others),
             None => {
                 for (to, &node) in others.iter_mut().zip(&self.tiling.beyond()[plan.beyond.clone()]) {
-                    let from = from[node as usize];
+                    let from = from[node as usize - first];
                     *to = [from.x, from.y, from.z, 0.0];
                 }
             }

@@ -54,6 +54,11 @@ impl Threads {
         &self.workers
     }
 
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.windows.len()
+    }
+
     /// The windows of a thread of the pool.
     pub(super) fn windows(&self, thread: usize) -> MutexGuard<'_, Windows> {
         self.windows[thread % self.windows.len()].lock().unwrap_or_else(PoisonError::into_inner)

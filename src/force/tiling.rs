@@ -6,6 +6,8 @@
 
 use super::batch::Summand;
 use super::window::{Padded, RECORD, add_rows};
+use crate::model::workers::Workers;
+use bytemuck::cast_slice_mut;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -31,6 +33,8 @@ pub(super) struct Tiling {
     first_tile: Vec<usize>,
     /// nodes beyond the ends of strips, tile after tile
     beyond: Vec<u32>,
+    /// where the nodes end that some strips from the first on reach, by their number: of none, of one, ... of all
+    reach: Vec<usize>,
 }
 
 /// What one tile owns.
@@ -56,6 +60,14 @@ impl Plan {
     }
 }
 
+/// What some tiles give to the nodes beyond their strips.
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<'a> {
+    /// where they begin among those of all tiles
+    pub first: usize,
+    pub sums: &'a [Padded],
+}
+
 /// How large tiles may be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -71,8 +83,8 @@ impl Tiling {
     }
 
     pub(super) fn within(limits: Limits, nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
-        let mut tiling =
-            Tiling { nodes, strip: limits.strip, tiles: Vec::new(), first_tile: vec![0], beyond: Vec::new() };
+        let (strip, tiles, beyond) = (limits.strip, Vec::new(), Vec::new());
+        let mut tiling = Tiling { nodes, strip, tiles, first_tile: vec![0], beyond, reach: vec![0] };
         let mut cutter = Cutter { next: vec![0; summands.len()], place: vec![None; nodes], records: limits.records };
         for start in (0..nodes).step_by(limits.strip) {
             let own = start..(start + limits.strip).min(nodes);
@@ -80,6 +92,8 @@ impl Tiling {
             while cutter.cut(own.clone(), opens_strip, &mut tiling, summands) {
                 opens_strip = false;
             }
+            let (before, first) = (tiling.reach_of(tiling.strips().end), tiling.first_tile[tiling.strips().end]);
+            tiling.reach.push(tiling.tiles[first..].iter().fold(before, |most, plan| most.max(plan.reach.end)));
             tiling.first_tile.push(tiling.tiles.len());
         }
         tiling
@@ -104,6 +118,22 @@ impl Tiling {
         self.first_tile[strips.start]..self.first_tile[strips.end]
     }
 
+    /// Where the nodes end that so many strips from the first on reach, their own among them.
+    pub(super) fn reach_of(&self, strips: usize) -> usize {
+        self.reach[strips]
+    }
+
+    /// The first strip that reaches beyond the beginning of another; how many there are, if none does.
+    pub(super) fn first_beyond(&self, strip: usize) -> usize {
+        let limit = self.nodes_of(strip..strip).start;
+        self.reach[1..].partition_point(|&reach| reach <= limit)
+    }
+
+    /// The first strip that none before another reaches.
+    pub(super) fn first_unreached(&self, strip: usize) -> usize {
+        self.reach[strip].div_ceil(self.strip)
+    }
+
     pub(super) fn tiles(&self) -> &[Plan] {
         &self.tiles
     }
@@ -114,13 +144,13 @@ impl Tiling {
     }
 
     /// Adds what tiles give to nodes beyond their strips to those that begin with `first`, tile after tile.
-    pub(super) fn add_beyond(&self, tiles: Range<usize>, sums: &[Padded], (first, out): (usize, &mut [DVec3])) {
+    pub(super) fn add_beyond(&self, tiles: Range<usize>, beyond: Beyond<'_>, (first, out): (usize, &mut [DVec3])) {
         let end = first + out.len();
         for plan in self.tiles[tiles].iter().filter(|plan| plan.reach.start < end && first < plan.reach.end) {
             let nodes = &self.beyond[plan.beyond.clone()];
             let below = |limit: usize| nodes.partition_point(|&node| (node as usize) < limit);
             let [from, to] = [below(first), below(end)];
-            let sums = &sums[plan.beyond.clone()][from..to];
+            let sums = &beyond.sums[plan.beyond.start - beyond.first..][from..to];
             match plan.run {
                 Some(run) => add_rows(sums, &mut out[(run + from).saturating_sub(first)..][..sums.len()]),
                 None => {
@@ -130,6 +160,20 @@ impl Tiling {
                 }
             }
         }
+    }
+
+    /// The same on several threads.
+    pub(super) fn add_beyond_by(
+        &self,
+        workers: &Workers,
+        tiles: Range<usize>,
+        beyond: Beyond<'_>,
+        (first, out): (usize, &mut [DVec3]),
+    ) {
+        workers.each(cast_slice_mut(out), |dofs, out| {
+            self.add_beyond(tiles.clone(), beyond, (first + dofs.start / 3, cast_slice_mut(out)));
+            0.0
+        });
     }
 
     /// The part of some tiles in the list of all tiles' records.

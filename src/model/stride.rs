@@ -10,18 +10,9 @@ pub use kicks::{Kicks, Nodes};
 
 use super::bounds::Bounds;
 use super::forces::Tally;
-use super::workers::Workers;
 
 /// Steps of a stride at most: so many that what begins and ends one is next to nothing.
 pub const LONGEST: usize = 32;
-
-/// Steps at most that follow each other through a large scene: what they all work on still fits into a third-level cache. Several threads work on more at once.
-pub fn longest_skewed(workers: &Workers) -> usize {
-    match workers.pool() {
-        None => 8,
-        Some(_) => 4,
-    }
-}
 
 /// What is left of a state within a stride.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::{LONGEST, Passed, longest_skewed};
+use crate::model::stride::Passed;
 use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
@@ -228,12 +228,12 @@ impl System for Network {
     }
 
     fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around };
+        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
         self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
     }
 
     fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around };
+        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
         self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
     }
 
@@ -241,8 +241,7 @@ impl System for Network {
         let from_positions = |info: &TermInfo| matches!(info.role, Role::Elastic | Role::Gravity);
         match self.infos.iter().all(from_positions) {
             false => 0,
-            true if self.sweep.resides(self) => LONGEST,
-            true => longest_skewed(self.workers()),
+            true => self.sweep.longest_stride(self, &self.threads),
         }
     }
 
@@ -250,7 +249,7 @@ impl System for Network {
         if self.longest_stride() < 2 {
             return false;
         }
-        let moving = Moving { t: at.t, x: &mut at.x, v: &mut at.v, around: scheme };
+        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around: scheme };
         let between = Between { kicks: scheme.kicks(), mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
             self.sweep.stride((self, moving), between, &self.threads, sums, passed);

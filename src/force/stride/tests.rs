@@ -66,7 +66,7 @@ fn in_a_stride((terms, sweep): &(Pairs, Sweep), threads: &Threads, steps: usize)
     let mut found = Found::start();
     let mut passed = vec![Passed::default(); steps];
     let Found { forces, x, v, told } = &mut found;
-    let moving = Moving { t: 0.0, x, v, around: &Scheme };
+    let moving = Moving { t: 0.0, first: 0, x, v, around: &Scheme };
     let [mass, inverse_mass] = masses();
     let between = Between { kicks: KICKS, mass: &mass, inverse_mass: &inverse_mass };
     sweep.stride((terms, moving), between, threads, forces.each_mut().map(Vec::as_mut_slice), &mut passed);
@@ -103,11 +103,18 @@ fn one_by_one((terms, sweep): &(Pairs, Sweep), steps: usize) -> Found {
 /// tile whose nodes stay in its windows.
 #[test]
 fn steps_in_one_go_have_the_bits_of_steps_one_by_one() -> Result<(), ThreadPoolBuildError> {
-    for (strip, records, sum_of_links) in
-        [(500, 600, 0), (500, 600, 2), (250, 600, 2), (64, 300, 0), (16, 300, 2), (16, 60, 2), (40, 50, 2)]
-    {
+    for (strip, records, sum_of_links) in [
+        (NODES, 900, 0),
+        (NODES, 900, 2),
+        (250, 600, 2),
+        (64, 300, 0),
+        (32, 300, 0),
+        (16, 300, 2),
+        (16, 60, 2),
+        (40, 50, 2),
+    ] {
         let scene = terms_with(Limits { strip, records }, sum_of_links);
-        assert_eq!(scene.1.resides(&scene.0), strip == 500 && sum_of_links == 0);
+        assert_eq!(scene.1.resides(&scene.0), strip == NODES && sum_of_links == 0);
         for steps in [1, 2, 3, 8] {
             let expected = one_by_one(&scene, steps);
             assert!(expected.forces[0].iter().chain(&expected.forces[2]).all(|f| f.is_finite()));
