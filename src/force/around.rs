@@ -69,7 +69,6 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
-        // Before the pool is entered: a worker that waits for its share may begin another caller's pass meanwhile.
         let mut room = self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false }, &out);
         self.steps((Steps { terms, then: Then::Done, threads }, moving), out, &mut room);
         room.add_up(0, tallies);
@@ -200,19 +199,22 @@ pub(super) mod tests {
         ((sums, tallies, x, v), around)
     }
 
-    /// Several callers of one scene wait for each other, whichever pass they make.
+    /// Several callers of one scene find what each finds alone, whichever pass they make, on threads of the pool and on others.
     #[test]
-    fn callers_take_turns() {
+    fn callers_do_not_meet() {
         let scene = terms(Limits { strip: 16, records: 60 });
         let threads = Threads::new(2).expect("threads");
-        let pass = |way: Way| {
-            let ([first, _, last], ..) = found(&scene, &threads, way).0;
-            assert!(first.iter().chain(&last).all(|f| f.is_finite()));
+        let alone = [Way::Apart, Way::Around].map(|way| found(&scene, &Threads::one(), way).0);
+        assert!(alone[0].0[0].iter().chain(&alone[0].0[2]).all(|f| f.is_finite()));
+        let pass = |i: usize| {
+            let found = found(&scene, &threads, [Way::Apart, Way::Around][i]).0;
+            assert!(found == alone[i]);
         };
         std::thread::scope(|scope| {
             for i in 0..4 {
-                scope.spawn(move || (0..300).for_each(|_| pass(if i == 0 { Way::Apart } else { Way::Around })));
+                scope.spawn(move || (0..300).for_each(|_| pass(usize::from(i > 0))));
             }
+            (0..300).for_each(|i| pass(i % 2));
         });
     }
 

@@ -45,6 +45,7 @@ pub mod relative_dashpot;
 mod resident;
 mod room;
 pub mod series;
+mod shelf;
 pub mod slack;
 pub mod spring;
 mod stretch;

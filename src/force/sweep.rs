@@ -7,6 +7,7 @@
 use super::NodeState;
 use super::batch::{Summand, Wants};
 use super::room::{Needs, Part, Room};
+use super::shelf::{Shelf, Taken};
 use super::threads::{SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::tiling::{Beyond, Plan, Tiling};
@@ -16,7 +17,6 @@ use crate::model::workers::Workers;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a pass adds up.
 pub trait Terms: Sync {
@@ -47,9 +47,9 @@ impl<S: Summand> Terms for [S] {
 #[derive(Debug)]
 pub struct Sweep {
     pub(super) tiling: Tiling,
-    room: Mutex<Room>,
+    room: Shelf<Room>,
     /// of a sum over strips
-    parts: Mutex<Vec<f64>>,
+    parts: Shelf<Vec<f64>>,
 }
 
 /// What a pass reads, and with which threads.
@@ -107,7 +107,7 @@ impl Sweep {
     }
 
     pub(super) fn of(tiling: Tiling) -> Self {
-        Sweep { tiling, room: Mutex::default(), parts: Mutex::default() }
+        Sweep { tiling, room: Shelf::default(), parts: Shelf::default() }
     }
 
     /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
@@ -140,8 +140,7 @@ impl Sweep {
         match threads.workers().pool().filter(|_| strips.len() > 1) {
             None => strips.map(of).sum(),
             Some(pool) => {
-                // Before the pool is entered, as for a pass.
-                let mut parts = self.parts.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut parts = self.parts.take();
                 parts.resize(strips.len(), 0.0);
                 let parts = &mut **parts;
                 pool.install(|| parts.par_iter_mut().zip(strips).for_each(|(part, strip)| *part = of(strip)));
@@ -151,8 +150,8 @@ impl Sweep {
     }
 
     /// Room for passes into sums of these sizes.
-    pub(super) fn room(&self, needs: Needs, out: &[&mut [DVec3]; SUMS]) -> MutexGuard<'_, Room> {
-        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+    pub(super) fn room(&self, needs: Needs, out: &[&mut [DVec3]; SUMS]) -> Taken<'_, Room> {
+        let mut room = self.room.take();
         room.fit(&self.tiling, needs, out);
         room
     }

@@ -14,13 +14,13 @@ use std::ops::Range;
 /// Records in a window at most: as many as 16 bits can tell apart.
 const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 
-/// Nodes of a strip at least and at most: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
+/// Nodes of a strip at least and at most, or a little less: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
 /// less than what lies in it.
 const LEAST: usize = 2048;
 const MOST: usize = 4096;
 
 /// Strips at least, where these bounds allow: work for many threads.
-const STRIPS: usize = 32;
+const STRIPS: usize = 64;
 
 /// The tiles of a scene.
 #[derive(Debug)]
@@ -68,6 +68,15 @@ pub(super) struct Beyond<'a> {
     pub sums: &'a [Padded],
 }
 
+/// Nodes of a strip in a scene of so many: all strips are of one size, and an even number of them, or four times any, gives several threads equally much to do.
+fn strip_of(nodes: usize) -> usize {
+    let strips = nodes.div_ceil(nodes.div_ceil(STRIPS).clamp(LEAST, MOST));
+    match strips {
+        0..=1 => LEAST,
+        _ => nodes.div_ceil(strips.next_multiple_of(strips.min(4).next_multiple_of(2))).next_multiple_of(8),
+    }
+}
+
 /// How large tiles may be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -78,7 +87,7 @@ pub(super) struct Limits {
 impl Tiling {
     /// Cuts `nodes` nodes into tiles and tells every summand its elements.
     pub(super) fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
-        let strip = nodes.div_ceil(STRIPS).next_multiple_of(8).clamp(LEAST, MOST);
+        let strip = strip_of(nodes);
         Tiling::within(Limits { strip, records: RECORDS }, nodes, summands)
     }
 
@@ -334,6 +343,14 @@ mod tests {
         assert_eq!((tiling.tiles.len(), tiling.beyond.len(), none.tiles), (13, 12, 13));
         assert_eq!((tiling.nodes_of(1..3), tiling.nodes_of(12..13), tiling.tiles_of(3..5)), (8..24, 96..100, 3..5));
         assert_eq!((tiling.beyond_of(2..4), tiling.beyond_of(12..13)), (2..4, 12..12));
+    }
+
+    #[test]
+    fn strips_of_a_scene_are_even() {
+        let strips = |nodes: usize| nodes.div_ceil(strip_of(nodes));
+        assert_eq!([1, 2048, 2049, 4096, 4097, 10_000, 65_537].map(strips), [1, 1, 2, 2, 4, 8, 36]);
+        assert_eq!([131_072, 131_073, 1_000_000].map(strips), [64, 64, 248]);
+        assert!((2049..300_000).step_by(7).all(|nodes| strips(nodes) % 2 == 0 && strip_of(nodes) <= MOST));
     }
 
     #[test]

@@ -6,22 +6,30 @@
 use super::lanes::{LANES, Lanes};
 use multiversion::multiversion;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::cell::OnceCell;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Pieces at most.
 const PIECES: usize = 64;
 /// Entries a piece at least: enough to outweigh its hand-over. A multiple of every block that loops work in.
-const PIECE: usize = 3 * 8192;
+const PIECE: usize = 3 * 2048;
 
 /// The threads that loops over a scene's nodes may use.
 #[derive(Debug, Default)]
-pub struct Workers(Option<rayon::ThreadPool>);
+pub struct Workers(Option<Arc<ThreadPool>>);
+
+thread_local! {
+    /// A pool that this thread is one of: it neither hands work over nor has to be woken when that is done.
+    static OWN: OnceCell<Arc<ThreadPool>> = const { OnceCell::new() };
+}
 
 /// The only thread there is.
 pub static ALONE: Workers = Workers(None);
 
 impl Workers {
-    /// `n` threads; 0 and 1 mean the caller's own, and no pool is made.
+    /// `n` threads, the caller's own among them unless it is one of another pool; 0 and 1 mean that alone, and no pool is made.
     ///
     /// # Errors
     /// When the operating system gives no threads.
@@ -29,12 +37,21 @@ impl Workers {
         if n <= 1 {
             return Ok(Workers(None));
         }
-        Ok(Workers(Some(rayon::ThreadPoolBuilder::new().num_threads(n).build()?)))
+        let builder = || ThreadPoolBuilder::new().num_threads(n);
+        let shared = OWN.with(|own| {
+            if own.get().is_none()
+                && let Ok(pool) = builder().use_current_thread().build()
+            {
+                let _ = own.set(Arc::new(pool));
+            }
+            own.get().filter(|pool| pool.current_num_threads() == n).cloned()
+        });
+        Ok(Workers(Some(shared.map_or_else(|| builder().build().map(Arc::new), Ok)?)))
     }
 
     /// The pool, if there is more than one thread.
-    pub fn pool(&self) -> Option<&rayon::ThreadPool> {
-        self.0.as_ref()
+    pub fn pool(&self) -> Option<&ThreadPool> {
+        self.0.as_deref()
     }
 
     /// Calls `work` for pieces of `out` with their ranges; returns the sum of what it returns.
