@@ -53,11 +53,12 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    let build = |n| build_network(sheet(SIDE, 2e-6), Threads::new(n).expect("threads")).expect("the fixture is sound");
+    let build =
+        |n| build_network(sheet(SIDE, 2e-6), Threads::with_caller(n).expect("threads")).expect("the fixture is sound");
     let (one, two) = (build(1), build(2));
     let (nodes, springs) = (one.n_dof() / 3, one.force_terms().next().expect("springs").elements());
     let mut steps = [&one, &two].map(|scene| Steps::new(scene, "velocity-verlet", 1e-6));
-    let workers = [Workers::default(), Workers::new(2).expect("threads")];
+    let workers = [Workers::default(), Workers::with_caller(2).expect("threads")];
     let n = 8_000_000;
     let mut triad = Triad(vec![0.0; n], vec![1.0; n], vec![2.0; n]);
     let mut times = [const { Vec::new() }; 6];

@@ -27,13 +27,13 @@ pub enum SetupError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// Builds the scene of a case for `threads` threads.
+/// Builds the scene of a case for `threads` threads, the calling one among them ([`Threads::with_caller`]).
 ///
 /// # Errors
 /// A specification that contradicts itself, or no threads.
 pub fn build_scene(system: SystemSpec, threads: usize) -> Result<Box<dyn Scene>, SetupError> {
     Ok(match system {
-        SystemSpec::Network(spec) => Box::new(build_network(*spec, Threads::new(threads)?)?),
+        SystemSpec::Network(spec) => Box::new(build_network(*spec, Threads::with_caller(threads)?)?),
         SystemSpec::Pendulum(spec) => Box::new(Pendulum::new(spec)),
     })
 }

@@ -41,11 +41,15 @@ fn scene(with_air: bool) -> Network {
 
 /// A sheet of springs; one of 5,041 nodes is large, so that force passes go over it strip by strip.
 fn sheet(side: u32) -> Network {
+    sheet_for(side, Threads::one())
+}
+
+fn sheet_for(side: u32, threads: Threads) -> Network {
     let mut spec = square(side, 10.0);
     spec.fixed[0] = [true; 3];
     spec.springs = vec![spring_group(&spec, Slack::None)];
     spec.gravity = Some([0.0, 0.0, -9.81]);
-    build_network(spec, Threads::one()).expect("the fixture is sound")
+    build_network(spec, threads).expect("the fixture is sound")
 }
 
 /// Heap blocks allocated by `steps` steps after ten steps of warm-up.
@@ -151,7 +155,11 @@ fn main() {
             assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
         }
     }
+    // So many nodes that each of two threads has a part of its own in a stride.
+    let shared = sheet_for(260, Threads::with_caller(2).expect("threads"));
+    assert_eq!(shared.longest_stride(), 8, "parts and seams");
     for method in ["velocity-verlet", "euler-cromer"] {
+        assert_eq!(stride_blocks(&shared, method), 0, "strides of {method} on two threads");
         assert_eq!(stride_blocks(&large, method), 0, "strides of {method}");
         assert_eq!(stride_blocks(&sheet(20), method), 0, "strides of {method} in the windows of one tile");
     }

@@ -46,7 +46,7 @@ pub trait Summand: Send + Sync {
     }
 
     /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns
-    /// their energy [J] or power [W]. What follows from positions alone reads them in the tile's window: `tile.at` has none within a stride (`resident`).
+    /// their energy [J] or power [W]. What follows from positions alone reads them in the tile's window: `tile.at` has none within a stride.
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
 
     /// [-] Largest l^2/l0^2 of the springs among a tile's elements; -inf where there is none.

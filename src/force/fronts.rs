@@ -25,9 +25,9 @@ const SEAMS: usize = 3;
 pub(super) struct Level {
     /// the strips that are left
     pub strips: Range<usize>,
-    /// the strips whose nodes are left to be completed: elements of other fronts reach the first or the last of those above
+    /// strips whose nodes this front completes and has not yet. A part leaves those at its left edge, which elements of strips before it reach, to the seam
     pub open: Range<usize>,
-    /// nodes before this one are complete; once no strip is left, all that the next level reaches
+    /// up to this node the next level may reach
     pub complete: usize,
     /// the first tile that may still give something to the nodes that are left
     pub oldest: usize,
@@ -59,7 +59,7 @@ pub(super) struct Ahead {
 #[derive(Debug, Default)]
 pub(super) struct Fronts {
     parts: Vec<Front>,
-    seams: Vec<Front>,
+    others: Vec<Front>,
     /// how many of both are used; the others keep their room
     used: [usize; 2],
 }
@@ -103,11 +103,18 @@ impl Front {
         })
     }
 
+    /// The nodes that are to be moved before some strips are gone over; takes note of them.
+    pub fn move_for(&mut self, ahead: &Ahead) -> Range<usize> {
+        let Range { start, end } = self.unmoved;
+        self.unmoved.start = if ahead.level > 0 { start } else { ahead.reach.clamp(start, end) };
+        start..self.unmoved.start
+    }
+
     /// Takes note of what was done; returns the tiles that give something to the nodes that are now complete.
     pub fn advance(&mut self, tiling: &Tiling, ahead: &Ahead) -> Range<usize> {
         let level = &mut self.levels[ahead.level];
         let first = tiling.nodes_of(ahead.completed.clone()).start;
-        let end = tiling.tiles_of(0..ahead.completed.end.max(ahead.strips.end)).end;
+        let end = tiling.tiles_of(0..ahead.completed.end).end;
         let tiles = tiling.tiles();
         while level.oldest < end && tiles[level.oldest].reach.end <= first {
             level.oldest += 1;
@@ -124,22 +131,23 @@ impl Fronts {
     /// Fronts for so many threads.
     pub fn plan(&mut self, tiling: &Tiling, levels: usize, threads: usize) {
         let parts = if divides(tiling, levels, threads) { threads } else { 0 };
+        // Without parts one front over everything.
         self.used = [parts, parts.saturating_sub(1).max(1)];
-        for (fronts, used) in [&mut self.parts, &mut self.seams].into_iter().zip(self.used) {
+        for (fronts, used) in [&mut self.parts, &mut self.others].into_iter().zip(self.used) {
             fronts.resize_with(used.max(fronts.len()), Front::default);
         }
-        let [of_parts, seams] = self.all();
-        of_parts.iter_mut().chain(&mut *seams).for_each(|front| front.begin(tiling, levels));
+        let [of_parts, others] = self.all();
+        of_parts.iter_mut().chain(&mut *others).for_each(|front| front.begin(tiling, levels));
         for number in 1..parts {
             let (left, right) = of_parts.split_at_mut(number);
             let sides = (&mut left[number - 1], &mut right[0]);
-            seams[number - 1].between(tiling, boundary(tiling, parts, number), sides);
+            others[number - 1].between(tiling, boundary(tiling, parts, number), sides);
         }
     }
 
-    /// Those to be gone over side by side, if any, and those after them.
+    /// Parts, if there are any, and what is to be gone over after them: their seams, or else the whole scene.
     pub fn all(&mut self) -> [&mut [Front]; 2] {
-        [&mut self.parts[..self.used[0]], &mut self.seams[..self.used[1]]]
+        [&mut self.parts[..self.used[0]], &mut self.others[..self.used[1]]]
     }
 
     /// All levels of all fronts.

@@ -3,10 +3,10 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Where it is kept. No lock is held while it is in use: a thread of a pool that waits for its share of a pass may begin another caller's pass meanwhile, which then
-/// has room of its own.
+/// Where it is kept, one for each of those who have used it at the same time. No lock is held while it is in use: a thread of a pool that waits for its share of
+/// a pass may begin another caller's pass meanwhile, which then has room of its own.
 #[derive(Debug, Default)]
-pub(super) struct Shelf<T>(Mutex<T>);
+pub(super) struct Shelf<T>(Mutex<Vec<T>>);
 
 /// Is put back in the end.
 pub(super) struct Taken<'a, T: Default> {
@@ -15,9 +15,10 @@ pub(super) struct Taken<'a, T: Default> {
 }
 
 impl<T: Default> Shelf<T> {
-    /// What was put back last, or a new one while that is in use.
+    /// What was put back last; a new one, if all are in use.
     pub fn take(&self) -> Taken<'_, T> {
-        Taken { what: std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner)), shelf: self }
+        let what = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Taken { what: what.unwrap_or_default(), shelf: self }
     }
 }
 
@@ -37,7 +38,8 @@ impl<T: Default> DerefMut for Taken<'_, T> {
 
 impl<T: Default> Drop for Taken<'_, T> {
     fn drop(&mut self) {
-        *self.shelf.0.lock().unwrap_or_else(PoisonError::into_inner) = std::mem::take(&mut self.what);
+        let what = std::mem::take(&mut self.what);
+        self.shelf.0.lock().unwrap_or_else(PoisonError::into_inner).push(what);
     }
 }
 
@@ -51,9 +53,12 @@ mod tests {
         {
             let mut first = shelf.take();
             first.push(1);
-            assert!(shelf.take().is_empty(), "in use");
+            let mut second = shelf.take();
+            assert!(second.is_empty(), "the first is in use");
+            second.push(2);
         }
-        assert_eq!(*shelf.take(), [1]);
-        assert_eq!(*shelf.take(), [1], "put back unchanged");
+        let (first, second) = (shelf.take(), shelf.take());
+        assert_eq!((&**first, &**second), (&[1][..], &[2][..]));
+        assert!(shelf.take().is_empty());
     }
 }

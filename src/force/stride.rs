@@ -22,6 +22,9 @@ use std::ops::Range;
 /// of all levels.
 const STRIPS: [usize; 2] = [4, 2];
 
+/// So many seams are gone over side by side, fewer one after the other by all threads.
+const SEAMS: usize = 3;
+
 /// What is to be done where one step of several ends.
 #[derive(Clone, Copy)]
 pub struct Between<'a> {
@@ -125,23 +128,22 @@ impl Sweep {
         let (part, fronts) = room.parts(tiling, out);
         let mut span = Span { part, moving };
         let pool = steps.threads.workers().pool().filter(|_| tiling.strips().len() > 1);
-        let [parts, seams] = fronts.all();
-        if let (Some(pool), [_, ..]) = (pool, &*parts) {
-            pool.install(|| self.side_by_side(&steps, parts, span.within(tiling, tiling.strips())));
-        }
-        for front in seams {
-            let span = span.within(tiling, front.strips.clone());
-            match pool {
-                None => self.rounds(&steps, (front, 1), span, &ALONE),
-                Some(pool) => {
-                    let strips = STRIPS[usize::from(front.levels.len() > 1)] * pool.current_num_threads();
-                    pool.install(|| self.rounds(&steps, (front, strips), span, steps.threads.workers()));
-                }
+        let [parts, others] = fronts.all();
+        let Some(pool) = pool else { return self.side_by_side(&steps, others, span) };
+        pool.install(|| {
+            self.side_by_side(&steps, parts, span.within(tiling, tiling.strips()));
+            if others.len() >= SEAMS {
+                return self.side_by_side(&steps, others, span);
             }
-        }
+            for front in others {
+                let span = span.within(tiling, front.strips.clone());
+                let strips = STRIPS[usize::from(front.levels.len() > 1)] * pool.current_num_threads();
+                self.rounds(&steps, (front, strips), span, steps.threads.workers());
+            }
+        });
     }
 
-    /// Every front by one thread.
+    /// Every front by one thread, or all by the only one.
     fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, fronts: &mut [Front], span: Span<'_>) {
         match fronts {
             [] => {}
@@ -165,10 +167,9 @@ impl Sweep {
         let tiling = &self.tiling;
         while let Some(ahead) = front.ahead(tiling, strips) {
             let level = ahead.level;
-            let until = ahead.reach.min(front.unmoved.end);
-            if level == 0 && until > front.unmoved.start {
-                span.moving.before(front.unmoved.start..until, workers);
-                front.unmoved.start = until;
+            let moved = front.move_for(&ahead);
+            if !moved.is_empty() {
+                span.moving.before(moved, workers);
             }
             let (still, terms, state) = (steps.still(level), steps.terms, span.moving.state());
             // Forces in strides see windows alone.

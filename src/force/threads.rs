@@ -2,6 +2,7 @@
 
 use super::window::Window;
 use crate::model::workers::Workers;
+use rayon::{ThreadPool, ThreadPoolBuildError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Sums of a pass at most.
@@ -36,17 +37,30 @@ impl Default for Threads {
 }
 
 impl Threads {
+    fn of(workers: Workers) -> Self {
+        let n = workers.pool().map_or(1, ThreadPool::current_num_threads);
+        Threads { workers, windows: (0..n).map(|_| Mutex::default()).collect() }
+    }
+
     /// One thread: no pool is made.
     pub fn one() -> Self {
-        Threads { workers: Workers::default(), windows: vec![Mutex::default()] }
+        Threads::of(Workers::default())
     }
 
     /// `n` threads (0 and 1 mean one).
     ///
     /// # Errors
     /// When the operating system gives no threads.
-    pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        Ok(Threads { workers: Workers::new(n)?, windows: (0..n.max(1)).map(|_| Mutex::default()).collect() })
+    pub fn new(n: usize) -> Result<Self, ThreadPoolBuildError> {
+        Ok(Threads::of(Workers::new(n)?))
+    }
+
+    /// The same with the calling thread as one of them, for scenes that are used on it: see [`Workers::with_caller`].
+    ///
+    /// # Errors
+    /// When the operating system gives no threads.
+    pub fn with_caller(n: usize) -> Result<Self, ThreadPoolBuildError> {
+        Ok(Threads::of(Workers::with_caller(n)?))
     }
 
     /// The threads, for loops over nodes.

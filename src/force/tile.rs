@@ -12,7 +12,7 @@ pub struct Tile<'a> {
     pub number: usize,
     /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where an earlier tile of the strip has them
     pub own: Range<usize>,
-    /// the whole scene's state; within a stride (`resident`) no nodes, and the time of its end
+    /// the whole scene's state; within a stride no nodes, and the time of its end
     pub at: NodeState<'a>,
     /// [m] positions of the windows' nodes, if some term wants them
     pub x: &'a Records,

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Records in a window at most: as many as 16 bits can tell apart.
 const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 
-/// Nodes of a strip at least and at most, or a little less: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
+/// Nodes of a strip, before their number is rounded, at least and at most: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
 /// less than what lies in it.
 const LEAST: usize = 2048;
 const MOST: usize = 4096;
@@ -68,7 +68,7 @@ pub(super) struct Beyond<'a> {
     pub sums: &'a [Padded],
 }
 
-/// Nodes of a strip in a scene of so many: all strips are of one size, and an even number of them, or four times any, gives several threads equally much to do.
+/// Nodes of a strip in a scene of so many: two strips, or four times some number (up to some 500, where one more or less matters little), give several threads equally much to do.
 fn strip_of(nodes: usize) -> usize {
     let strips = nodes.div_ceil(nodes.div_ceil(STRIPS).clamp(LEAST, MOST));
     match strips {

@@ -6,7 +6,7 @@
 use super::lanes::{LANES, Lanes};
 use multiversion::multiversion;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,24 +29,35 @@ thread_local! {
 pub static ALONE: Workers = Workers(None);
 
 impl Workers {
-    /// `n` threads, the caller's own among them unless it is one of another pool; 0 and 1 mean that alone, and no pool is made.
+    /// `n` threads; 0 and 1 mean the caller's own, and no pool is made.
     ///
     /// # Errors
     /// When the operating system gives no threads.
-    pub fn new(n: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+    pub fn new(n: usize) -> Result<Self, ThreadPoolBuildError> {
         if n <= 1 {
             return Ok(Workers(None));
         }
-        let builder = || ThreadPoolBuilder::new().num_threads(n);
+        Ok(Workers(Some(Arc::new(ThreadPoolBuilder::new().num_threads(n).build()?))))
+    }
+
+    /// The same with the calling thread as one of them, which saves a hand-over each time; to be used on that thread, since on others there is one less. The pool
+    /// stays as long as the thread, whose own parallel loops go to it too. A thread can be one of a single pool: a second with another number is as [`Workers::new`] makes it.
+    ///
+    /// # Errors
+    /// When the operating system gives no threads.
+    pub fn with_caller(n: usize) -> Result<Self, ThreadPoolBuildError> {
+        if n <= 1 {
+            return Ok(Workers(None));
+        }
         let shared = OWN.with(|own| {
             if own.get().is_none()
-                && let Ok(pool) = builder().use_current_thread().build()
+                && let Ok(pool) = ThreadPoolBuilder::new().num_threads(n).use_current_thread().build()
             {
                 let _ = own.set(Arc::new(pool));
             }
             own.get().filter(|pool| pool.current_num_threads() == n).cloned()
         });
-        Ok(Workers(Some(shared.map_or_else(|| builder().build().map(Arc::new), Ok)?)))
+        shared.map_or_else(|| Workers::new(n), |pool| Ok(Workers(Some(pool))))
     }
 
     /// The pool, if there is more than one thread.
@@ -134,6 +145,16 @@ fn piece(n: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thread_is_one_of_a_single_pool() {
+        let index =
+            |workers: &Workers| workers.pool().map(|pool| (pool.current_thread_index(), pool.current_num_threads()));
+        let [two, three, again] = [2, 3, 2].map(|n| Workers::with_caller(n).expect("threads"));
+        assert_eq!([&two, &three, &again].map(index), [Some((Some(0), 2)), Some((None, 3)), Some((Some(0), 2))]);
+        assert_eq!(index(&Workers::with_caller(1).expect("no threads")), None);
+        assert_eq!(std::thread::scope(|scope| scope.spawn(|| index(&two)).join().expect("no panic")), Some((None, 2)));
+    }
 
     #[test]
     fn one_value_that_is_not_finite_is_found_wherever_it_is() {

@@ -1,8 +1,29 @@
 //! Fronts gone over without any forces.
 
 use super::*;
-use crate::force::around::tests::{NODES, terms_with};
+use crate::force::around::tests::NODES;
+use crate::force::coefficient::Coefficient;
+use crate::force::edges::EdgeBatch;
+use crate::force::phases::tests::random;
+use crate::force::relative_dashpot::RelativeData;
 use crate::force::tiling::Limits;
+
+/// Elements between nodes up to so many apart: all of them so far, or as it happens, with a few that reach far.
+fn tiling(limits: Limits, apart: u32, seed: Option<u64>) -> Tiling {
+    let mut random = random(seed.unwrap_or_default());
+    let mut at_most = |most: u32| ((random().abs() * f64::from(most)) as u32).min(most);
+    let nodes = (0..NODES as u32 - 1).map(|i| {
+        let left = NODES as u32 - 1 - i;
+        let reach = match seed {
+            None => apart,
+            Some(_) if at_most(60) == 0 => 1 + at_most(99),
+            Some(_) => 1 + at_most(apart - 1),
+        };
+        [i, i + reach.min(left)]
+    });
+    let data = RelativeData { nodes: nodes.collect(), coefficient: Coefficient::Uniform(2.0) };
+    Tiling::within(limits, NODES, &mut [&mut EdgeBatch::new(data)])
+}
 
 /// What was done so far, of all fronts.
 struct Done {
@@ -25,11 +46,7 @@ impl Done {
     /// Goes over a front, and looks that everything is there when it is needed and is needed no more when it is replaced.
     fn go_over(&mut self, tiling: &Tiling, front: &mut Front, at_once: usize) {
         while let Some(ahead) = front.ahead(tiling, at_once) {
-            let until = ahead.reach.min(front.unmoved.end);
-            if ahead.level == 0 && until > front.unmoved.start {
-                Done::take(&mut self.moved, front.unmoved.start..until);
-                front.unmoved.start = until;
-            }
+            Done::take(&mut self.moved, front.move_for(&ahead));
             let nodes = tiling.nodes_of(ahead.strips.clone()).start..ahead.reach;
             assert!(ahead.strips.start >= front.strips.start && ahead.strips.end <= front.strips.end);
             assert!(nodes.end <= tiling.nodes_of(front.strips.clone()).end);
@@ -59,10 +76,11 @@ impl Done {
 #[test]
 fn fronts_go_over_everything_in_time() {
     let mut divided = Vec::new();
-    for (strip, records) in [(NODES, 900), (250, 600), (64, 300), (32, 300), (16, 300), (16, 60), (8, 300), (5, 50)] {
-        let (_, sweep) = terms_with(Limits { strip, records }, 0);
-        let tiling = &sweep.tiling;
-        for (levels, threads) in [(1, 2), (2, 1), (2, 2), (3, 2), (2, 3), (4, 2), (8, 2), (2, 6)] {
+    let limits = [(NODES, 900), (250, 600), (64, 300), (32, 300), (16, 300), (16, 60), (8, 300), (5, 50)];
+    let elements = [(31, None), (4, None), (31, Some(1)), (9, Some(2)), (2, Some(3))];
+    for ((strip, records), (apart, seed)) in limits.into_iter().flat_map(|limit| elements.map(|of| (limit, of))) {
+        let tiling = &tiling(Limits { strip, records }, apart, seed);
+        for (levels, threads) in [(1, 2), (2, 1), (2, 2), (3, 2), (2, 3), (4, 2), (8, 2), (2, 6), (3, 5)] {
             let mut fronts = Fronts::default();
             fronts.plan(tiling, levels, threads);
             let strips = tiling.strips().len();
@@ -82,11 +100,13 @@ fn fronts_go_over_everything_in_time() {
             let all = done.strips.iter().chain(&done.nodes).chain([&done.moved]).flatten();
             assert!(all.into_iter().all(|done| *done), "strips of {strip}, {levels} levels, {threads} threads");
             if !parts.is_empty() {
-                divided.push((strip, levels, threads));
+                divided.push((strip, levels, threads, seed.is_some()));
             }
         }
     }
-    for cut in [(64, 2, 2), (32, 2, 3), (16, 4, 2), (32, 8, 2)] {
+    for cut in
+        [(64, 2, 2, false), (32, 2, 3, false), (32, 8, 2, false), (16, 2, 6, false), (16, 4, 2, true), (16, 2, 3, true)]
+    {
         assert!(divided.contains(&cut), "{divided:?}");
     }
 }
