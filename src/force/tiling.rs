@@ -17,7 +17,7 @@ const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 /// Nodes of a strip, before their number is rounded, at least and at most: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
 /// less than what lies in it.
 const LEAST: usize = 2048;
-const MOST: usize = 4096;
+const MOST: usize = 2560;
 
 /// Strips at least, where these bounds allow: work for many threads.
 const STRIPS: usize = 64;
@@ -349,7 +349,7 @@ mod tests {
     fn strips_of_a_scene_are_even() {
         let strips = |nodes: usize| nodes.div_ceil(strip_of(nodes));
         assert_eq!([1, 2048, 2049, 4096, 4097, 10_000, 65_537].map(strips), [1, 1, 2, 2, 4, 8, 36]);
-        assert_eq!([131_072, 131_073, 1_000_000].map(strips), [64, 64, 248]);
+        assert_eq!([131_072, 131_073, 1_000_000].map(strips), [64, 64, 392]);
         assert!((2049..300_000).step_by(7).all(|nodes| strips(nodes) % 2 == 0 && strip_of(nodes) <= MOST));
     }
 
