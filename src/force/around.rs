@@ -33,11 +33,8 @@ pub struct Moving<'a> {
 impl Moving<'_> {
     /// Moves some of the nodes.
     pub(super) fn before(&mut self, nodes: Range<usize>, workers: &Workers) {
-        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
-        let (first, around) = (3 * nodes.start, self.around);
-        workers.both((&mut self.x[dofs.clone()], &mut self.v[dofs]), |r, x, v| {
-            around.before(first + r.start..first + r.end, x, v);
-        });
+        let Moving { first, x, v, around, .. } = self.within(nodes);
+        workers.both((x, v), |r, x, v| around.before(3 * first + r.start..3 * first + r.end, x, v));
     }
 
     /// Of the nodes that are here.

@@ -4,11 +4,10 @@
 //! and were moved on. Since elements belong to the strip of their smallest node, the level before does not need those nodes any more: all happens in
 //! place, and sums of a level overwrite those of the level before.
 
-use super::NodeState;
 use super::around::Moving;
 use super::fronts::{Ahead, Front, most_levels};
 use super::room::{Needs, Part, Room};
-use super::sweep::{Nodal, Still, Sweep, Terms, Work, by_node, wants};
+use super::sweep::{Still, Sweep, Terms, Work, by_node, wants};
 use super::threads::{SUMS, Threads};
 use super::tiling::{Beyond, Tiling};
 use crate::model::stride::{Kicks, LONGEST, NodeSums, Nodes, Passed};
@@ -23,7 +22,7 @@ use std::ops::Range;
 const STRIPS: [usize; 2] = [4, 2];
 
 /// So many seams are gone over side by side, fewer one after the other by all threads.
-const SEAMS: usize = 3;
+const SIDE_BY_SIDE: usize = 3;
 
 /// What is to be done where one step of several ends.
 #[derive(Clone, Copy)]
@@ -132,7 +131,7 @@ impl Sweep {
         let Some(pool) = pool else { return self.side_by_side(&steps, others, span) };
         pool.install(|| {
             self.side_by_side(&steps, parts, span.within(tiling, tiling.strips()));
-            if others.len() >= SEAMS {
+            if others.len() >= SIDE_BY_SIDE {
                 return self.side_by_side(&steps, others, span);
             }
             for front in others {
@@ -171,12 +170,7 @@ impl Sweep {
             if !moved.is_empty() {
                 span.moving.before(moved, workers);
             }
-            let (still, terms, state) = (steps.still(level), steps.terms, span.moving.state());
-            // Forces in strides see windows alone.
-            let at = match steps.then {
-                Then::Next(_) => NodeState { x: &[], v: &[], ..state },
-                Then::Again | Then::Done => state,
-            };
+            let (still, terms) = (steps.still(level), steps.terms);
             let work = Work {
                 terms,
                 wants: wants(terms, still),
@@ -184,8 +178,9 @@ impl Sweep {
                 still,
                 // What is taken has its energies where they were left.
                 level: if still == Still::Taken { level - 1 } else { level },
-                at,
-                nodal: Nodal { first: span.moving.first, x: state.x, v: state.v },
+                at: span.moving.state(),
+                first: span.moving.first,
+                windows_alone: matches!(steps.then, Then::Next(_)),
                 threads: steps.threads,
                 workers,
                 tiling,

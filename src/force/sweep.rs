@@ -61,25 +61,16 @@ pub(super) struct Work<'a, T: ?Sized> {
     pub still: Still,
     /// in which level energies and powers are told
     pub level: usize,
-    /// what kernels see besides windows
+    /// of nodes from one of them on, as many as elements reach
     pub at: NodeState<'a>,
-    /// what windows are filled from
-    pub nodal: Nodal<'a>,
+    /// its number
+    pub first: usize,
+    /// whether kernels see no nodes but those of windows: in strides
+    pub windows_alone: bool,
     pub threads: &'a Threads,
     /// all of them, or the one that this is done by
     pub workers: &'a Workers,
     pub tiling: &'a Tiling,
-}
-
-/// The state of all nodes from one of them on, or of those that elements reach.
-#[derive(Clone, Copy)]
-pub(super) struct Nodal<'a> {
-    /// its number
-    pub first: usize,
-    /// [m]
-    pub x: &'a [DVec3],
-    /// [m/s]
-    pub v: &'a [DVec3],
 }
 
 /// What becomes of the forces of still terms.
@@ -122,9 +113,9 @@ impl Sweep {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
         let mut room = self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false }, &out);
         let (tiling, workers) = (&self.tiling, threads.workers());
-        let (still, nodal) = (Still::Found, Nodal { first: 0, x: at.x, v: at.v });
-        let wants = wants(terms, still);
-        let work = Work { terms, wants, stretch: false, still, level: 0, at, nodal, threads, workers, tiling };
+        let (still, level, first) = (Still::Found, 0, 0);
+        let (wants, stretch, windows_alone) = (wants(terms, still), false, false);
+        let work = Work { terms, wants, stretch, still, level, at, first, windows_alone, threads, workers, tiling };
         let (mut all, _) = room.parts(tiling, out);
         work.run(all.within(tiling, tiling.strips()));
         for (out, sums) in all.out.into_iter().zip(all.beyond).filter(|(out, _)| !out.is_empty()) {
@@ -236,10 +227,10 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         let Windows { x, v, sums } = windows;
         let (x, v) = (x.records(), v.records());
         if self.wants.x {
-            self.load(plan, self.nodal.x, x);
+            self.load(plan, self.at.x, x);
         }
         if self.wants.v {
-            self.load(plan, self.nodal.v, v);
+            self.load(plan, self.at.v, v);
         }
         let sums = sums.each_mut().map(Window::records);
         let mut present = sums.into_iter().zip(out).map(|(sum, out)| (!out.is_empty()).then_some(sum));
@@ -252,7 +243,8 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             }
         }
         let own = if plan.opens_strip { plan.own.clone() } else { 0..0 };
-        let tile = Tile { number, own, at: self.at, x, v };
+        let at = if self.windows_alone { NodeState { x: &[], v: &[], ..self.at } } else { self.at };
+        let tile = Tile { number, own, at, x, v };
         for (i, tally) in tallies.iter_mut().enumerate() {
             let (term, sum) = self.terms.term(i);
             if self.still.goes_over(sum) {
@@ -277,7 +269,7 @@ impl<T: Terms + ?Sized> Work<'_, T> {
 
     /// Copies a nodal vector into a tile's window.
     fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
-        let first = self.nodal.first;
+        let first = self.first;
         let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
         copy_rows(&from[plan.own.start - first..plan.own.end - first], own);
         match plan.run {
