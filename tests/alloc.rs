@@ -27,28 +27,39 @@ static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
 fn scene(with_air: bool) -> Network {
     let mut spec = patch();
-    let mut group = spring_group(&spec, Slack::TensionOnly);
-    let coefficient = vec![0.5; group.edges.len()];
-    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient, from_step: false });
-    spec.springs = vec![group];
+    spec.springs = vec![with_dashpots(spring_group(&spec, Slack::TensionOnly))];
     spec.gravity = Some([0.0, 0.0, -9.81]);
     if with_air {
-        let wind = Series { t: vec![0.0], value: vec![[0.0, 0.0, 5.0]] };
-        spec.air = Some(AirSpec { linear: 1.0, quadratic: 0.5, wind });
+        spec.air = Some(air());
     }
     build_network(spec, Threads::one()).expect("the fixture is sound")
 }
 
-/// A sheet of springs; one of 5,041 nodes is large, so that force passes go over it strip by strip.
-fn sheet(side: u32) -> Network {
-    sheet_for(side, Threads::one())
+fn with_dashpots(mut group: SpringGroup) -> SpringGroup {
+    let coefficient = vec![0.5; group.edges.len()];
+    group.dashpot = Some(DashpotSpec { kind: DashpotKind::Relative, coefficient, from_step: false });
+    group
 }
 
-fn sheet_for(side: u32, threads: Threads) -> Network {
+fn air() -> AirSpec {
+    let wind = Series { t: vec![0.0], value: vec![[0.0, 0.0, 5.0]] };
+    AirSpec { linear: 1.0, quadratic: 0.5, wind }
+}
+
+/// A sheet of springs; one of 5,041 nodes is large, so that force passes go over it strip by strip.
+fn sheet(side: u32) -> Network {
+    sheet_for(side, Threads::one(), false)
+}
+
+fn sheet_for(side: u32, threads: Threads, windy: bool) -> Network {
     let mut spec = square(side, 10.0);
     spec.fixed[0] = [true; 3];
     spec.springs = vec![spring_group(&spec, Slack::None)];
     spec.gravity = Some([0.0, 0.0, -9.81]);
+    if windy {
+        spec.springs = spec.springs.into_iter().map(with_dashpots).collect();
+        spec.air = Some(air());
+    }
     build_network(spec, threads).expect("the fixture is sound")
 }
 
@@ -86,7 +97,9 @@ fn stride_blocks(scene: &Network, method: &str) -> u64 {
     let mut passed = vec![Passed::default(); scene.longest_stride()];
     let mut advance = |n: u32| {
         for _ in 0..n {
-            let attempt = Attempt { from: &from, h, t_next: from.state.t + passed.len() as f64 * h };
+            let t = from.state.t;
+            passed.iter_mut().zip(1..).for_each(|(passed, step)| passed.t = t + f64::from(step) * h);
+            let attempt = Attempt { from: &from, h, t_next: passed.last().map_or(t, |last| last.t) };
             assert!(stepper.stride(attempt, &mut to, &mut passed, &mut counters), "{method} has strides");
             std::mem::swap(&mut from, &mut to);
         }
@@ -156,9 +169,11 @@ fn main() {
         }
     }
     // So many nodes that each of two threads has a part of its own in a stride.
-    let shared = sheet_for(260, Threads::with_caller(2).expect("threads"));
-    assert_eq!(shared.longest_stride(), 8, "parts and seams");
+    let two = || Threads::with_caller(2).expect("threads");
+    let (shared, windy_sheet) = (sheet_for(260, two(), false), sheet_for(260, two(), true));
     for method in ["velocity-verlet", "euler-cromer"] {
+        assert_eq!(stride_blocks(&windy, method), 0, "strides of {method} with air");
+        assert_eq!(stride_blocks(&windy_sheet, method), 0, "strides of {method} with air on two threads");
         assert_eq!(stride_blocks(&shared, method), 0, "strides of {method} on two threads");
         assert_eq!(stride_blocks(&large, method), 0, "strides of {method}");
         assert_eq!(stride_blocks(&sheet(20), method), 0, "strides of {method} in the windows of one tile");

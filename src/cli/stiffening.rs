@@ -10,7 +10,6 @@ use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing,
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
-use crate::model::stride::LONGEST;
 use crate::scene::{BoundRoom, Scene, place_of};
 use std::io::IsTerminal;
 
@@ -20,7 +19,7 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once, or, where steps are made in strides, at the next multiple of the longest stride.
+/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the stride in which it grows so.
 const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;
@@ -59,8 +58,8 @@ pub(super) struct Stiffening<'a> {
     next: u64,
     /// [J] largest kinetic energy at a look
     kinetic: f64,
-    /// whether some steps are made without being seen; then only some are where a livelier motion is looked at
-    unseen: bool,
+    /// [J] one since that asks for another; else 0
+    livelier: f64,
     room: BoundRoom,
     /// critical step over measure, where both were last known
     ratio: Option<f64>,
@@ -94,7 +93,7 @@ impl<'a> Stiffening<'a> {
             every,
             next: 1,
             kinetic: 0.0,
-            unseen: false,
+            livelier: 0.0,
             room,
             ratio,
             ask_below: f64::INFINITY,
@@ -113,11 +112,11 @@ impl<'a> Stiffening<'a> {
     fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
         // By number, so that a run does the same work each time, on any number of threads; closer together early on, for short runs.
         // A motion that has become much livelier may be one that has begun to diverge.
-        self.unseen |= end.is_none();
-        let may_look = !self.unseen || step.is_multiple_of(LONGEST as u64);
-        let livelier = may_look && kinetic > LIVELIER * self.kinetic;
-        if let Some((end, h)) = end.filter(|_| livelier || step >= self.next) {
-            self.kinetic = self.kinetic.max(kinetic);
+        if kinetic > LIVELIER * self.kinetic {
+            self.livelier = self.livelier.max(kinetic);
+        }
+        if let Some((end, h)) = end.filter(|_| self.livelier > 0.0 || step >= self.next) {
+            self.kinetic = self.kinetic.max(kinetic).max(std::mem::take(&mut self.livelier));
             while self.next <= step {
                 self.next += (self.next / EARLY).clamp(1, self.every);
             }
@@ -183,10 +182,9 @@ impl Observer for Stiffening<'_> {
         Ok(())
     }
 
-    /// As far as the next look, or where there may be one.
+    /// As far as the next look.
     fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        let looks = |step: &Coming| step.step >= self.next || step.step.is_multiple_of(LONGEST as u64);
-        coming.iter().position(looks).map_or(coming.len(), |last| last + 1)
+        coming.iter().position(|step| step.step >= self.next).map_or(coming.len(), |last| last + 1)
     }
 
     fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {

@@ -9,11 +9,9 @@
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
 use crate::model::forces::{Role, Tally};
-use crate::model::lanes::{LANES, Lanes};
 use crate::model::point::Point;
 use crate::model::stride::Passed;
 use crate::model::system::System;
-use multiversion::multiversion;
 
 /// [eps] of the energies that rounding may leave unexplained in the sums of one row.
 const ROUNDED: f64 = 8.0;
@@ -55,9 +53,11 @@ impl Ledger {
         before: &LedgerRow,
     ) -> (LedgerRow, bool) {
         let kinetic = system.kinetic_energy(&to.state.v);
+        let way = [&from.state.x, &to.state.x].map(Vec::as_slice);
+        let work = |f: [&[f64]; 2]| system.work(f, way);
         let ends = || StageWork {
-            external: trapezoid(system, (&from.forces.external, &to.forces.external), from, to),
-            dissipated: -trapezoid(system, (&from.forces.dissipative, &to.forces.dissipative), from, to),
+            external: work([&from.forces.external, &to.forces.external]),
+            dissipated: -work([&from.forces.dissipative, &to.forces.dissipative]),
         };
         let (work, by_stages) = match report.work {
             None => (ends(), false),
@@ -79,8 +79,10 @@ impl Ledger {
         (self.close(system, kinetic, &to.forces.tallies), by_stages)
     }
 
-    /// The same for a step of a stride, in which only forces that follow from positions work.
+    /// The same for a step of a stride.
     pub fn passed(&mut self, system: &dyn System, end: &Passed) -> LedgerRow {
+        self.work.external += end.nodes.work.external;
+        self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)
     }
 
@@ -133,35 +135,6 @@ impl Ledger {
                 - row.dissipated;
         row
     }
-}
-
-/// [J] Work of a force that changes from `f_n` to `f_n1` along the step.
-fn trapezoid(system: &dyn System, f: (&[f64], &[f64]), from: &Point, to: &Point) -> f64 {
-    let (f_n, f_n1) = f;
-    system.workers().sum(f_n.len(), |r| {
-        let (x, y) = (&from.state.x[r.clone()], &to.state.x[r.clone()]);
-        half_sum_times_difference((&f_n[r.clone()], &f_n1[r]), (x, y))
-    })
-}
-
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn half_sum_times_difference((a, b): (&[f64], &[f64]), (x, y): (&[f64], &[f64])) -> f64 {
-    let mut sum = Lanes::default();
-    let ((a, a_last), (b, b_last)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let ((x, x_last), (y, y_last)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
-    let mut work = [0.0; LANES];
-    for (((a, b), x), y) in a.iter().zip(b).zip(x).zip(y) {
-        for i in 0..LANES {
-            work[i] = 0.5 * (a[i] + b[i]) * (y[i] - x[i]);
-        }
-        sum.add(&work);
-    }
-    let mut work = [0.0; LANES];
-    for ((((a, b), x), y), work) in a_last.iter().zip(b_last).zip(x_last).zip(y_last).zip(&mut work) {
-        *work = 0.5 * (a + b) * (y - x);
-    }
-    sum.add(&work);
-    sum.total()
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@
 
 use super::observer::LedgerRow;
 use crate::integrate::registry::{Family, MethodInfo};
-use crate::model::forces::Role;
+use crate::model::forces::{Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
@@ -106,6 +106,8 @@ pub struct Watched<'a> {
     pub after: &'a LedgerRow,
     /// whether that account has the works that the scheme integrated itself
     pub by_stages: bool,
+    /// [W] power of external forces at its start and at its end
+    pub power: [f64; 2],
     /// its number
     pub step: u64,
     /// [s] its size
@@ -294,7 +296,7 @@ impl Watch {
         if external <= 0.0 || !step.scene.velocity_dependent() {
             return given;
         }
-        let most = power(step.scene, step.from).max(power(step.scene, step.to)).max(0.0);
+        let most = step.power[0].max(step.power[1]).max(0.0);
         given + (external - 2.0 * step.h * most).max(0.0)
     }
 
@@ -305,7 +307,7 @@ impl Watch {
             return 0.0;
         }
         let external = step.after.external_work - step.before.external_work;
-        let ends = power(step.scene, step.from).max(0.0) + power(step.scene, step.to).max(0.0);
+        let ends = step.power[0].max(0.0) + step.power[1].max(0.0);
         (0.5 * step.h * ends - external).max(0.0)
     }
 
@@ -326,9 +328,9 @@ impl Watch {
 }
 
 /// [W] Power of the external forces.
-fn power(scene: &dyn Scene, at: &Point) -> f64 {
+pub(super) fn power_of(scene: &dyn Scene, tallies: &[Tally]) -> f64 {
     let external = |(term, _): &(&TermInfo, _)| term.role == Role::External;
-    scene.terms().iter().zip(&at.forces.tallies).filter(external).map(|(_, tally)| tally.power).sum()
+    scene.terms().iter().zip(tallies).filter(external).map(|(_, tally)| tally.power).sum()
 }
 
 /// [J] 1/2 h^2 sum f^2/m of the loads in a state: the kinetic energy they give to resting masses in a step h [s].

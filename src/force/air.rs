@@ -73,7 +73,7 @@ impl Kernel<3> for AirData {
     }
 
     fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
-        let wind = interpolate(&self.wind, tile.at.t);
+        let wind = interpolate(&self.wind, tile.t);
         Tally { energy: 0.0, power: push(AirLaw { data: self, wind }, tile, f) }
     }
 }

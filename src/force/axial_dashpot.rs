@@ -13,6 +13,7 @@
 use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::slack::{clamped, tension};
 use super::spring::{Coefficient, SpringData, Stretch};
+use super::tile::vector;
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
@@ -45,15 +46,19 @@ struct Damping {
 impl AxialData {
     /// [N] what dashpot `i` adds to the elastic tension of its spring.
     pub fn force(&self, at: NodeState<'_>, i: usize) -> f64 {
-        self.damping(at, i).force
+        self.damping_at(at, i).force
     }
 
+    fn damping_at(&self, at: NodeState<'_>, i: usize) -> Damping {
+        let [a, b] = self.springs.nodes[i].map(|node| node as usize);
+        self.damping(i, at.x[b] - at.x[a], at.v[b] - at.v[a])
+    }
+
+    /// Of dashpot `i` between nodes whose positions and velocities differ by `dx` [m] and `dv` [m/s].
     #[inline]
-    fn damping(&self, at: NodeState<'_>, i: usize) -> Damping {
+    fn damping(&self, i: usize, dx: DVec3, dv: DVec3) -> Damping {
         let springs = &self.springs;
-        let stretch = springs.stretch(at.x, i);
-        let [a, b] = springs.nodes[i];
-        let dv = at.v[b as usize] - at.v[a as usize];
+        let stretch = springs.stretch_of(dx, i);
         let ldot = stretch.n.dot(dv);
         let c = self.coefficient.at(i);
         let Some(law) = clamped(springs.slack) else {
@@ -72,15 +77,16 @@ impl AxialData {
 }
 
 impl Kernel<2> for AxialData {
-    const WANTS: Wants = Wants { x: false, v: false };
+    const WANTS: Wants = Wants { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.springs.nodes
     }
 
     fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let power = tile.each([1.0, -1.0], f, |i| {
-            let d = self.damping(tile.at, i);
+        let power = tile.each([1.0, -1.0], f, |i, [a, b]| {
+            let difference = |of: &Records| vector(of, b) - vector(of, a);
+            let d = self.damping(i, difference(tile.x), difference(tile.v));
             (d.force * d.stretch.n, -d.force * d.ldot)
         });
         Tally { energy: 0.0, power }
@@ -105,7 +111,7 @@ impl ForceTerm for AxialDashpots {
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, &nodes) in data.springs.nodes.iter().enumerate() {
-            let d = data.damping(at, i);
+            let d = data.damping_at(at, i);
             let n = d.stretch.n;
             let mut block = d.stretch.block(d.force, d.slope) * w.k + outer(n, n) * (w.c * d.c);
             if d.stretch.length > 0.0 {
@@ -119,7 +125,7 @@ impl ForceTerm for AxialDashpots {
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, &nodes) in data.springs.nodes.iter().enumerate() {
-            let d = data.damping(at, i);
+            let d = data.damping_at(at, i);
             sink.edge(nodes, outer(d.stretch.n, d.stretch.n) * (w.c * d.c));
         }
     }

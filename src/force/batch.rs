@@ -29,9 +29,7 @@ pub trait Summand: Send + Sync {
     fn elements(&self) -> usize;
 
     /// What it reads of the windows; what nothing reads is not copied.
-    fn wants(&self) -> Wants {
-        Wants::default()
-    }
+    fn wants(&self) -> Wants;
 
     /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in ascending order of their smallest node.
     fn element(&self, number: usize) -> Option<&[u32]> {
@@ -46,7 +44,7 @@ pub trait Summand: Send + Sync {
     }
 
     /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns
-    /// their energy [J] or power [W]. What follows from positions alone reads them in the tile's window: `tile.at` has none within a stride.
+    /// their energy [J] or power [W].
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
 
     /// [-] Largest l^2/l0^2 of the springs among a tile's elements; -inf where there is none.
@@ -99,7 +97,7 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     fn elements_of<'a>(&'a self, tile: &'a Tile<'_>) -> Option<Elements<'a, N>> {
         let elements = self.tiles.get(tile.number).filter(|elements| !elements.is_empty())?;
         let nodes = &self.local[elements.clone()];
-        Some(Elements { at: tile.at, x: tile.x, v: tile.v, nodes, first: elements.start })
+        Some(Elements { t: tile.t, x: tile.x, v: tile.v, nodes, first: elements.start })
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::batch::{Batch, Elements, Kernel, Records, Wants};
 use super::series::factor;
+use super::tile::vector;
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -29,18 +30,18 @@ pub struct FollowerData {
 }
 
 impl Kernel<3> for FollowerData {
-    const WANTS: Wants = Wants { x: false, v: false };
+    const WANTS: Wants = Wants { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
     fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
-        let p = self.pressure * factor(self.factor.as_ref(), tile.at.t);
-        let power = tile.each([1.0; 3], f, |i| {
-            let nodes = self.triangles[i];
-            let force = p * AreaVector::new(tile.at.x, nodes).s;
-            (force * THIRD, force.dot(mean(tile.at.v, nodes)))
+        let p = self.pressure * factor(self.factor.as_ref(), tile.t);
+        let power = tile.each([1.0; 3], f, |_, places| {
+            let (x, v) = (places.map(|at| vector(tile.x, at)), places.map(|at| vector(tile.v, at)));
+            let force = p * AreaVector::new(&x, [0, 1, 2]).s;
+            (force * THIRD, force.dot(mean(&v, [0, 1, 2])))
         });
         Tally { energy: 0.0, power }
     }

@@ -14,8 +14,8 @@
 use super::tiling::Tiling;
 use std::ops::Range;
 
-/// See [`most_levels`].
-const LEVELS: usize = 8;
+/// Levels at most of a front: what they all work on still fits into a third-level cache.
+pub(super) const LEVELS: usize = 8;
 
 /// Seams take a part of all work that is no larger than one in so many: they are gone over when only they are left.
 const SEAMS: usize = 3;
@@ -31,8 +31,6 @@ pub(super) struct Level {
     pub complete: usize,
     /// the first tile that may still give something to the nodes that are left
     pub oldest: usize,
-    /// whether its largest stretch is asked for
-    pub stretch: bool,
 }
 
 /// A way through some strips.
@@ -149,17 +147,6 @@ impl Fronts {
     pub fn all(&mut self) -> [&mut [Front]; 2] {
         [&mut self.parts[..self.used[0]], &mut self.others[..self.used[1]]]
     }
-
-    /// All levels of all fronts.
-    pub fn levels(&mut self) -> impl Iterator<Item = (usize, &mut Level)> {
-        self.all().into_iter().flatten().flat_map(|front| front.levels.iter_mut().enumerate())
-    }
-}
-
-/// Levels at most of a front through a large scene for so many threads: what they all work on still fits into a third-level cache. Threads that share a front work
-/// on more at once.
-pub(super) fn most_levels(tiling: &Tiling, threads: usize) -> usize {
-    if threads < 2 || divides(tiling, LEVELS, threads) { LEVELS } else { LEVELS / 2 }
 }
 
 /// Whether the scene has parts for so many threads, with seams that are not too wide.

@@ -8,7 +8,7 @@
 //!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
 //!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that pull
 //!    along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
-//!    What follows from positions alone reads them in the tile's windows: in steps that are made several at once the scene's own state is not there.
+//!    All read nodes in the tile's windows, and say which of them they want: in steps that are made several at once a scene has no state of its own.
 //!    Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one piece of them: see `nodal`.
 //! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
 //!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one. A term with elastic energy also adds its
@@ -29,6 +29,7 @@ pub mod air;
 pub(crate) mod around;
 pub mod axial_dashpot;
 pub mod batch;
+pub(crate) mod between;
 pub mod coefficient;
 pub mod edges;
 mod fans;
@@ -49,11 +50,12 @@ mod shelf;
 pub mod slack;
 pub mod spring;
 mod stretch;
-pub(crate) mod stride;
+mod stride;
 pub(crate) mod sweep;
 pub mod threads;
 pub mod tile;
 mod tiling;
+mod told;
 pub mod triangle;
 pub mod window;
 

@@ -2,9 +2,9 @@
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
-use super::batch::{Records, Summand};
+use super::batch::{Records, Summand, Wants};
 use super::series::factor;
-use super::tile::{Tile, add, place};
+use super::tile::{Tile, add, place, vector};
 use super::triangle::AreaVector;
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
@@ -67,15 +67,19 @@ impl Summand for NodalForces {
         self.nodes.len()
     }
 
+    fn wants(&self) -> Wants {
+        Wants { x: false, v: true }
+    }
+
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        let scale = factor(self.factor.as_ref(), tile.at.t);
+        let scale = factor(self.factor.as_ref(), tile.t);
         let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
         let here = before(tile.own.start)..before(tile.own.end);
         let mut power = 0.0;
         for (&i, &force) in self.nodes[here.clone()].iter().zip(&self.force[here]) {
-            let force = scale * force;
-            add(f, place(i as usize - tile.own.start), force);
-            power += force.dot(tile.at.v[i as usize]);
+            let (force, at) = (scale * force, place(i as usize - tile.own.start));
+            add(f, at, force);
+            power += force.dot(vector(tile.v, at));
         }
         Tally { energy: 0.0, power }
     }

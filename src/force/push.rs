@@ -100,6 +100,7 @@ impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
 mod tests {
     use super::*;
     use crate::force::phases::tests::{elements, on_both, vectors};
+    use crate::force::tile::vector;
 
     /// Pressure 2 Pa, a third to each vertex.
     struct Law;
@@ -110,11 +111,6 @@ mod tests {
             let share = unit.splat(2.0 / 3.0);
             Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
         }
-    }
-
-    fn vector(records: &Records, at: u16) -> glam::DVec3 {
-        let [x, y, z, _] = record(records, at);
-        glam::DVec3::new(x, y, z)
     }
 
     #[test]

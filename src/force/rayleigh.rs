@@ -5,7 +5,7 @@
 
 use super::batch::{Batch, Elements, Kernel, Records, Summand, Wants};
 use super::spring::Coefficient;
-use super::tile::{Tile, add, place};
+use super::tile::{Tile, add, place, vector};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
@@ -26,10 +26,14 @@ impl Summand for RayleighMass {
         self.mass.len()
     }
 
+    fn wants(&self) -> Wants {
+        Wants { x: false, v: true }
+    }
+
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
         let mut power = 0.0;
         for (i, node) in tile.own.clone().enumerate() {
-            let v = tile.at.v[node];
+            let v = vector(tile.v, place(i));
             let force = -(self.factor * self.mass[node]) * v;
             power += force.dot(v);
             add(f, place(i), force);
@@ -75,17 +79,16 @@ pub struct RayleighData {
 }
 
 impl Kernel<2> for RayleighData {
-    const WANTS: Wants = Wants { x: false, v: false };
+    const WANTS: Wants = Wants { x: false, v: true };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes
     }
 
     fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let v = tile.at.v;
-        let power = tile.each([1.0, -1.0], f, |i| {
-            let ([a, b], n) = (self.nodes[i], self.direction[i]);
-            let rate = n.dot(v[b as usize] - v[a as usize]);
+        let power = tile.each([1.0, -1.0], f, |i, [a, b]| {
+            let n = self.direction[i];
+            let rate = n.dot(vector(tile.v, b) - vector(tile.v, a));
             let c = self.coefficient.at(i);
             (c * rate * n, -c * rate * rate)
         });

@@ -1,62 +1,60 @@
-//! Strides of a scene that is one tile: its nodes stay in the tile's windows from the first step to the last, and nothing is copied between.
+//! Strides of a scene that is one tile: its nodes stay in the tile's windows from the first step to the last.
 
-use super::NodeState;
 use super::around::Moving;
-use super::stride::Between;
+use super::between::Between;
 use super::sweep::{Sweep, Terms};
-use super::threads::{SUMS, Threads, Windows};
+use super::threads::{Resident, SUMS, Threads, Windows};
 use super::tile::Tile;
-use super::window::{Padded, Window, rows, store_rows};
-use crate::model::stride::{Nodes, Passed};
+use super::told::{Sums, Told};
+use super::window::{Padded, RECORD, Records, Window, rows, store_rows};
+use crate::model::forces::Tally;
+use crate::model::stride::{Kicks, NodeSums, Nodes, Passed, Work};
 use bytemuck::cast_slice_mut;
 use glam::DVec3;
 
 impl Sweep {
-    /// Whether all nodes and elements are in one tile, and all terms in one sum.
-    pub fn resides<T: Terms + ?Sized>(&self, terms: &T) -> bool {
-        self.tiling.tiles().len() == 1 && (0..terms.count()).all(|i| terms.term(i).1 == 0)
+    /// Whether all nodes and elements are in one tile.
+    pub fn resides(&self) -> bool {
+        self.tiling.tiles().len() == 1
     }
 
     /// [`Sweep::stride`] of such a scene.
     pub(super) fn stride_in_windows<T: Terms + ?Sized>(
         &self,
-        (terms, mut moving): (&T, Moving<'_>),
-        Between { kicks, mass, inverse_mass }: Between<'_>,
+        (terms, moving): (&T, Moving<'_>),
+        Between { scheme, mass, inverse_mass }: Between<'_>,
         threads: &Threads,
-        [total, others @ ..]: [&mut [DVec3]; SUMS],
+        out: [&mut [DVec3]; SUMS],
         passed: &mut [Passed],
     ) {
-        let n = mass.len();
-        moving.before(0..n, threads.workers());
+        let (n, from, kicks) = (mass.len(), scheme.from(), scheme.kicks());
+        let present = out.each_ref().map(|sum| !sum.is_empty());
         let windows = &mut *threads.windows(0);
-        let Windows { x, v, sums: [f, m, _] } = windows;
-        let [x, v, f, m] = [x, v, f, m].map(Window::records);
-        for (from, to) in [(&*moving.x, &mut *x), (&*moving.v, &mut *v), (inverse_mass, &mut *m)] {
+        let Windows { x, v, sums, resident: Resident { inverse_mass: m, before, kicked, kept } } = windows;
+        let [x, v, m, before, kicked, kept] = [x, v, m, before, kicked, kept].map(Window::records);
+        let mut sums = sums.each_mut().map(Window::records);
+        let forces = [&from.forces.total, &from.forces.external, &from.forces.dissipative];
+        for ((from, to), _) in forces.into_iter().zip(&mut sums).zip(present).filter(|(_, present)| *present) {
             fill(from, rows(to, n));
         }
-        rows(f, n).fill(Padded::default());
+        for (from, to) in [(&from.state.x[..], &mut *x), (&from.state.v, &mut *v), (inverse_mass, &mut *m)] {
+            fill(from, rows(to, n));
+        }
+        let mut net = Net { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
+        // Begins the first step, which ends nothing: what this tells is of no step.
+        net.go_on(Kicks { end: None, ..kicks }, true);
         let steps = passed.len();
         for (step, passed) in passed.iter_mut().enumerate() {
-            let at = NodeState { t: moving.t, x: &[], v: &[] };
-            let tile = Tile { number: 0, own: 0..n, at, x, v };
-            passed.tallies.clear();
-            passed.tallies.extend((0..terms.count()).map(|i| terms.term(i).0.add(&tile, f)));
-            let stretches = (0..terms.count()).map(|i| terms.term(i).0.largest_stretch(&tile));
-            passed.largest_stretch =
-                if passed.stretch_wanted { stretches.fold(f64::NEG_INFINITY, f64::max) } else { f64::NEG_INFINITY };
-            let nodes: Nodes<'_, 4> = Nodes {
-                mass,
-                inverse_mass: rows(m, n).as_flattened(),
-                x: rows(x, n).as_flattened_mut(),
-                v: rows(v, n).as_flattened_mut(),
-                f: rows(f, n).as_flattened_mut(),
-            };
-            passed.nodes = kicks.end(nodes, step + 1 < steps);
+            net.find(kicks, passed);
+            passed.nodes = net.go_on(kicks, step + 1 < steps);
         }
-        for (from, to) in [(x, cast_slice_mut(moving.x)), (v, cast_slice_mut(moving.v)), (f, total)] {
+        let Net { x, v, sums, .. } = net;
+        for (from, to) in [(x, cast_slice_mut(moving.x)), (v, cast_slice_mut(moving.v))] {
             store_rows(rows(from, n), to);
         }
-        others.into_iter().for_each(|other| other.fill(DVec3::ZERO));
+        for ((from, to), _) in sums.into_iter().zip(out).zip(present).filter(|(_, present)| *present) {
+            store_rows(rows(from, n), to);
+        }
     }
 }
 
@@ -64,5 +62,96 @@ impl Sweep {
 fn fill(from: &[f64], to: &mut [Padded]) {
     for (&[x, y, z], to) in from.as_chunks().0.iter().zip(to) {
         *to = [x, y, z, 0.0];
+    }
+}
+
+/// A scene in its windows.
+struct Net<'a, T: ?Sized> {
+    terms: &'a T,
+    /// [kg] one a node
+    mass: &'a [f64],
+    /// which sums are there
+    present: [bool; SUMS],
+    /// [m]
+    x: &'a mut Records,
+    /// [m/s]
+    v: &'a mut Records,
+    /// [1/kg] by degree of freedom
+    m: &'a mut Records,
+    /// [m] where the step began
+    before: &'a mut Records,
+    /// [m/s] kicked velocities
+    kicked: &'a mut Records,
+    /// [N] of still terms
+    kept: &'a mut Records,
+    /// [N] all forces, external ones, dissipative ones
+    sums: [&'a mut Records; SUMS],
+    /// [J] what forces at the beginning of the step do
+    begun: Work,
+}
+
+impl<T: Terms + ?Sized> Net<'_, T> {
+    /// The forces where a step ends; with corrected velocities, if it predicts.
+    fn find(&mut self, kicks: Kicks, passed: &mut Passed) {
+        passed.tallies.resize(self.terms.count(), Tally::default());
+        let n = self.mass.len();
+        if kicks.predicts {
+            self.add(Told::First, passed);
+            let numbers = RECORD * n;
+            kicks.correct(
+                &mut self.v[..numbers],
+                &self.kicked[..numbers],
+                &self.m[..numbers],
+                &self.sums[0][..numbers],
+            );
+            self.add(Told::AllWithKept, passed);
+        } else {
+            self.add(Told::All, passed);
+        }
+        passed.largest_stretch = f64::NEG_INFINITY;
+        if passed.stretch_wanted {
+            let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+            let stretches = (0..self.terms.count()).map(|i| self.terms.term(i).0.largest_stretch(&tile));
+            passed.largest_stretch = stretches.fold(f64::NEG_INFINITY, f64::max);
+        }
+    }
+
+    fn add(&mut self, told: Told, passed: &mut Passed) {
+        let n = self.mass.len();
+        let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        let sums = self.sums.each_mut().map(|sum| &mut **sum);
+        let mut sums = Sums { n, sums, present: self.present, kept: rows(self.kept, n) };
+        sums.add(self.terms, told, &tile, &mut passed.tallies);
+    }
+
+    /// Ends a step and begins another.
+    fn go_on(&mut self, kicks: Kicks, another: bool) -> NodeSums {
+        let (n, works) = (self.mass.len(), self.present[1] || self.present[2]);
+        let mut work = Work::default();
+        if works {
+            work = self.begun.and(self.work()).halved();
+            rows(self.before, n).copy_from_slice(rows(self.x, n));
+        }
+        let flat = |records| rows(records, n).as_flattened_mut();
+        let nodes: Nodes<'_, RECORD> = Nodes {
+            mass: self.mass,
+            inverse_mass: flat(self.m),
+            x: flat(self.x),
+            v: flat(self.v),
+            kicked: if kicks.predicts { flat(self.kicked) } else { &mut [] },
+            f: flat(self.sums[0]),
+        };
+        let nodes = kicks.end(nodes, another);
+        if works && another {
+            self.begun = self.work();
+        }
+        NodeSums { work, ..nodes }
+    }
+
+    /// [J] What the forces of now do on the way of the step.
+    fn work(&self) -> Work {
+        let numbers = RECORD * self.mass.len();
+        let forces = [1, 2].map(|i| if self.present[i] { &self.sums[i][..numbers] } else { &[] });
+        Work::of::<RECORD>(forces, &self.before[..numbers], &self.x[..numbers])
     }
 }

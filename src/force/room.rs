@@ -25,6 +25,8 @@ pub(super) struct Room {
     nodes: Vec<NodeSums>,
     /// forces of the still terms, tile after tile, where they are kept
     kept: Vec<Padded>,
+    /// by node, where they are kept
+    aside: [Vec<DVec3>; ASIDE],
     pub fronts: Fronts,
 }
 
@@ -37,7 +39,12 @@ pub(super) struct Needs {
     pub threads: usize,
     /// whether forces of still terms are kept
     pub keeps: bool,
+    /// which nodal vectors are kept
+    pub aside: [bool; ASIDE],
 }
+
+/// Nodal vectors that are kept within a step: positions [m] at its start, kicked velocities [m/s].
+pub(super) const ASIDE: usize = 2;
 
 /// Some strips and where their sums go, those of all levels.
 pub(super) struct Part<'a> {
@@ -49,12 +56,14 @@ pub(super) struct Part<'a> {
     pub nodes: &'a mut [NodeSums],
     /// empty where nothing is kept
     pub kept: &'a mut [Padded],
+    pub aside: [&'a mut [DVec3]; ASIDE],
     pub levels: usize,
 }
 
 impl Room {
     /// Makes room for passes into sums of these sizes, with fronts at their beginning.
-    pub fn fit(&mut self, tiling: &Tiling, Needs { terms, levels, threads, keeps }: Needs, out: &[&mut [DVec3]; SUMS]) {
+    pub fn fit(&mut self, tiling: &Tiling, needs: Needs, out: &[&mut [DVec3]; SUMS]) {
+        let Needs { terms, levels, threads, keeps, aside } = needs;
         for (beyond, _) in self.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
             beyond.resize(tiling.beyond().len(), Padded::default());
         }
@@ -67,13 +76,17 @@ impl Room {
         if keeps {
             self.kept.resize(tiling.records_of(0..tiles).len(), Padded::default());
         }
+        for (vector, _) in self.aside.iter_mut().zip(aside).filter(|(_, kept)| *kept) {
+            vector.resize(tiling.nodes_of(tiling.strips()).len(), DVec3::ZERO);
+        }
     }
 
     /// All strips, and the fronts.
     pub fn parts<'a>(&'a mut self, tiling: &Tiling, out: [&'a mut [DVec3]; SUMS]) -> (Part<'a>, &'a mut Fronts) {
-        let Room { beyond, tallies, stretches, nodes, kept, fronts, levels, .. } = self;
+        let Room { beyond, tallies, stretches, nodes, kept, aside, fronts, levels, .. } = self;
         let (beyond, strips) = (beyond.each_mut().map(Vec::as_mut_slice), tiling.strips());
-        (Part { strips, out, beyond, tallies, stretches, nodes, kept, levels: *levels }, fronts)
+        let aside = aside.each_mut().map(Vec::as_mut_slice);
+        (Part { strips, out, beyond, tallies, stretches, nodes, kept, aside, levels: *levels }, fronts)
     }
 
     /// Adds up energies and powers of every term, tile after tile, in one of the levels.
@@ -108,6 +121,7 @@ impl Part<'_> {
             stretches: self.stretches,
             nodes: self.nodes,
             kept: self.kept,
+            aside: self.aside.each_mut().map(|vector| &mut **vector),
             levels: self.levels,
         };
         let [_, from] = all.split(tiling, strips.start);
@@ -117,7 +131,7 @@ impl Part<'_> {
 
     /// The strips before one, and the others.
     pub fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
-        let Part { strips, out, beyond, tallies, stretches, nodes, kept, levels } = self;
+        let Part { strips, out, beyond, tallies, stretches, nodes, kept, aside, levels } = self;
         let (before, after) = (strips.start..at, at..strips.end);
         let (tiles, terms) = (tiling.tiles_of(before.clone()), tallies.len() / stretches.len().max(1));
         let (out, out_after) = halves(out, tiling.nodes_of(before.clone()).len());
@@ -125,9 +139,10 @@ impl Part<'_> {
         let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * levels * terms);
         let (stretches, stretches_after) = stretches.split_at_mut(tiles.len() * levels);
         let (nodes, nodes_after) = nodes.split_at_mut(before.len() * levels);
+        let (aside, aside_after) = halves(aside, tiling.nodes_of(before.clone()).len());
         let (kept, kept_after) = kept.split_at_mut(tiling.records_of(tiles.clone()).len().min(kept.len()));
         [
-            Part { strips: before, out, beyond, tallies, stretches, nodes, kept, levels },
+            Part { strips: before, out, beyond, tallies, stretches, nodes, kept, aside, levels },
             Part {
                 strips: after,
                 out: out_after,
@@ -136,6 +151,7 @@ impl Part<'_> {
                 stretches: stretches_after,
                 nodes: nodes_after,
                 kept: kept_after,
+                aside: aside_after,
                 levels,
             },
         ]
@@ -143,7 +159,7 @@ impl Part<'_> {
 }
 
 /// What comes before a place and what comes after; nothing of what is empty.
-fn halves<T>(slices: [&mut [T]; SUMS], at: usize) -> ([&mut [T]; SUMS], [&mut [T]; SUMS]) {
-    let [a, b, c] = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
-    ([a.0, b.0, c.0], [a.1, b.1, c.1])
+fn halves<T, const N: usize>(slices: [&mut [T]; N], at: usize) -> ([&mut [T]; N], [&mut [T]; N]) {
+    let mut halves = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
+    (halves.each_mut().map(|(before, _)| std::mem::take(before)), halves.map(|(_, after)| after))
 }

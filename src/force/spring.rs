@@ -43,7 +43,12 @@ impl SpringData {
     #[inline]
     pub(crate) fn stretch(&self, x: &[DVec3], i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
-        let d = x[b as usize] - x[a as usize];
+        self.stretch_of(x[b as usize] - x[a as usize], i)
+    }
+
+    /// The same with its nodes `d` [m] apart.
+    #[inline]
+    pub(crate) fn stretch_of(&self, d: DVec3, i: usize) -> Stretch {
         let length = d.length();
         let n = if length > 0.0 { d * length.recip() } else { DVec3::ZERO };
         Stretch { n, length, elongation: length - self.rest_length[i] }

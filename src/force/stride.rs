@@ -1,20 +1,22 @@
 //! Force passes of one step, or of several steps at once, each a few strips behind the one before it (time skewing).
 //!
 //! The strips of every level ([`super::fronts`]) are done in rounds. A round can begin as soon as all nodes that its elements reach are complete in the level before,
-//! and were moved on. Since elements belong to the strip of their smallest node, the level before does not need those nodes any more: all happens in
-//! place, and sums of a level overwrite those of the level before.
+//! and were moved on, or their velocities corrected. Since elements belong to the strip of their smallest node, the level before does not need those nodes any more:
+//! all happens in place, and sums of a level overwrite those of the level before.
 
+use super::NodeState;
 use super::around::Moving;
-use super::fronts::{Ahead, Front, most_levels};
+use super::between::Between;
+use super::fronts::{Front, LEVELS};
 use super::room::{Needs, Part, Room};
-use super::sweep::{Still, Sweep, Terms, Work, by_node, wants};
+use super::sweep::{Job, Sweep, Terms, wants};
 use super::threads::{SUMS, Threads};
 use super::tiling::{Beyond, Tiling};
-use crate::model::stride::{Kicks, LONGEST, NodeSums, Nodes, Passed};
+use super::told::Told;
+use crate::model::stride::{Kicks, LONGEST, Passed};
 use crate::model::workers::{ALONE, Workers};
-use bytemuck::cast_slice_mut;
+use bytemuck::cast_slice;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Strips in a round for each of several threads that share a front, enough that none waits long for another: in one step, and in several, where a cache is to hold those
@@ -24,17 +26,6 @@ const STRIPS: [usize; 2] = [4, 2];
 /// So many seams are gone over side by side, fewer one after the other by all threads.
 const SIDE_BY_SIDE: usize = 3;
 
-/// What is to be done where one step of several ends.
-#[derive(Clone, Copy)]
-pub struct Between<'a> {
-    /// moves nodes on to the next step
-    pub kicks: Kicks,
-    /// [kg] one a node
-    pub mass: &'a [f64],
-    /// [1/kg] by degree of freedom, 0 at fixed ones
-    pub inverse_mass: &'a [f64],
-}
-
 /// What follows a level.
 #[derive(Clone, Copy)]
 pub(super) enum Then<'a> {
@@ -42,8 +33,8 @@ pub(super) enum Then<'a> {
     Done,
     /// the same positions again, with the velocities that what came after has left; after that nothing
     Again,
-    /// the next step
-    Next(Between<'a>),
+    /// the next step, or where steps predict, the same positions again and then the next
+    Next(Between<'a>, Kicks, &'a [Passed]),
 }
 
 /// One step, or several levels with something between them.
@@ -53,14 +44,41 @@ pub(super) struct Steps<'a, T: ?Sized> {
     pub threads: &'a Threads,
 }
 
+/// What is done at a level.
+struct Doing {
+    told: Told,
+    /// [s]
+    t: f64,
+    /// whether the largest stretch is looked for
+    stretch: bool,
+}
+
 impl<T: Terms + ?Sized> Steps<'_, T> {
-    /// What a level does with forces that its velocities cannot change.
-    fn still(&self, level: usize) -> Still {
+    fn at(&self, level: usize, t: f64) -> Doing {
         match self.then {
-            Then::Again if self.terms.still() => [Still::Kept, Still::Taken][level.min(1)],
-            _ => Still::Found,
+            Then::Done => Doing { told: Told::All, t, stretch: false },
+            Then::Again if level == 0 => Doing { told: Told::First, t, stretch: false },
+            Then::Again if self.terms.still() => Doing { told: Told::AllWithKept, t, stretch: false },
+            Then::Again => Doing { told: Told::All, t, stretch: false },
+            Then::Next(_, kicks, passed) => {
+                let Passed { t, stretch_wanted, .. } = passed[level / kicks.passes()];
+                match level % kicks.passes() {
+                    0 if kicks.predicts => Doing { told: Told::First, t, stretch: stretch_wanted },
+                    0 => Doing { told: Told::All, t, stretch: stretch_wanted },
+                    _ => Doing { told: Told::AllWithKept, t, stretch: false },
+                }
+            }
         }
     }
+}
+
+/// Strips whose nodes are complete in a level.
+struct Completed<'a> {
+    level: usize,
+    told: Told,
+    /// what gives something to these nodes
+    tiles: Range<usize>,
+    beyond: [Beyond<'a>; SUMS],
 }
 
 /// Some strips, and the state of their nodes.
@@ -84,13 +102,14 @@ impl Span<'_> {
 }
 
 impl Sweep {
-    /// How many steps a stride may have that is worth while.
-    pub fn longest_stride<T: Terms + ?Sized>(&self, terms: &T, threads: &Threads) -> usize {
-        if self.resides(terms) { LONGEST } else { most_levels(&self.tiling, threads.count()) }
+    /// How many steps a stride may have that is worth while, with so many force passes each.
+    pub fn longest_stride(&self, passes: usize) -> usize {
+        if self.resides() { LONGEST } else { LEVELS / passes }
     }
 
     /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first. Sums, state and what is told of every step
-    /// have the bits of steps made one by one.
+    /// have the bits of steps made one by one. Where steps predict, terms of the first sum have to be [still](Terms::still). (A scene in windows begins by the scheme's
+    /// point and kicks in place of what it does before and after: they are the same.)
     pub fn stride<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, Moving<'_>),
@@ -99,20 +118,23 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         passed: &mut [Passed],
     ) {
-        if self.resides(terms) {
+        debug_assert!(!between.scheme.kicks().predicts || terms.still());
+        if self.resides() {
             return self.stride_in_windows((terms, moving), between, threads, out, passed);
         }
-        let needs = Needs { terms: terms.count(), levels: passed.len(), threads: threads.count(), keeps: false };
+        let (kicks, works) = (between.scheme.kicks(), out[1..].iter().any(|sum| !sum.is_empty()));
+        let (levels, threads_of) = (kicks.passes() * passed.len(), threads.count());
+        let aside = [works, kicks.predicts];
+        let needs = Needs { terms: terms.count(), levels, threads: threads_of, keeps: kicks.predicts, aside };
         let mut room = self.room(needs, &out);
-        for (number, level) in room.fronts.levels() {
-            level.stretch = passed[number].stretch_wanted;
-        }
-        self.steps((Steps { terms, then: Then::Next(between), threads }, moving), out, &mut room);
-        for (level, passed) in passed.iter_mut().enumerate() {
+        let then = Then::Next(between, kicks, passed);
+        self.steps((Steps { terms, then, threads }, moving), out, &mut room);
+        for (step, passed) in passed.iter_mut().enumerate() {
+            let first = kicks.passes() * step;
             passed.tallies.resize(terms.count(), Default::default());
-            room.add_up(level, &mut passed.tallies);
-            passed.largest_stretch = room.largest_stretch(level);
-            passed.nodes = room.node_sums(level);
+            room.add_up(first, &mut passed.tallies);
+            passed.largest_stretch = room.largest_stretch(first);
+            passed.nodes = room.node_sums(first + kicks.passes() - 1);
         }
     }
 
@@ -170,24 +192,28 @@ impl Sweep {
             if !moved.is_empty() {
                 span.moving.before(moved, workers);
             }
-            let (still, terms) = (steps.still(level), steps.terms);
-            let work = Work {
-                terms,
-                wants: wants(terms, still),
-                stretch: front.levels[level].stretch,
-                still,
-                // What is taken has its energies where they were left.
-                level: if still == Still::Taken { level - 1 } else { level },
-                at: span.moving.state(),
+            let Doing { told, t, stretch } = steps.at(level, span.moving.t);
+            let job = Job {
+                terms: steps.terms,
+                wants: wants(steps.terms, told),
+                stretch,
+                told,
+                // Energies of what was kept are told already.
+                level: if told == Told::AllWithKept { level - 1 } else { level },
+                at: NodeState { t, ..span.moving.state() },
                 first: span.moving.first,
-                windows_alone: matches!(steps.then, Then::Next(_)),
                 threads: steps.threads,
                 workers,
                 tiling,
             };
-            work.run(span.part.within(tiling, ahead.strips.clone()));
+            job.run(span.part.within(tiling, ahead.strips.clone()));
             let tiles = front.advance(tiling, &ahead);
-            self.complete(steps, (ahead, tiles), &mut span, workers);
+            let first = tiling.beyond_of(tiling.tiles_of(span.part.strips.clone())).start;
+            let beyond = std::mem::take(&mut span.part.beyond);
+            let sums = beyond.each_ref().map(|sums| Beyond { first, sums });
+            let completed = Completed { level, told, tiles, beyond: sums };
+            self.complete(steps, &completed, span.within(tiling, ahead.completed), workers);
+            span.part.beyond = beyond;
         }
     }
 
@@ -195,49 +221,52 @@ impl Sweep {
     fn complete<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        (Ahead { level, completed, .. }, tiles): (Ahead, Range<usize>),
-        Span { part, moving }: &mut Span<'_>,
+        completed: &Completed<'_>,
+        mut span: Span<'_>,
         workers: &Workers,
     ) {
-        let tiling = &self.tiling;
-        let nodes = tiling.nodes_of(completed.clone());
-        let of_span = nodes.start - moving.first..nodes.end - moving.first;
-        let first = tiling.beyond_of(tiling.tiles_of(part.strips.clone())).start;
-        let [total_beyond, others_beyond @ ..] = part.beyond.each_ref().map(|sums| Beyond { first, sums });
-        let [total, others @ ..] = &mut part.out;
-        for (out, beyond) in others.iter_mut().zip(others_beyond).filter(|(out, _)| !out.is_empty()) {
-            tiling.add_beyond_by(workers, tiles.clone(), beyond, (nodes.start, &mut out[of_span.clone()]));
-        }
-        let (around, then, dofs) = (moving.around, steps.then, 3 * of_span.start..3 * of_span.end);
-        let (size, last) = (3 * tiling.strip(), level + 1 == part.levels);
-        let strip = |i: usize, [f, x, v]: [&mut [f64]; 3], sums: &mut [NodeSums]| {
-            let first = 3 * nodes.start + i * size;
-            let r = first..first + f.len();
-            tiling.add_beyond(tiles.clone(), total_beyond, (first / 3, by_node(f)));
-            match then {
-                Then::Next(Between { kicks, mass, inverse_mass }) => {
-                    let (mass, inverse_mass) = (&mass[r.start / 3..r.end / 3], &inverse_mass[r]);
-                    sums[level] = kicks.end(Nodes::<3> { mass, inverse_mass, x, v, f }, !last);
-                }
-                Then::Again if level > 0 => {}
-                Then::Again | Then::Done => around.after(r, v, f),
-            }
-        };
-        let f: &mut [f64] = cast_slice_mut(&mut total[of_span]);
-        let (x, v) = (&mut moving.x[dofs.clone()], &mut moving.v[dofs]);
-        let levels = part.levels;
-        let of_part = completed.start - part.strips.start..completed.end - part.strips.start;
-        let sums = &mut part.nodes[levels * of_part.start..levels * of_part.end];
-        match workers.pool().filter(|_| completed.len() > 1) {
+        let strips = span.part.strips.clone();
+        match workers.pool().filter(|_| strips.len() > 1) {
             None => {
-                let parts =
-                    f.chunks_mut(size).zip(x.chunks_mut(size)).zip(v.chunks_mut(size)).zip(sums.chunks_mut(levels));
-                parts.enumerate().for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
+                for strip in strips {
+                    self.complete_strip(steps, completed, span.within(&self.tiling, strip..strip + 1));
+                }
             }
             Some(_) => {
-                let parts = f.par_chunks_mut(size).zip(x.par_chunks_mut(size)).zip(v.par_chunks_mut(size));
-                let parts = parts.zip(sums.par_chunks_mut(levels)).enumerate();
-                parts.for_each(|(i, (((f, x), v), sums))| strip(i, [f, x, v], sums));
+                let [left, right] = span.split(&self.tiling, strips.start + strips.len() / 2);
+                rayon::join(
+                    || self.complete(steps, completed, left, workers),
+                    || self.complete(steps, completed, right, workers),
+                );
+            }
+        }
+    }
+
+    fn complete_strip<T: Terms + ?Sized>(
+        &self,
+        steps: &Steps<'_, T>,
+        Completed { level, told, tiles, beyond }: &Completed<'_>,
+        Span { mut part, moving }: Span<'_>,
+    ) {
+        let nodes = self.tiling.nodes_of(part.strips.clone());
+        for (out, beyond) in part.out.iter_mut().zip(beyond).take(told.sums()) {
+            if !out.is_empty() {
+                self.tiling.add_beyond(tiles.clone(), *beyond, (nodes.start, out));
+            }
+        }
+        let dofs = 3 * nodes.start..3 * nodes.end;
+        match steps.then {
+            Then::Again if *level > 0 => {}
+            Then::Again | Then::Done => moving.around.after(dofs, moving.v, cast_slice(part.out[0])),
+            Then::Next(between, kicks, _) if *told != Told::First => between.end(kicks, *level, part, moving),
+            Then::Next(..) if *level == 0 => moving.around.after(dofs, moving.v, cast_slice(part.out[0])),
+            Then::Next(between, kicks, _) => {
+                kicks.correct(
+                    moving.v,
+                    cast_slice(part.aside[1]),
+                    &between.inverse_mass[dofs],
+                    cast_slice(part.out[0]),
+                );
             }
         }
     }

@@ -11,7 +11,8 @@ use super::shelf::{Shelf, Taken};
 use super::threads::{SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::tiling::{Beyond, Plan, Tiling};
-use super::window::{Padded, Records, Window, add_rows, copy_rows, plus_rows, rows, store_rows};
+use super::told::{Sums, Told};
+use super::window::{Padded, Records, Window, add_rows, copy_rows, rows, store_rows};
 use crate::model::forces::Tally;
 use crate::model::workers::Workers;
 use glam::DVec3;
@@ -53,42 +54,22 @@ pub struct Sweep {
 }
 
 /// What a pass reads, and with which threads.
-pub(super) struct Work<'a, T: ?Sized> {
+pub(super) struct Job<'a, T: ?Sized> {
     pub terms: &'a T,
     pub wants: Wants,
     /// whether the largest stretch is looked for
     pub stretch: bool,
-    pub still: Still,
+    pub told: Told,
     /// in which level energies and powers are told
     pub level: usize,
     /// of nodes from one of them on, as many as elements reach
     pub at: NodeState<'a>,
     /// its number
     pub first: usize,
-    /// whether kernels see no nodes but those of windows: in strides
-    pub windows_alone: bool,
     pub threads: &'a Threads,
     /// all of them, or the one that this is done by
     pub workers: &'a Workers,
     pub tiling: &'a Tiling,
-}
-
-/// What becomes of the forces of still terms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Still {
-    /// found as all others
-    Found,
-    /// kept besides
-    Kept,
-    /// taken as they were kept, with their energies
-    Taken,
-}
-
-impl Still {
-    /// Whether the terms of a sum are gone over.
-    fn goes_over(self, sum: usize) -> bool {
-        self != Still::Taken || sum > 0
-    }
 }
 
 impl Sweep {
@@ -111,11 +92,12 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false }, &out);
+        let mut room =
+            self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false, aside: [false; 2] }, &out);
         let (tiling, workers) = (&self.tiling, threads.workers());
-        let (still, level, first) = (Still::Found, 0, 0);
-        let (wants, stretch, windows_alone) = (wants(terms, still), false, false);
-        let work = Work { terms, wants, stretch, still, level, at, first, windows_alone, threads, workers, tiling };
+        let (told, level, first, stretch) = (Told::All, 0, 0, false);
+        let wants = wants(terms, told);
+        let work = Job { terms, wants, stretch, told, level, at, first, threads, workers, tiling };
         let (mut all, _) = room.parts(tiling, out);
         work.run(all.within(tiling, tiling.strips()));
         for (out, sums) in all.out.into_iter().zip(all.beyond).filter(|(out, _)| !out.is_empty()) {
@@ -153,12 +135,12 @@ pub(super) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
 }
 
 /// What any of the terms wants that a pass goes over.
-pub(super) fn wants<T: Terms + ?Sized>(terms: &T, still: Still) -> Wants {
-    let terms = (0..terms.count()).map(|i| terms.term(i)).filter(|(_, sum)| still.goes_over(*sum));
+pub(super) fn wants<T: Terms + ?Sized>(terms: &T, told: Told) -> Wants {
+    let terms = (0..terms.count()).map(|i| terms.term(i)).filter(|(_, sum)| told.goes_over(*sum));
     terms.map(|(term, _)| term.wants()).fold(Wants::default(), Wants::or)
 }
 
-impl<T: Terms + ?Sized> Work<'_, T> {
+impl<T: Terms + ?Sized> Job<'_, T> {
     /// Fills the places of some strips.
     pub(super) fn run(&self, part: Part<'_>) {
         match self.workers.pool().filter(|_| part.strips.len() > 1) {
@@ -199,9 +181,13 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             kept = others_kept;
             let level = i * levels + self.level;
             let tallies = &mut tallies[level * count..(level + 1) * count];
-            stretches[level] = self.tile((number, own_kept), windows, &out, tallies);
+            let stretch = self.tile((number, own_kept), windows, &out, tallies);
+            // Springs whose forces were kept have been looked at.
+            if self.told != Told::AllWithKept {
+                stretches[level] = stretch;
+            }
             let place = plan.beyond.start - first..plan.beyond.end - first;
-            for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums) {
+            for ((out, beyond), sums) in out.iter_mut().zip(&mut beyond).zip(&mut windows.sums).take(self.told.sums()) {
                 if !out.is_empty() {
                     let (own, others) = rows(sums.records(), plan.records()).split_at(plan.own.len());
                     if plan.opens_strip {
@@ -224,7 +210,7 @@ impl<T: Terms + ?Sized> Work<'_, T> {
         tallies: &mut [Tally],
     ) -> f64 {
         let plan = &self.tiling.tiles()[number];
-        let Windows { x, v, sums } = windows;
+        let Windows { x, v, sums, .. } = windows;
         let (x, v) = (x.records(), v.records());
         if self.wants.x {
             self.load(plan, self.at.x, x);
@@ -233,32 +219,14 @@ impl<T: Terms + ?Sized> Work<'_, T> {
             self.load(plan, self.at.v, v);
         }
         let sums = sums.each_mut().map(Window::records);
-        let mut present = sums.into_iter().zip(out).map(|(sum, out)| (!out.is_empty()).then_some(sum));
-        let mut sums: [Option<&mut Records>; SUMS] = std::array::from_fn(|_| present.next().flatten());
-        for (i, sum) in sums.iter_mut().enumerate() {
-            let Some(sum) = sum.as_deref_mut().map(|sum| rows(sum, plan.records())) else { continue };
-            match self.still.goes_over(i) {
-                true => sum.fill(Padded::default()),
-                false => sum.copy_from_slice(kept),
-            }
+        let n = plan.records();
+        if self.told.goes_over(0) {
+            rows(sums[0], n).fill(Padded::default());
         }
         let own = if plan.opens_strip { plan.own.clone() } else { 0..0 };
-        let at = if self.windows_alone { NodeState { x: &[], v: &[], ..self.at } } else { self.at };
-        let tile = Tile { number, own, at, x, v };
-        for (i, tally) in tallies.iter_mut().enumerate() {
-            let (term, sum) = self.terms.term(i);
-            if self.still.goes_over(sum) {
-                *tally = sums[sum].as_deref_mut().map_or_else(Tally::default, |sum| term.add(&tile, sum));
-            }
-        }
-        if let [Some(total), others @ ..] = &mut sums {
-            if self.still == Still::Kept {
-                kept.copy_from_slice(rows(total, plan.records()));
-            }
-            for other in others.iter_mut().flatten() {
-                plus_rows(rows(other, plan.records()), rows(total, plan.records()));
-            }
-        }
+        let tile = Tile { number, own, t: self.at.t, x, v };
+        let present = out.each_ref().map(|sum| !sum.is_empty());
+        Sums { n, sums, present, kept }.add(self.terms, self.told, &tile, tallies);
         match self.stretch {
             true => (0..tallies.len())
                 .map(|i| self.terms.term(i).0.largest_stretch(&tile))

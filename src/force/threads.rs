@@ -14,11 +14,28 @@ pub(super) struct Windows {
     pub x: Window,
     pub v: Window,
     pub sums: [Window; SUMS],
+    /// for a scene that stays in its windows
+    pub resident: Resident,
+}
+
+/// What is kept of nodes that stay in their windows.
+#[derive(Debug)]
+pub(super) struct Resident {
+    /// [1/kg] by degree of freedom
+    pub inverse_mass: Window,
+    /// [m] positions at the start of the step
+    pub before: Window,
+    /// [m/s] kicked velocities
+    pub kicked: Window,
+    /// [N] forces of still terms
+    pub kept: Window,
 }
 
 impl Default for Windows {
     fn default() -> Self {
-        Windows { x: Window::new(0), v: Window::new(32), sums: [16, 48, 8].map(Window::new) }
+        let [inverse_mass, before, kicked, kept] = [48, 24, 56, 4].map(Window::new);
+        let resident = Resident { inverse_mass, before, kicked, kept };
+        Windows { x: Window::new(0), v: Window::new(32), sums: [16, 40, 8].map(Window::new), resident }
     }
 }
 

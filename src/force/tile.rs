@@ -1,6 +1,5 @@
 //! A tile as kernels see it: the nodes of a run of a scene, in windows of records of four numbers (`window`), and the elements that begin there.
 
-use super::NodeState;
 use super::window::{RECORD, Records, record, set_record};
 use glam::DVec3;
 use std::ops::Range;
@@ -12,8 +11,8 @@ pub struct Tile<'a> {
     pub number: usize,
     /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where an earlier tile of the strip has them
     pub own: Range<usize>,
-    /// the whole scene's state; within a stride no nodes, and the time of its end
-    pub at: NodeState<'a>,
+    /// [s]
+    pub t: f64,
     /// [m] positions of the windows' nodes, if some term wants them
     pub x: &'a Records,
     /// [m/s] their velocities, if some term wants them
@@ -29,8 +28,8 @@ pub(super) fn place(own: usize) -> u16 {
 /// The elements of a tile as a kernel sees them.
 #[derive(Clone, Copy)]
 pub struct Elements<'a, const N: usize> {
-    /// the whole scene's state; within a stride no nodes, so that forces that follow from positions alone read `x`
-    pub at: NodeState<'a>,
+    /// [s]
+    pub t: f64,
     /// [m] positions of the window's nodes, where the kernel wants them
     pub x: &'a Records,
     /// [m/s] their velocities, where the kernel wants them
@@ -47,18 +46,31 @@ impl<const N: usize> Elements<'_, N> {
         self.first..self.first + self.nodes.len()
     }
 
-    /// Adds elements one by one: `element` tells force [N] and energy or power of each, `signs` how it acts on its nodes.
-    pub fn each(&self, signs: [f64; N], f: &mut Records, mut element: impl FnMut(usize) -> (DVec3, f64)) -> f64 {
+    /// Adds elements one by one: `element` tells force [N] and energy or power of each from its number and the places of its nodes, `signs` how it acts on
+    /// them.
+    pub fn each(
+        &self,
+        signs: [f64; N],
+        f: &mut Records,
+        mut element: impl FnMut(usize, [u16; N]) -> (DVec3, f64),
+    ) -> f64 {
         let mut sum = 0.0;
-        for (nodes, number) in self.nodes.iter().zip(self.range()) {
-            let (force, amount) = element(number);
+        for (&nodes, number) in self.nodes.iter().zip(self.range()) {
+            let (force, amount) = element(number, nodes);
             sum += amount;
-            for (&node, sign) in nodes.iter().zip(signs) {
+            for (node, sign) in nodes.into_iter().zip(signs) {
                 add(f, node, sign * force);
             }
         }
         sum
     }
+}
+
+/// The vector whose record begins at a place.
+#[inline(always)]
+pub(super) fn vector(records: &Records, at: u16) -> DVec3 {
+    let [x, y, z, _] = record(records, at);
+    DVec3::new(x, y, z)
 }
 
 /// Adds a force [N] to the record that begins at a place.

@@ -112,11 +112,6 @@ impl Tiling {
         0..self.first_tile.len() - 1
     }
 
-    /// Nodes of a strip; the last may have less.
-    pub(super) fn strip(&self) -> usize {
-        self.strip
-    }
-
     /// The nodes of some strips.
     pub(super) fn nodes_of(&self, strips: Range<usize>) -> Range<usize> {
         (self.strip * strips.start).min(self.nodes)..(self.strip * strips.end).min(self.nodes)
@@ -274,6 +269,7 @@ fn begins_in(nodes: &[u32], own: &Range<usize>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force::batch::Wants;
     use crate::force::tile::Tile;
     use crate::force::window::Records;
     use crate::model::forces::Tally;
@@ -290,6 +286,10 @@ mod tests {
     impl Summand for Told {
         fn elements(&self) -> usize {
             self.elements.len()
+        }
+
+        fn wants(&self) -> Wants {
+            Wants::default()
         }
 
         fn element(&self, number: usize) -> Option<&[u32]> {

@@ -69,6 +69,11 @@ pub(super) fn rows(records: &mut Records, n: usize) -> &mut [Padded] {
     &mut records.as_chunks_mut().0[..n]
 }
 
+/// The same, to be read.
+pub(super) fn rows_of(records: &Records, n: usize) -> &[Padded] {
+    &records.as_chunks().0[..n]
+}
+
 /// Copies a nodal vector into as many records.
 pub(super) fn copy_rows(from: &[DVec3], to: &mut [Padded]) {
     run(CopyRows { from: bytemuck::cast_slice(from), to });
@@ -133,23 +138,54 @@ impl<const ADD: bool> Pass for Give<'_, ADD> {
     }
 }
 
-/// Adds records to as many others.
-pub(super) fn plus_rows(records: &[Padded], to: &mut [Padded]) {
-    run(Plus { records, to });
+/// Overwrites records with the sums of others: `first`, or else what is there, and then those of `others` that are not empty, one after the other.
+pub(super) fn sum_rows(to: &mut [Padded], first: Option<&[Padded]>, others: [&[Padded]; 2]) {
+    match (others, first) {
+        ([[], []], None) => {}
+        ([[], []], Some(first)) => to.copy_from_slice(first),
+        ([one, []] | [[], one], None) => run(Sum { to, first: (), others: [one] }),
+        ([one, []] | [[], one], Some(first)) => run(Sum { to, first, others: [one] }),
+        (others, None) => run(Sum { to, first: (), others }),
+        (others, Some(first)) => run(Sum { to, first, others }),
+    }
 }
 
-struct Plus<'a> {
-    records: &'a [Padded],
+struct Sum<'a, F, const N: usize> {
     to: &'a mut [Padded],
+    first: F,
+    others: [&'a [Padded]; N],
 }
 
-impl Pass for Plus<'_> {
+/// Where a sum begins: with records, or with what is there.
+trait First {
+    fn record(&self, i: usize, there: Padded) -> Padded;
+}
+
+impl First for &[Padded] {
+    #[inline(always)]
+    fn record(&self, i: usize, _: Padded) -> Padded {
+        self[i]
+    }
+}
+
+impl First for () {
+    #[inline(always)]
+    fn record(&self, _: usize, there: Padded) -> Padded {
+        there
+    }
+}
+
+impl<F: First, const N: usize> Pass for Sum<'_, F, N> {
     type Output = ();
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) {
-        for (record, to) in self.records.iter().zip(self.to) {
-            *to = (unit.quad(*to) + unit.quad(*record)).numbers();
+        for (i, to) in self.to.iter_mut().enumerate() {
+            let mut sum = unit.quad(self.first.record(i, *to));
+            for records in self.others {
+                sum = sum + unit.quad(records[i]);
+            }
+            *to = sum.numbers();
         }
     }
 }
@@ -174,6 +210,28 @@ mod tests {
                 assert_eq!(*sum, *node + 0.5);
                 let [x, y, z, _] = record(window.records(), (i * RECORD) as u16);
                 assert_eq!(DVec3::new(x, y, z), *node);
+            }
+        }
+    }
+
+    /// One after the other, from what is there or from what is given.
+    #[test]
+    fn records_are_summed_in_their_order() {
+        let records =
+            |scale: f64| (0..5).map(|i| [1.0, 0.1, 0.3, 1e16].map(|x| scale * x + f64::from(i))).collect::<Vec<_>>();
+        let [first, a, b, there] = [0.1, 0.7, -0.7, 0.3].map(records);
+        for (first, others) in [None, Some(&first)]
+            .into_iter()
+            .flat_map(|first| [[&[][..], &[]], [&a, &[]], [&[], &b], [&a, &b]].map(|others| (first, others)))
+        {
+            let mut found = there.clone();
+            sum_rows(&mut found, first.map(Vec::as_slice), others);
+            for (i, found) in found.into_iter().enumerate() {
+                let mut sum = first.map_or(there[i], |first| first[i]);
+                for other in others.into_iter().filter(|other| !other.is_empty()) {
+                    sum.iter_mut().zip(other[i]).for_each(|(sum, other)| *sum += other);
+                }
+                assert_eq!(found, sum);
             }
         }
     }

@@ -53,7 +53,7 @@ impl Counters {
         passed: &mut [Passed],
     ) -> bool {
         let made = system.stride(&mut to.state, &mut to.forces, scheme, passed);
-        self.force_evaluations += if made { passed.len() as u64 } else { 0 };
+        self.force_evaluations += if made { (scheme.kicks().passes() * passed.len()) as u64 } else { 0 };
         made
     }
 

@@ -12,7 +12,7 @@ use super::updates::{BeforeAndAfter, Product, Sizes, kick_then_drift, nothing};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::stride::{Kicks, Passed};
-use crate::model::system::System;
+use crate::model::system::{Around, System};
 use std::ops::Range;
 
 /// Euler-Cromer; carries nothing.
@@ -30,13 +30,8 @@ impl Integrator<dyn System> for EulerCromer {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
         to.state.t = t_next;
-        let before = |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
-            let from = (&n.x[r.clone()], &n.v[r.clone()]);
-            kick_then_drift((x, v), from, a_n.of(r), Sizes { kick: h, drift: h });
-        };
-        counters.evaluate_around(system, to, &BeforeAndAfter { before, after: nothing });
+        counters.evaluate_around(system, to, &around(system, from, h));
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
 
@@ -47,6 +42,17 @@ impl Integrator<dyn System> for EulerCromer {
         passed: &mut [Passed],
         counters: &mut Counters,
     ) -> bool {
-        stride(Kicks { begin: step.h, drift: step.h, end: None }, step, to, passed, counters)
+        let kicks = Kicks { begin: step.h, drift: step.h, end: None, predicts: false };
+        stride((&around(step.system, step.from, step.h), kicks), step, to, passed, counters)
     }
+}
+
+/// What a step does before its force pass.
+fn around<'a>(system: &'a dyn System, from: &'a Point, h: f64) -> impl Around + 'a {
+    let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
+    let before = move |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
+        let from = (&n.x[r.clone()], &n.v[r.clone()]);
+        kick_then_drift((x, v), from, a_n.of(r), Sizes { kick: h, drift: h });
+    };
+    BeforeAndAfter { before, after: nothing }
 }

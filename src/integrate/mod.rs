@@ -179,7 +179,7 @@ pub trait Integrator<S: ?Sized>: Send {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError>;
 
-    /// Makes several steps into `to`, of one size and an entry of `passed` each; `step.t_next` is the time at the end of the last. Their bits are those of steps
+    /// Makes several steps into `to`, of one size and an entry of `passed` each, which has its time; `step.t_next` is that of the last. Their bits are those of steps
     /// attempted and accepted one by one. `false`, and `to` means nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
     fn stride(
         &mut self,

@@ -18,7 +18,7 @@ use super::updates::{BeforeAndAfter, Product, Sizes, accumulate_product, add_pro
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::stride::{Kicks, Passed};
-use crate::model::system::System;
+use crate::model::system::{Around, System};
 use std::ops::Range;
 
 /// Velocity Verlet; carries nothing (a_n is the force of the point it starts from).
@@ -36,26 +36,9 @@ impl Integrator<dyn System> for VelocityVerlet {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
-        let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
-        let predicts = system.velocity_dependent();
         to.state.t = t_next;
-        let before = |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
-            let (x_n, v_n) = (&n.x[r.clone()], &n.v[r.clone()]);
-            kick_then_drift((x, v), (x_n, v_n), a_n.of(r.clone()), Sizes { kick: 0.5 * h, drift: h });
-            if predicts {
-                // a* is taken at v_n + h a_n ...
-                add_product(v, v_n, h, a_n.of(r));
-            }
-        };
-        let after = |r: Range<usize>, v: &mut [f64], f: &[f64]| {
-            if predicts {
-                // ... and added to v_h.
-                add_product(v, &n.v[r.clone()], 0.5 * h, a_n.of(r.clone()));
-            }
-            accumulate_product(v, 0.5 * h, Product { inverse_mass: &a_n.inverse_mass[r], f });
-        };
-        let around = BeforeAndAfter { before, after };
-        match predicts {
+        let around = around(system, from, h);
+        match system.velocity_dependent() {
             false => counters.evaluate_around(system, to, &around),
             true => counters.evaluate_twice(system, to, &around),
         }
@@ -69,6 +52,30 @@ impl Integrator<dyn System> for VelocityVerlet {
         passed: &mut [Passed],
         counters: &mut Counters,
     ) -> bool {
-        stride(Kicks { begin: 0.5 * step.h, drift: step.h, end: Some(0.5 * step.h) }, step, to, passed, counters)
+        let (h, predicts) = (step.h, step.system.velocity_dependent());
+        let kicks = Kicks { begin: 0.5 * h, drift: h, end: Some(0.5 * h), predicts };
+        stride((&around(step.system, step.from, h), kicks), step, to, passed, counters)
     }
+}
+
+/// What a step does before its force pass and after it or, where forces depend on velocity, between both.
+fn around<'a>(system: &'a dyn System, from: &'a Point, h: f64) -> impl Around + 'a {
+    let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
+    let predicts = system.velocity_dependent();
+    let before = move |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
+        let (x_n, v_n) = (&n.x[r.clone()], &n.v[r.clone()]);
+        kick_then_drift((x, v), (x_n, v_n), a_n.of(r.clone()), Sizes { kick: 0.5 * h, drift: h });
+        if predicts {
+            // a* is taken at v_n + h a_n ...
+            add_product(v, v_n, h, a_n.of(r));
+        }
+    };
+    let after = move |r: Range<usize>, v: &mut [f64], f: &[f64]| {
+        if predicts {
+            // ... and added to v_h.
+            add_product(v, &n.v[r.clone()], 0.5 * h, a_n.of(r.clone()));
+        }
+        accumulate_product(v, 0.5 * h, Product { inverse_mass: &a_n.inverse_mass[r], f });
+    };
+    BeforeAndAfter { before, after }
 }

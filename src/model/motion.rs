@@ -17,7 +17,7 @@ pub fn motion(v: &[f64], mass: &[f64]) -> Motion {
 }
 
 /// Nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
-pub(super) const BLOCK: usize = 64;
+pub(in crate::model) const BLOCK: usize = 64;
 
 /// The motion of nodes that are added four by four, block after block.
 pub(super) struct Sum<Q> {

@@ -1,12 +1,14 @@
 //! Strides: several steps on end, of which only the last state is seen.
 //!
-//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step. Those of a large scene wait for memory. Where all forces follow from positions alone, a node's next step needs no more than the forces around
+//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step. Those of a large scene wait for memory. A node's next step needs no more than the forces around
 //! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
 //! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
 
 mod kicks;
+mod work;
 
 pub use kicks::{Kicks, Nodes};
+pub use work::work;
 
 use super::bounds::Bounds;
 use super::forces::Tally;
@@ -17,13 +19,15 @@ pub const LONGEST: usize = 32;
 /// What is left of a state within a stride.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Passed {
+    /// [s] its time, at which forces are found; set by the caller
+    pub t: f64,
     /// whether `largest_stretch` is asked for; set by the caller
     pub stretch_wanted: bool,
     /// what its nodes are like
     pub nodes: NodeSums,
     /// [-] largest l^2/l0^2 of all springs, -inf where there is none; told where it is asked for
     pub largest_stretch: f64,
-    /// energy of every term, in the order of [`crate::model::system::System::terms`]
+    /// energy or power of every term, in the order of [`crate::model::system::System::terms`]
     pub tallies: Vec<Tally>,
 }
 
@@ -38,12 +42,45 @@ pub struct NodeSums {
     pub bounds: Bounds,
     /// whether all forces are finite, those at fixed degrees of freedom too
     pub finite: bool,
+    /// what was done in the step that ends here (within a stride, what was done of it so far, doubled)
+    pub work: Work,
+}
+
+/// Work in a step, 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// [J] of external forces
+    pub external: f64,
+    /// [J] of dissipative forces: below zero where they take energy
+    pub dissipative: f64,
+}
+
+impl Work {
+    /// Of external and dissipative forces [N] along the way between positions [m] of `W` numbers a node, three and perhaps one that is 0. An empty slice of forces does
+    /// no work.
+    pub fn of<const W: usize>(forces: [&[f64]; 2], from: &[f64], x: &[f64]) -> Self {
+        let [external, dissipative] = work::<W, 2>(forces, from, x);
+        Work { external, dissipative }
+    }
+
+    /// The work of two pieces, or in two halves.
+    #[must_use]
+    pub fn and(self, other: Work) -> Self {
+        Work { external: self.external + other.external, dissipative: self.dissipative + other.dissipative }
+    }
+
+    /// Half of it.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Work { external: 0.5 * self.external, dissipative: 0.5 * self.dissipative }
+    }
 }
 
 /// Of no nodes.
 impl Default for NodeSums {
     fn default() -> Self {
-        NodeSums { kinetic: 0.0, largest_square: 0.0, bounds: Bounds::default(), finite: true }
+        let (bounds, work) = (Bounds::default(), Work::default());
+        NodeSums { kinetic: 0.0, largest_square: 0.0, bounds, finite: true, work }
     }
 }
 
@@ -56,6 +93,7 @@ impl NodeSums {
             largest_square: self.largest_square.max(next.largest_square),
             bounds: self.bounds.and(next.bounds),
             finite: self.finite && next.finite,
+            work: self.work.and(next.work),
         }
     }
 }

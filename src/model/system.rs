@@ -5,6 +5,7 @@
 //! ```
 
 use super::forces::{Forces, Role};
+use super::point::Point;
 use super::state::{State, StateRef};
 use super::stride::{Kicks, Passed};
 use super::workers::{ALONE, Workers};
@@ -38,10 +39,14 @@ pub trait Around: Sync {
     }
 }
 
-/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and between them what its kicks say.
+/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and [`Around::after`] after it where steps predict; then what its
+/// kicks say. Both say the same of the first step: a small scene begins it by kicks from that point, in its windows.
 pub trait Onward: Around {
     /// Where a step ends, and the next begins.
     fn kicks(&self) -> Kicks;
+
+    /// Where the first step begins.
+    fn from(&self) -> &Point;
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
@@ -71,19 +76,20 @@ pub trait System: Sync {
     }
 
     /// [`System::evaluate_around`], then [`System::evaluate`] at the same positions with the velocities that `around.after` has left. What follows from positions alone
-    /// may be found once.
+    /// may be found once, and the first pass may add forces in an order of its own.
     fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
         self.evaluate_around(at, out, around);
         self.evaluate(at.as_ref(), out);
     }
 
-    /// Steps of a stride at most; fewer than two where forces depend on anything but positions: then there are no strides.
+    /// Steps of a stride at most; fewer than two where there are no strides.
     fn longest_stride(&self) -> usize {
         0
     }
 
-    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step [`System::evaluate`] and what
-    /// [`Onward::kicks`] do at its end. `false` where there is no such thing, and nothing was done.
+    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step [`System::evaluate`] (or, where steps
+    /// predict, [`System::evaluate_twice`]) and what [`Onward::kicks`] do at its end; their times
+    /// are in `passed`. `false` where there is no such thing, and nothing was done.
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
         let _ = (at, out, scheme, passed);
         false
@@ -101,6 +107,12 @@ pub trait System: Sync {
     /// [s] Times at which a force has a corner or a jump in time, ascending: rows of load and wind tables.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes go from `x_n` to `x_n1` [m]: 1/2 (f_n + f_n1) . (x_n1 - x_n); 0 of no forces.
+    fn work(&self, [f_n, f_n1]: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
+        let way = x_n.iter().zip(x_n1).map(|(x_n, x_n1)| x_n1 - x_n);
+        f_n.iter().zip(f_n1).zip(way).map(|((f_n, f_n1), d)| 0.5 * (f_n + f_n1) * d).sum()
     }
 
     /// The threads that loops over the degrees of freedom may use.

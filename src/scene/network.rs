@@ -5,8 +5,8 @@ use super::numbering::Numbering;
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
+use crate::force::between::Between;
 use crate::force::spring::{Coefficient, SpringData};
-use crate::force::stride::Between;
 use crate::force::sweep::{Sweep, Terms};
 use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::Passed;
+use crate::model::stride::{self, Passed};
 use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
@@ -238,19 +238,16 @@ impl System for Network {
     }
 
     fn longest_stride(&self) -> usize {
-        let from_positions = |info: &TermInfo| matches!(info.role, Role::Elastic | Role::Gravity);
-        match self.infos.iter().all(from_positions) {
-            false => 0,
-            true => self.sweep.longest_stride(self, &self.threads),
-        }
+        let passes = if self.velocity_dependent() { 2 } else { 1 };
+        if self.still() { self.sweep.longest_stride(passes) } else { 0 }
     }
 
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
-        if self.longest_stride() < 2 {
+        if self.longest_stride() < 2 || passed.is_empty() {
             return false;
         }
         let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around: scheme };
-        let between = Between { kicks: scheme.kicks(), mass: &self.mass, inverse_mass: &self.inverse_mass };
+        let between = Between { scheme, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
             self.sweep.stride((self, moving), between, &self.threads, sums, passed);
             if let Some(last) = passed.last() {
@@ -275,6 +272,18 @@ impl System for Network {
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
         self.sweep
             .by_strips(&self.threads, |nodes| motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic)
+    }
+
+    fn work(&self, forces: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
+        if forces[0].is_empty() {
+            return 0.0;
+        }
+        self.sweep.by_strips(&self.threads, |nodes| {
+            let dofs = 3 * nodes.start..3 * nodes.end;
+            let forces = forces.map(|f| &f[dofs.clone()]);
+            let [begun, ended] = stride::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);
+            0.5 * (begun + ended)
+        })
     }
 
     fn workers(&self) -> &Workers {

@@ -4,7 +4,7 @@
 //! one by one, so that what is reported is what the step itself shows.
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
-use super::super::watch::Watched;
+use super::super::watch::{Watched, power_of};
 use super::{Pace, Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::stride::{LONGEST, Passed};
@@ -43,7 +43,9 @@ impl Run<'_> {
         let Some(last) = coming.last().filter(|_| n > 1) else { return Ok(false) };
         let mut strides = std::mem::take(&mut self.strides);
         strides.passed.resize_with(LONGEST, Passed::default);
-        strides.passed.iter_mut().zip(coming).for_each(|(passed, step)| passed.stretch_wanted = step.stretch_wanted);
+        for (passed, step) in strides.passed.iter_mut().zip(coming) {
+            (passed.t, passed.stretch_wanted) = (step.t, step.stretch_wanted);
+        }
         let before = (self.ledger, self.watch, self.counters);
         let attempt = Attempt { from: &self.from, h: last.h, t_next: last.t };
         let made = stepper.stride(attempt, &mut self.to, &mut strides.passed[..n], &mut self.counters);
@@ -80,19 +82,21 @@ impl Run<'_> {
     /// Whether all is well.
     fn account_for(&mut self, coming: &[Coming], strides: &mut Strides) -> bool {
         let (mut before, mut t) = (self.row, self.from.state.t);
+        let mut power_before = power_of(self.scene, &self.from.forces.tallies);
         for ((step, passed), row) in coming.iter().zip(&strides.passed).zip(&mut strides.rows) {
             let after = self.ledger.passed(self.scene, passed);
             if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent()) {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.from, &self.to);
-            let h = step.t - t;
+            let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
+            let (by_stages, step_number) = (false, step.step);
             let watched =
-                Watched { scene, from, to, before: &before, after: &after, by_stages: false, step: step.step, h };
+                Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };
             if !self.watch.unseen_step(watched) {
                 return false;
             }
-            (*row, before, t) = (after, after, step.t);
+            (*row, before, t, power_before) = (after, after, step.t, power[1]);
         }
         true
     }

@@ -5,7 +5,7 @@ use super::super::failure::{Scenery, Wreck};
 use super::super::observer::{LedgerRow, Observer, StepView};
 use super::super::outcome::Status;
 use super::super::pace::Pace;
-use super::super::watch::{Sight, Trouble, Watched};
+use super::super::watch::{Sight, Trouble, Watched, power_of};
 use super::{BLOW_UP, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::Stepper;
@@ -90,8 +90,8 @@ impl Run<'_> {
             return Sight::Trouble(Trouble::NotFinite);
         }
         let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
-        let step = self.steps + 1;
-        let sight = self.watch.step(Watched { scene, from, to, before, after, by_stages, step, h: tick.h });
+        let (step, power) = (self.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
+        let sight = self.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
         match (sight, left) {
             (Sight::Calm | Sight::Doubt(_), Some(_)) => {
                 let share = self.watch.share(to, after, step);

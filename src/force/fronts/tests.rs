@@ -45,6 +45,8 @@ impl Done {
 
     /// Goes over a front, and looks that everything is there when it is needed and is needed no more when it is replaced.
     fn go_over(&mut self, tiling: &Tiling, front: &mut Front, at_once: usize) {
+        let strip_of: Vec<usize> =
+            tiling.strips().flat_map(|strip| tiling.tiles_of(strip..strip + 1).map(move |_| strip)).collect();
         while let Some(ahead) = front.ahead(tiling, at_once) {
             Done::take(&mut self.moved, front.move_for(&ahead));
             let nodes = tiling.nodes_of(ahead.strips.clone()).start..ahead.reach;
@@ -61,7 +63,7 @@ impl Done {
             let nodes = tiling.nodes_of(ahead.completed.clone());
             for (number, plan) in tiling.tiles().iter().enumerate() {
                 let reaches = nodes.clone().any(|node| plan.reach.contains(&node));
-                let strip = plan.own.start / tiling.strip();
+                let strip = strip_of[number];
                 assert!(!reaches || tiles.contains(&number) && self.strips[ahead.level][strip], "tile {number}");
                 let replaced = self.strips.get(ahead.level + 1).is_some_and(|next| next[strip]);
                 assert!(!reaches || !replaced, "tile {number} gives what belongs to the next level");

@@ -4,13 +4,19 @@
 //! v += l M^-1 f                       a step ends: kinetic energy, largest speed, bounds, and whether all is finite
 //! v += k M^-1 f,  x += h v            the next begins
 //! ```
+//! and where forces are first found at predicted velocities, with the second kick before the step ends,
+//! ```text
+//! u = v + k M^-1 f,  x += h u,  v += h M^-1 f         a step begins
+//! v = u + l M^-1 f                                    with the forces at these
+//! ```
 //! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of four numbers, the last of them 0). The same
 //! operations as in single steps, and in the same order: the same bits.
 
-use super::NodeSums;
+use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
 use crate::model::motion::{BLOCK, Sum};
 use crate::model::quad::{self, Quad, VectorUnit};
+use multiversion::multiversion;
 
 /// A step v += k M^-1 f, x += h v, then with the new forces v += l M^-1 f.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +27,8 @@ pub struct Kicks {
     pub drift: f64,
     /// [s] l, if there is a second kick
     pub end: Option<f64>,
+    /// whether the second kick is by the forces at velocities v + h M^-1 f, before those at the step's end are found
+    pub predicts: bool,
 }
 
 /// Some nodes where a step ends: vectors of `W` numbers a node.
@@ -34,12 +42,24 @@ pub struct Nodes<'a, const W: usize> {
     pub x: &'a mut [f64],
     /// [m/s]
     pub v: &'a mut [f64],
+    /// [m/s] u of the next step, where it predicts; else empty
+    pub kicked: &'a mut [f64],
     /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0 afterwards where another step follows, whose
     /// pass adds to them
     pub f: &'a mut [f64],
 }
 
 impl Kicks {
+    /// Force passes a step.
+    pub fn passes(self) -> usize {
+        1 + usize::from(self.predicts)
+    }
+
+    /// v = u + l M^-1 f, where steps predict.
+    pub fn correct(self, v: &mut [f64], kicked: &[f64], inverse_mass: &[f64], f: &[f64]) {
+        correct(v, kicked, self.end.unwrap_or_default(), (inverse_mass, f));
+    }
+
     /// Ends a step; where another follows, begins that too. Tells what the nodes are like between both.
     pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> NodeSums {
         quad::run(Pass { kicks: self, nodes, another })
@@ -57,20 +77,30 @@ impl<const W: usize> quad::Pass for Pass<'_, W> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> NodeSums {
-        match (self.kicks.end.is_some(), self.another) {
-            (true, true) => self.blocks::<U, true, true>(unit),
-            (true, false) => self.blocks::<U, true, false>(unit),
-            (false, true) => self.blocks::<U, false, true>(unit),
-            (false, false) => self.blocks::<U, false, false>(unit),
+        match (self.kicks.end.is_some() && !self.kicks.predicts, self.another, self.kicks.predicts) {
+            (true, true, _) => self.blocks::<U, true, true, false>(unit),
+            (true, false, _) => self.blocks::<U, true, false, false>(unit),
+            (false, true, true) => self.blocks::<U, false, true, true>(unit),
+            (false, true, false) => self.blocks::<U, false, true, false>(unit),
+            (false, false, _) => self.blocks::<U, false, false, false>(unit),
         }
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[f64])) {
+    for ((v, kicked), (f, inverse_mass)) in v.iter_mut().zip(kicked).zip(f.iter().zip(inverse_mass)) {
+        *v = kicked + l * (inverse_mass * f);
     }
 }
 
 impl<const W: usize> Pass<'_, W> {
     #[inline(always)]
-    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool>(self, unit: U) -> NodeSums {
-        let Nodes { mass, inverse_mass, x, v, f } = self.nodes;
-        let mut totals = Totals::<U, W, END, ANOTHER>::new(unit, self.kicks);
+    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(self, unit: U) -> NodeSums {
+        let Nodes { mass, inverse_mass, x, v, kicked, f } = self.nodes;
+        let (kicked, kicked_last) = groups_mut::<W>(kicked);
+        let mut kicked = kicked.iter_mut();
+        let mut totals = Totals::<U, W, END, ANOTHER, PREDICTS>::new(unit, self.kicks);
         let n = W * BLOCK;
         let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
         for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
@@ -80,16 +110,21 @@ impl<const W: usize> Pass<'_, W> {
             let (f, f_last) = groups_mut::<W>(f);
             let (mass, mass_last) = mass.as_chunks::<4>();
             for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
-                totals.four(unit, (*mass, m), [x, v, f]);
+                let kicked = if PREDICTS { kicked.next() } else { None };
+                totals.four(unit, (*mass, m), ([x, v, f], kicked));
             }
             if !mass_last.is_empty() {
                 // The first of them stands for those that are missing, without a mass.
                 let mut mass = [0.0; 4];
                 mass[..mass_last.len()].copy_from_slice(mass_last);
                 let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
-                totals.four(unit, (mass, &filled(m_last)), [&mut x, &mut v, &mut f]);
+                let mut u = v;
+                totals.four(unit, (mass, &filled(m_last)), ([&mut x, &mut v, &mut f], Some(&mut u)));
                 for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
                     last.copy_from_slice(&new.as_flattened()[..last.len()]);
+                }
+                if PREDICTS {
+                    kicked_last.copy_from_slice(&u.as_flattened()[..kicked_last.len()]);
                 }
             }
             totals.motion.end_block(unit);
@@ -101,7 +136,7 @@ impl<const W: usize> Pass<'_, W> {
 /// Four nodes.
 type Group<const W: usize> = [[f64; 4]; W];
 
-fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
+pub(super) fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
     let (whole, last) = values.split_at(values.len() / (4 * W) * (4 * W));
     (whole.as_chunks().0.as_chunks().0, last)
 }
@@ -112,7 +147,7 @@ fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64
 }
 
 /// Nodes, and the first of them in the places that are left.
-fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
+pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
     let mut group = [[0.0; 4]; W];
     for to in group.as_flattened_mut().chunks_mut(W) {
         to.copy_from_slice(&nodes[..W]);
@@ -122,7 +157,7 @@ fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
 }
 
 /// How steps end and begin, and what was found of the nodes so far.
-struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> {
+struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
     /// k, h and l
     sizes: [U::Quad; 3],
     motion: Sum<U::Quad>,
@@ -132,9 +167,11 @@ struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: boo
     nothing: U::Quad,
 }
 
-impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Totals<U, W, END, ANOTHER> {
+impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool>
+    Totals<U, W, END, ANOTHER, PREDICTS>
+{
     #[inline(always)]
-    fn new(unit: U, Kicks { begin, drift, end }: Kicks) -> Self {
+    fn new(unit: U, Kicks { begin, drift, end, .. }: Kicks) -> Self {
         Totals {
             sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
             motion: Sum::new(unit),
@@ -145,7 +182,12 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Totals
     }
 
     #[inline(always)]
-    fn four(&mut self, unit: U, (mass, inverse_mass): ([f64; 4], &Group<W>), [x, v, f]: [&mut Group<W>; 3]) {
+    fn four(
+        &mut self,
+        unit: U,
+        (mass, inverse_mass): ([f64; 4], &Group<W>),
+        ([x, v, f], mut kicked): ([&mut Group<W>; 3], Option<&mut Group<W>>),
+    ) {
         let [k, h, l] = self.sizes;
         let mut between = [unit.splat(0.0); W];
         for i in 0..W {
@@ -161,8 +203,14 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Totals
             self.high[place] = x_i.larger(self.high[place]);
             self.nothing = self.nothing + unit.splat(0.0) * f_i;
             if ANOTHER {
-                v_i = v_i + k * a;
-                x[i] = (x_i + h * v_i).numbers();
+                let u = v_i + k * a;
+                x[i] = (x_i + h * u).numbers();
+                if PREDICTS && let Some(kicked) = &mut kicked {
+                    kicked[i] = u.numbers();
+                    v_i = v_i + h * a;
+                } else {
+                    v_i = u;
+                }
                 if W == 4 {
                     f[i] = [0.0; 4];
                 }
@@ -185,13 +233,19 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool> Totals
         }
         let motion = self.motion.motion();
         let finite = self.nothing.numbers().into_iter().all(|zero| zero == 0.0);
-        NodeSums { kinetic: motion.kinetic, largest_square: motion.largest_square, bounds, finite }
+        NodeSums {
+            kinetic: motion.kinetic,
+            largest_square: motion.largest_square,
+            bounds,
+            finite,
+            work: Work::default(),
+        }
     }
 }
 
 /// The components of four nodes.
 #[inline(always)]
-fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
+pub(super) fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
     match W {
         3 => Q::unpack([nodes[0], nodes[1], nodes[2]]),
         _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),

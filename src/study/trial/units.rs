@@ -9,7 +9,7 @@ use crate::study::bench::{nominal_pass, nominal_step};
 /// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
 const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
 /// [-] Cost of a second force pass at the same positions over that of the first, from which it takes what follows from positions (annuli of 703 nodes in
-/// the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65).
+/// the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65; with a first pass that kept all sums apart).
 const AGAIN: f64 = 0.7;
 /// Force passes, assemblies, factorisations and solves of an implicit step as far as it is not known: two iterations and a look whether they were enough.
 const UNTRIED: [f64; 4] = [3.0, 2.0, 2.0, 2.0];

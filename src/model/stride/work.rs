@@ -1,0 +1,99 @@
+//! What forces do along the way of their nodes.
+//!
+//! ```text
+//! 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n)
+//! ```
+//! Either half is a sum for itself: in a stride the first is taken when a step begins, and the other when it ends.
+
+use super::kicks::{columns, filled, groups};
+use crate::model::motion::BLOCK;
+use crate::model::quad::{self, Quad, VectorUnit};
+
+/// [J] Sums of f . (x - x_from) for each of the forces [N]; vectors [m] of `W` numbers a node, three and perhaps one that is 0.
+pub fn work<const W: usize, const N: usize>(forces: [&[f64]; N], from: &[f64], x: &[f64]) -> [f64; N] {
+    quad::run(Pass::<W, N> { forces, from, x })
+}
+
+struct Pass<'a, const W: usize, const N: usize> {
+    forces: [&'a [f64]; N],
+    from: &'a [f64],
+    x: &'a [f64],
+}
+
+impl<const W: usize, const N: usize> quad::Pass for Pass<'_, W, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [f64; N] {
+        let (from, from_last) = groups::<W>(self.from);
+        let (x, x_last) = groups::<W>(self.x);
+        let mut sums = [0.0; N];
+        for (sum, force) in sums.iter_mut().zip(self.forces) {
+            let (force, force_last) = groups::<W>(force);
+            let group = BLOCK / 4;
+            for (force, (from, x)) in force.chunks(group).zip(from.chunks(group).zip(x.chunks(group))) {
+                let mut block = unit.splat(0.0);
+                for (force, (from, x)) in force.iter().zip(from.iter().zip(x)) {
+                    block = block + of_four::<U, W>(unit, force, [from, x]);
+                }
+                *sum += total(block);
+            }
+            if !force_last.is_empty() {
+                let [from, x] = [from_last, x_last].map(filled::<W>);
+                let mut last = [[0.0; 4]; W];
+                last.as_flattened_mut()[..force_last.len()].copy_from_slice(force_last);
+                *sum += total(of_four::<U, W>(unit, &last, [&from, &x]));
+            }
+        }
+        sums
+    }
+}
+
+#[inline(always)]
+fn of_four<U: VectorUnit, const W: usize>(unit: U, force: &[[f64; 4]; W], [from, x]: [&[[f64; 4]; W]; 2]) -> U::Quad {
+    let mut products = [unit.splat(0.0); W];
+    for i in 0..W {
+        products[i] = unit.quad(force[i]) * (unit.quad(x[i]) - unit.quad(from[i]));
+    }
+    let [x, y, z] = columns::<U::Quad, W>(products);
+    x + y + z
+}
+
+#[inline(always)]
+fn total<Q: Quad>(block: Q) -> f64 {
+    let [a, b, c, d] = block.numbers();
+    (a + b) + (c + d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::quad::{Pass as _, Portable};
+
+    fn vectors<const W: usize>(nodes: usize, phase: f64) -> Vec<f64> {
+        let number = |i: usize| if i % W < 3 { (0.7 * (3 * (i / W) + i % W) as f64 + phase).sin() } else { 0.0 };
+        (0..W * nodes).map(number).collect()
+    }
+
+    fn found<const W: usize>(nodes: usize) -> [f64; 2] {
+        let [f, g, from, x] = [0.0, 1.0, 2.0, 3.0].map(|phase| vectors::<W>(nodes, phase));
+        let pass = || Pass::<W, 2> { forces: [&f, &g], from: &from, x: &x };
+        assert_eq!(pass().run(Portable), quad::run(pass()), "{nodes} nodes");
+        assert_eq!(work::<W, 1>([&g], &from, &x), [quad::run(pass())[1]]);
+        work::<W, 2>([&f, &g], &from, &x)
+    }
+
+    /// Packed and in records the same bits, on any machine, and the number that a plain loop finds.
+    #[test]
+    fn work_is_that_of_a_plain_loop() {
+        for nodes in (0..10).chain([63, 64, 65, 130, 1000]) {
+            let [f, g, from, x] = [0.0, 1.0, 2.0, 3.0].map(|phase| vectors::<3>(nodes, phase));
+            let plain = |f: &[f64]| f.iter().zip(from.iter().zip(&x)).map(|(f, (from, x))| f * (x - from)).sum::<f64>();
+            let found = [found::<3>(nodes), found::<4>(nodes)];
+            assert_eq!(found[0], found[1], "{nodes} nodes");
+            for (found, expected) in found[0].into_iter().zip([plain(&f), plain(&g)]) {
+                assert!((found - expected).abs() < 1e-14 * (1.0 + nodes as f64), "{nodes} nodes: {found}, {expected}");
+            }
+        }
+    }
+}
