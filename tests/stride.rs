@@ -43,7 +43,7 @@ impl Observer for Witness {
     }
 }
 
-/// Columns and rows of sheets: of three strips of nodes, and of one, whose nodes stay in its windows.
+/// Columns and rows of sheets: of four strips of nodes, and of one, whose nodes stay in its windows.
 const SIZES: [[u32; 2]; 2] = [[69, 79], [18, 22]];
 
 fn sheet() -> Value {

@@ -158,7 +158,7 @@ fn calm() -> Value {
     case
 }
 
-/// The same without dashpots: some methods make several of its steps in one go.
+/// The same without dashpots: forces follow from positions alone.
 fn free() -> Value {
     let mut case = calm();
     case["system"]["network"].as_object_mut().expect("a network").remove("damping");
