@@ -67,8 +67,7 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
-        let mut room =
-            self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false, aside: [false; 2] }, &out);
+        let mut room = self.room(Needs::of_a_step(terms.count(), 1, false), &out);
         self.steps((Steps { terms, then: Then::Done, threads }, moving), out, &mut room);
         room.add_up(0, tallies);
     }
@@ -83,8 +82,7 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         let keeps = terms.still();
-        let needs = Needs { terms: terms.count(), levels: 2, threads: 1, keeps, aside: [false; 2] };
-        let mut room = self.room(needs, &out);
+        let mut room = self.room(Needs::of_a_step(terms.count(), 2, keeps), &out);
         self.steps((Steps { terms, then: Then::Again, threads }, moving), out, &mut room);
         room.add_up(if keeps { 0 } else { 1 }, tallies);
     }

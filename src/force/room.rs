@@ -43,6 +43,13 @@ pub(super) struct Needs {
     pub aside: [bool; ASIDE],
 }
 
+impl Needs {
+    /// Of one step by one way through the nodes, with so many passes.
+    pub fn of_a_step(terms: usize, levels: usize, keeps: bool) -> Self {
+        Needs { terms, levels, threads: 1, keeps, aside: [false; ASIDE] }
+    }
+}
+
 /// Nodal vectors that are kept within a step: positions [m] at its start, kicked velocities [m/s].
 pub(super) const ASIDE: usize = 2;
 

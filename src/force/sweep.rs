@@ -92,14 +92,13 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room =
-            self.room(Needs { terms: terms.count(), levels: 1, threads: 1, keeps: false, aside: [false; 2] }, &out);
+        let mut room = self.room(Needs::of_a_step(terms.count(), 1, false), &out);
         let (tiling, workers) = (&self.tiling, threads.workers());
         let (told, level, first, stretch) = (Told::All, 0, 0, false);
         let wants = wants(terms, told);
-        let work = Job { terms, wants, stretch, told, level, at, first, threads, workers, tiling };
+        let job = Job { terms, wants, stretch, told, level, at, first, threads, workers, tiling };
         let (mut all, _) = room.parts(tiling, out);
-        work.run(all.within(tiling, tiling.strips()));
+        job.run(all.within(tiling, tiling.strips()));
         for (out, sums) in all.out.into_iter().zip(all.beyond).filter(|(out, _)| !out.is_empty()) {
             tiling.add_beyond_by(workers, 0..tiling.tiles().len(), Beyond { first: 0, sums }, (0, out));
         }
