@@ -1,6 +1,6 @@
 //! Numbers that belong to elements: one for all, or one each.
 
-use crate::model::lanes::LANES;
+use super::fans::{FAN, FANS};
 use crate::model::quad::VectorUnit;
 use std::sync::Arc;
 
@@ -52,37 +52,36 @@ impl Place {
 /// The values of elements, four at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column<'a> {
-    /// those of whole blocks; none where all are the same
     quads: &'a [[f64; 4]],
-    /// the elements that fill no block
-    last: [[f64; 4]; 2],
+    /// 0 where all are the same, else all ones: a choice between two places would cost more than the number itself
+    mask: usize,
 }
 
 impl<'a> Column<'a> {
-    /// One value an element.
-    pub fn each(values: &'a [f64]) -> Self {
-        let (blocks, rest) = values.as_chunks::<LANES>();
-        let mut last = [[0.0; 4]; 2];
-        last.as_flattened_mut()[..rest.len()].copy_from_slice(rest);
-        Column { quads: blocks.as_flattened().as_chunks().0, last }
+    /// One value an element, in whole blocks of eight.
+    pub fn each(quads: &'a [[f64; 4]]) -> Self {
+        Column { quads, mask: usize::MAX }
     }
 
     /// The same for all.
-    pub fn uniform(value: f64) -> Self {
-        Column { quads: &[], last: [[value; 4]; 2] }
+    pub fn uniform(quads: &'a [[f64; FANS]; FAN]) -> Self {
+        Column { quads, mask: 0 }
     }
 
     /// The value of one element.
     pub fn at(&self, element: usize) -> f64 {
-        match self.quads.as_flattened().get(element) {
-            Some(value) => *value,
-            None => self.last.as_flattened()[element % LANES],
-        }
+        self.quads[(element / 4) & self.mask][element % 4]
+    }
+
+    /// The values of four fans.
+    #[inline(always)]
+    pub fn fans(&self, group: usize) -> &'a [[f64; FANS]; FAN] {
+        &self.quads.as_chunks().0[group & self.mask]
     }
 
     /// The values of four elements, by the number of the four among those of the column.
     #[inline(always)]
     pub fn quad<U: VectorUnit>(&self, unit: U, number: usize) -> U::Quad {
-        unit.quad(*self.quads.get(number).unwrap_or(&self.last[number % 2]))
+        unit.quad(self.quads[number & self.mask])
     }
 }

@@ -2,10 +2,11 @@
 
 use super::batch::{Summand, Wants};
 use super::coefficient::{Coefficient, Column};
-use super::fans::{GROUP, Group, arrange};
+use super::fans::{FAN, FANS, Fans, GROUP, arrange};
 use super::tile::Tile;
 use super::window::Records;
 use crate::model::forces::Tally;
+use crate::model::lanes::LANES;
 use std::ops::Range;
 
 /// The forces of two-node elements, for forces of this crate.
@@ -47,36 +48,35 @@ pub struct Edges<'a> {
 /// One number of every element.
 #[derive(Clone, Copy, Debug)]
 enum Numbers<'a> {
-    Uniform(f64),
-    Each(&'a [f64]),
-}
-
-impl<'a> Numbers<'a> {
-    fn column(self, elements: Range<usize>) -> Column<'a> {
-        match self {
-            Numbers::Uniform(number) => Column::uniform(number),
-            Numbers::Each(numbers) => Column::each(&numbers[elements]),
-        }
-    }
+    Uniform(&'a [[f64; FANS]; FAN]),
+    /// those in fans, then all others in whole blocks
+    Each(&'a [[f64; 4]]),
 }
 
 impl<'a> Edges<'a> {
+    /// Numbers of elements from one of them on.
+    fn columns(&self, first: usize) -> [Column<'a>; 2] {
+        self.numbers.map(|numbers| match numbers {
+            Numbers::Uniform(number) => Column::uniform(number),
+            Numbers::Each(numbers) => Column::each(&numbers[first / 4..]),
+        })
+    }
+
     /// The elements in fans, with their numbers.
-    pub(super) fn fans(&self) -> (&'a [Group], [Column<'a>; 2]) {
-        (self.ends[..self.in_fans].as_chunks().0, self.numbers.map(|numbers| numbers.column(0..self.in_fans)))
+    pub(super) fn fans(&self) -> Fans<'a> {
+        (self.ends[..self.in_fans].as_chunks().0, self.columns(0))
     }
 
     /// All others.
     pub(super) fn others(&self) -> (&'a [[u16; 2]], [Column<'a>; 2]) {
-        let others = self.in_fans..self.ends.len();
-        (&self.ends[others.clone()], self.numbers.map(|numbers| numbers.column(others.clone())))
+        (&self.ends[self.in_fans..], self.columns(self.in_fans))
     }
 
     /// The second number of every element; none where a kernel has one for all.
     pub(super) fn second(&self) -> &'a [f64] {
         match self.numbers[1] {
             Numbers::Uniform(_) => &[],
-            Numbers::Each(numbers) => numbers,
+            Numbers::Each(numbers) => &numbers.as_flattened()[..self.ends.len()],
         }
     }
 }
@@ -86,9 +86,9 @@ impl<'a> Edges<'a> {
 pub struct EdgeBatch<K> {
     kernel: K,
     ends: Vec<[u16; 2]>,
-    /// by element in the same order; empty where all are the same
-    numbers: [Vec<f64>; 2],
-    uniform: [f64; 2],
+    /// by element in the same order, those of every tile in whole blocks; empty where all are the same
+    numbers: [Vec<[f64; 4]>; 2],
+    uniform: [[[f64; FANS]; FAN]; 2],
     tiles: Vec<Placing>,
 }
 
@@ -97,12 +97,20 @@ pub struct EdgeBatch<K> {
 struct Placing {
     elements: Range<usize>,
     in_fans: usize,
+    /// where their numbers are, by fours
+    numbers: Range<usize>,
 }
 
 impl<K: EdgeKernel> EdgeBatch<K> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending order of their smaller node.
     pub fn new(kernel: K) -> Self {
-        EdgeBatch { kernel, ends: Vec::new(), numbers: Default::default(), uniform: [0.0; 2], tiles: Vec::new() }
+        EdgeBatch {
+            kernel,
+            ends: Vec::new(),
+            numbers: Default::default(),
+            uniform: Default::default(),
+            tiles: Vec::new(),
+        }
     }
 
     /// The kernel.
@@ -112,11 +120,11 @@ impl<K: EdgeKernel> EdgeBatch<K> {
 
     /// A tile's elements, if it has any.
     fn edges<'a>(&'a self, tile: &'a Tile<'_>) -> Option<Edges<'a>> {
-        let Placing { elements, in_fans } =
+        let Placing { elements, in_fans, numbers } =
             self.tiles.get(tile.number).filter(|placing| !placing.elements.is_empty())?;
-        let numbers = std::array::from_fn(|i| match self.numbers[i].get(elements.clone()) {
+        let numbers = std::array::from_fn(|i| match self.numbers[i].get(numbers.clone()) {
             Some(numbers) => Numbers::Each(numbers),
-            None => Numbers::Uniform(self.uniform[i]),
+            None => Numbers::Uniform(&self.uniform[i]),
         });
         Some(Edges { x: tile.x, v: tile.v, ends: &self.ends[elements.clone()], in_fans: *in_fans, numbers })
     }
@@ -144,8 +152,9 @@ impl<K: EdgeKernel> Summand for EdgeBatch<K> {
             for ((numbers, uniform), of_elements) in self.numbers.iter_mut().zip(&mut self.uniform).zip(&of_elements) {
                 numbers.clear();
                 match of_elements {
-                    Coefficient::Uniform(number) => *uniform = *number,
-                    Coefficient::Each(_) => numbers.reserve_exact(all.len()),
+                    Coefficient::Uniform(number) => *uniform = [[*number; FANS]; FAN],
+                    // Room for what fills up the last block of every tile besides.
+                    Coefficient::Each(_) => numbers.reserve_exact(all.len() / 4 * 65 / 64 + 4),
                 }
             }
         }
@@ -155,12 +164,16 @@ impl<K: EdgeKernel> Summand for EdgeBatch<K> {
             let [a, b] = ends[placed.element];
             if placed.turned { [b, a] } else { [a, b] }
         }));
+        let in_fans = GROUP * groups;
+        let fours = (in_fans + (order.len() - in_fans).next_multiple_of(LANES)) / 4;
         for (numbers, of_elements) in self.numbers.iter_mut().zip(&of_elements) {
             if let Coefficient::Each(values) = of_elements {
-                numbers.extend(order.iter().map(|placed| values[elements.start + placed.element]));
+                let value = |i: usize| order.get(i).map_or(0.0, |placed| values[elements.start + placed.element]);
+                numbers.extend((0..fours).map(|four| [0, 1, 2, 3].map(|q| value(4 * four + q))));
             }
         }
-        self.tiles.push(Placing { elements, in_fans: GROUP * groups });
+        let first = self.tiles.last().map_or(0, |last| last.numbers.end);
+        self.tiles.push(Placing { elements, in_fans, numbers: first..first + fours });
     }
 
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {

@@ -12,8 +12,8 @@ use super::window::{Padded, RECORD, Records, record, set_record};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 
 /// Elements of a fan, and fans side by side.
-const FAN: usize = 3;
-const FANS: usize = 4;
+pub(super) const FAN: usize = 3;
+pub(super) const FANS: usize = 4;
 
 /// Elements of four fans, each with its fan's node first: the three of fan `q` at `q`, 4 + `q` and 8 + `q`.
 pub(super) type Group = [[u16; 2]; GROUP];
@@ -64,13 +64,16 @@ pub(super) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
 }
 
 /// Adds the forces [N] of fans to a window, and returns their energy or power; `u` is the nodal vector of the differences.
-pub(super) fn pull_fans<L: PullLaw>(law: L, groups: &[Group], u: &Records, f: &mut Records) -> f64 {
-    quad::run(Pulling { law, groups, u, f })
+pub(super) fn pull_fans<L: PullLaw>(law: &L, fans: Fans<'_>, u: &Records, f: &mut Records) -> f64 {
+    quad::run(Pulling { law, fans, u, f })
 }
 
+/// Groups of fans, with two numbers of every element.
+pub(super) type Fans<'a> = (&'a [Group], [Column<'a>; 2]);
+
 struct Pulling<'a, L> {
-    law: L,
-    groups: &'a [Group],
+    law: &'a L,
+    fans: Fans<'a>,
     u: &'a Records,
     f: &'a mut Records,
 }
@@ -89,7 +92,7 @@ impl<L: PullLaw> Pass for Pulling<'_, L> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> f64 {
-        let Pulling { law, groups, u, f } = self;
+        let Pulling { law, fans: (groups, numbers), u, f } = self;
         // One more than there are stages: a power of two is cheaper to count through.
         let mut kept = [Kept::default(); 4];
         let mut sums = [unit.splat(0.0); FAN];
@@ -99,8 +102,10 @@ impl<L: PullLaw> Pass for Pulling<'_, L> {
             }
             if (1..=groups.len()).contains(&i) {
                 let kept = &mut kept[(i - 1) % 4];
+                let numbers = [numbers[0].fans(i - 1), numbers[1].fans(i - 1)];
                 for (j, sum) in sums.iter_mut().enumerate() {
-                    let Pull { scale, amount } = law.pull(unit, FAN * (i - 1) + j, unit.quad(kept.scale[j]));
+                    let numbers = [unit.quad(numbers[0][j]), unit.quad(numbers[1][j])];
+                    let Pull { scale, amount } = law.pull(unit, numbers, unit.quad(kept.scale[j]));
                     kept.scale[j] = scale.numbers();
                     *sum = *sum + amount;
                 }
@@ -165,10 +170,7 @@ impl Pass for Linking<'_> {
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) {
         for (i, nodes) in self.groups.iter().enumerate() {
-            let mut k = [[0.0; FANS]; FAN];
-            for (j, k) in k.iter_mut().enumerate() {
-                *k = self.k.quad(unit, FAN * i + j).numbers();
-            }
+            let k = self.k.fans(i);
             for q in 0..FANS {
                 let own = nodes[q][0];
                 let (u_own, mut sum) = (unit.quad(record(self.u, own)), unit.splat(0.0));

@@ -3,7 +3,8 @@
 //! ```text
 //! d = ub - ua      force on a = s d, on b = -s d
 //! ```
-//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2, as equations on four numbers at once, and an [`super::edges::EdgeKernel`].
+//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2 and two numbers of the element, as equations on four elements at once, and an
+//! [`super::edges::EdgeKernel`].
 
 use super::coefficient::{Column, Place};
 use super::edges::Edges;
@@ -15,8 +16,8 @@ use crate::model::quad::{Quad, VectorUnit};
 
 /// How elements pull.
 pub(super) trait PullLaw {
-    /// Four elements by the number of the four among those whose numbers the law has, with the squares d^2 of their differences; `#[inline(always)]`.
-    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad>;
+    /// Four elements by their two numbers and the squares d^2 of their differences; `#[inline(always)]`.
+    fn pull<U: VectorUnit>(&self, unit: U, numbers: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad>;
 }
 
 /// What four elements do.
@@ -28,20 +29,15 @@ pub(super) struct Pull<Q> {
     pub amount: Q,
 }
 
-/// Adds the forces [N] of a tile's elements to its window; `law` makes the law of some of them from their numbers, `u` is the nodal vector of the differences.
-pub(super) fn pull<'a, L: PullLaw>(
-    edges: &Edges<'a>,
-    law: impl Fn([Column<'a>; 2]) -> L,
-    u: &Records,
-    f: &mut Records,
-) -> f64 {
-    let ((fans, of_fans), (others, of_others)) = (edges.fans(), edges.others());
-    let in_fans = pull_fans(law(of_fans), fans, u, f);
-    in_fans + add(Pulling { law: law(of_others), u }, others, f)
+/// Adds the forces [N] of a tile's elements to its window; `u` is the nodal vector of the differences.
+pub(super) fn pull<L: PullLaw>(law: &L, edges: &Edges<'_>, u: &Records, f: &mut Records) -> f64 {
+    let (others, numbers) = edges.others();
+    pull_fans(law, edges.fans(), u, f) + add(Pulling { law, numbers, u }, others, f)
 }
 
 struct Pulling<'a, L> {
-    law: L,
+    law: &'a L,
+    numbers: [Column<'a>; 2],
     u: &'a Records,
 }
 
@@ -65,7 +61,8 @@ impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
             kept.d[4 * at.half + j] = d[j].numbers();
         }
         let [x, y, z] = U::Quad::columns(d);
-        let Pull { scale, amount } = self.law.pull(unit, at.quad(), x * x + y * y + z * z);
+        let numbers = [self.numbers[0].quad(unit, at.quad()), self.numbers[1].quad(unit, at.quad())];
+        let Pull { scale, amount } = self.law.pull(unit, numbers, x * x + y * y + z * z);
         kept.scale[at.half] = scale.numbers();
         amount
     }
@@ -85,15 +82,25 @@ pub(super) mod tests {
     use super::*;
     use crate::force::phases::tests::{elements, on_both, random, vectors};
 
-    /// Pulls with given forces [N].
-    pub struct Law<'a>(pub Column<'a>);
+    /// Pulls with given forces [N], the first numbers, once the second ones are taken off.
+    pub struct Law;
 
-    impl PullLaw for Law<'_> {
+    impl PullLaw for Law {
         #[inline(always)]
-        fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
-            let (l, force) = (square.sqrt(), self.0.quad(unit, number));
+        fn pull<U: VectorUnit>(&self, _: U, [force, less]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
+            let (l, force) = (square.sqrt(), force - less);
             Pull { scale: (force / l).where_positive(l), amount: force * l }
         }
+    }
+
+    /// [N] of which [`Law`] takes this off
+    pub const LESS: [[f64; 4]; 3] = [[0.25; 4]; 3];
+
+    /// Values in whole blocks, as columns have them.
+    pub fn blocks(values: &[f64]) -> Vec<[f64; 4]> {
+        let mut blocks = vec![[0.0; 4]; 2 * values.len().div_ceil(LANES)];
+        blocks.as_flattened_mut()[..values.len()].copy_from_slice(values);
+        blocks
     }
 
     /// The same, written as one would: an element after the other, their amounts in eight lanes.
@@ -119,10 +126,12 @@ pub(super) mod tests {
         for n in (0..20).chain([127, 128, 129, 300]) {
             let (nodes, mut window) = (elements::<2>(n, 1), vectors(2));
             let force: Vec<f64> = std::iter::repeat_with(random(3)).take(n).collect();
-            let u = &*window.records();
-            let [best, portable] = on_both(|| Pulling { law: Law(Column::each(&force)), u }, &nodes);
+            let (u, in_blocks) = (&*window.records(), blocks(&force));
+            let numbers = [Column::each(&in_blocks), Column::uniform(&LESS)];
+            let [best, portable] = on_both(|| Pulling { law: &Law, numbers, u }, &nodes);
             assert_eq!(best, portable, "{n} elements");
             let mut f = crate::force::window::Window::new(0);
+            let force: Vec<f64> = force.iter().map(|force| force - LESS[0][0]).collect();
             let l = one_by_one(&force, &nodes, u, f.records());
             let sums = crate::force::window::rows(f.records(), best.0.len());
             let plain: Vec<_> = sums.iter().map(|r| [r[0], r[1], r[2]].map(f64::to_bits)).collect();

@@ -6,7 +6,7 @@
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
 use super::batch::{Records, Wants};
-use super::coefficient::{Coefficient, Column};
+use super::coefficient::Coefficient;
 use super::edges::{EdgeBatch, EdgeKernel, Edges};
 use super::pull::{Pull, PullLaw, pull};
 use super::{ForceTerm, NodeState, TangentSink};
@@ -40,18 +40,16 @@ impl EdgeKernel for RelativeData {
     }
 
     fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
-        Tally { energy: 0.0, power: pull(&tile, |[coefficient, _]| DashpotLaw { coefficient }, tile.v, f) }
+        Tally { energy: 0.0, power: pull(&DashpotLaw, &tile, tile.v, f) }
     }
 }
 
-struct DashpotLaw<'a> {
-    coefficient: Column<'a>,
-}
+/// By the coefficient; the second number is nothing.
+struct DashpotLaw;
 
-impl PullLaw for DashpotLaw<'_> {
+impl PullLaw for DashpotLaw {
     #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
-        let c = self.coefficient.quad(unit, number);
+    fn pull<U: VectorUnit>(&self, unit: U, [c, _]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
         Pull { scale: c, amount: unit.splat(-1.0) * c * square }
     }
 }

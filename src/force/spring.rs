@@ -8,7 +8,6 @@
 
 use super::batch::{Records, Wants};
 pub use super::coefficient::Coefficient;
-use super::coefficient::Column;
 use super::edges::{EdgeBatch, EdgeKernel, Edges};
 use super::pull::{Pull, PullLaw, pull};
 use super::slack::{Plain, TensionLaw, clamped, tension};
@@ -82,23 +81,14 @@ impl SpringData {
     }
 }
 
-/// Length, elongation and tension of springs side by side.
-struct SpringLaw<'a, T> {
-    tension: T,
-    stiffness: Column<'a>,
-    rest_length: Column<'a>,
-}
+/// Springs side by side, by stiffness and rest length.
+struct SpringLaw<T>(T);
 
-fn law<T: TensionLaw>(tension: T, [stiffness, rest_length]: [Column<'_>; 2]) -> SpringLaw<'_, T> {
-    SpringLaw { tension, stiffness, rest_length }
-}
-
-impl<T: TensionLaw> PullLaw for SpringLaw<'_, T> {
+impl<T: TensionLaw> PullLaw for SpringLaw<T> {
     #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, number: usize, square: U::Quad) -> Pull<U::Quad> {
+    fn pull<U: VectorUnit>(&self, unit: U, [k, l0]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
         let l = square.sqrt();
-        let e = l - self.rest_length.quad(unit, number);
-        let (force, energy) = self.tension.quad(unit, self.stiffness.quad(unit, number), e);
+        let (force, energy) = self.0.quad(unit, k, l - l0);
         Pull { scale: (force / l).where_positive(l), amount: energy }
     }
 }
@@ -148,8 +138,8 @@ impl EdgeKernel for SpringData {
 
     fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
         let energy = match clamped(self.slack) {
-            None => pull(&tile, |of| law(Plain, of), tile.x, f),
-            Some(tension) => pull(&tile, |of| law(tension, of), tile.x, f),
+            None => pull(&SpringLaw(Plain), &tile, tile.x, f),
+            Some(tension) => pull(&SpringLaw(tension), &tile, tile.x, f),
         };
         Tally { energy, power: 0.0 }
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::force::phases::tests::{NODES, elements, random, vectors};
-use crate::force::pull::tests::Law;
+use crate::force::pull::tests::{LESS, Law, blocks};
 use crate::force::window::{Window, rows};
 use crate::model::quad::Portable;
 
@@ -86,17 +86,18 @@ fn fans_pull_and_link_as_their_elements_do() {
         let (fans, mut window) = (ends[..GROUP * groups].as_chunks::<GROUP>().0, vectors(2));
         assert!(n < 100 || groups > 2, "{groups} groups of {n}");
         let numbers: Vec<f64> = std::iter::repeat_with(random(3)).take(GROUP * groups).collect();
-        let u = &*window.records();
-        let column = || Column::each(&numbers);
-        let pulled = found(|f| quad::run(Pulling { law: Law(column()), groups: fans, u, f }));
-        let portable = found(|f| Pulling { law: Law(column()), groups: fans, u, f }.run(Portable));
+        let (u, in_blocks) = (&*window.records(), blocks(&numbers));
+        let k = Column::each(&in_blocks);
+        let pulling = || (fans, [k, Column::uniform(&LESS)]);
+        let pulled = found(|f| quad::run(Pulling { law: &Law, fans: pulling(), u, f }));
+        let portable = found(|f| Pulling { law: &Law, fans: pulling(), u, f }.run(Portable));
         assert_eq!(pulled, portable, "{n} elements");
         let linked = found(|f| {
-            quad::run(Linking { k: column(), groups: fans, u, f });
+            quad::run(Linking { k, groups: fans, u, f });
             0.0
         });
         let portable = found(|f| {
-            Linking { k: column(), groups: fans, u, f }.run(Portable);
+            Linking { k, groups: fans, u, f }.run(Portable);
             0.0
         });
         assert_eq!(linked, portable, "{n} elements");
@@ -105,10 +106,11 @@ fn fans_pull_and_link_as_their_elements_do() {
         for (&[a, b], k) in fans.as_flattened().iter().zip(&numbers) {
             let (u_a, u_b) = (record(u, a), record(u, b));
             let l = (0..3).map(|i| (u_b[i] - u_a[i]).powi(2)).sum::<f64>().sqrt();
-            energy += k * l;
+            let pull = k - LESS[0][0];
+            energy += pull * l;
             let [a, b] = [a, b].map(|place| usize::from(place) / RECORD);
             for i in 0..3 {
-                let force = if l > 0.0 { k / l * (u_b[i] - u_a[i]) } else { 0.0 };
+                let force = if l > 0.0 { pull / l * (u_b[i] - u_a[i]) } else { 0.0 };
                 pulls[a][i] += force;
                 pulls[b][i] -= force;
                 links[a][i] += k * u_b[i];
