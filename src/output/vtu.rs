@@ -224,6 +224,8 @@ impl VtuWriter {
 /// How the numbers of points and ends of cells are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Width {
+    /// UInt16
+    Half,
     /// Int32
     Short,
     /// Int64
@@ -231,14 +233,22 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The shorter that can number so many points and corners of cells: of a frame with them cells are a third of the bytes.
+    /// The shortest that can number so many points and corners of cells: in 32 bits cells are a third to a half of a frame.
     pub fn of(points: usize, corners: usize) -> Self {
-        if i32::try_from(points.max(corners)).is_ok() { Width::Short } else { Width::Long }
+        let most = points.max(corners);
+        if u16::try_from(most).is_ok() {
+            Width::Half
+        } else if i32::try_from(most).is_ok() {
+            Width::Short
+        } else {
+            Width::Long
+        }
     }
 
     /// [byte] of a number
     pub fn bytes(self) -> usize {
         match self {
+            Width::Half => size_of::<u16>(),
             Width::Short => size_of::<i32>(),
             Width::Long => size_of::<i64>(),
         }
@@ -247,6 +257,7 @@ impl Width {
     /// VTK's name.
     fn kind(self) -> &'static str {
         match self {
+            Width::Half => "UInt16",
             Width::Short => "Int32",
             Width::Long => "Int64",
         }

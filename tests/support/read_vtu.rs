@@ -13,8 +13,8 @@ pub struct Vtu {
     pub time: f64,
     order: Vec<String>,
     arrays: HashMap<String, Vec<u8>>,
-    /// arrays of numbers of four bytes
-    short: Vec<String>,
+    /// of what the arrays are
+    kinds: HashMap<String, String>,
 }
 
 /// Value of an attribute in a tag.
@@ -31,16 +31,21 @@ impl Vtu {
         &self.arrays[name]
     }
     pub fn floats(&self, name: &str) -> Vec<f64> {
-        if self.short.iter().any(|short| short == name) {
-            return self.bytes(name).as_chunks().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
+        let bytes = self.bytes(name);
+        match self.kinds[name].as_str() {
+            "Float32" => bytes.as_chunks().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect(),
+            "Float64" => bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect(),
+            kind => panic!("{name} is {kind}"),
         }
-        self.bytes(name).as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
     }
     pub fn integers(&self, name: &str) -> Vec<i64> {
-        if self.short.iter().any(|short| short == name) {
-            return self.bytes(name).as_chunks().0.iter().map(|chunk| i64::from(i32::from_le_bytes(*chunk))).collect();
+        let bytes = self.bytes(name);
+        match self.kinds[name].as_str() {
+            "UInt16" => bytes.as_chunks().0.iter().map(|chunk| i64::from(u16::from_le_bytes(*chunk))).collect(),
+            "Int32" => bytes.as_chunks().0.iter().map(|chunk| i64::from(i32::from_le_bytes(*chunk))).collect(),
+            "Int64" => bytes.as_chunks().0.iter().map(|chunk| i64::from_le_bytes(*chunk)).collect(),
+            kind => panic!("{name} is {kind}"),
         }
-        self.bytes(name).as_chunks().0.iter().map(|chunk| i64::from_le_bytes(*chunk)).collect()
     }
 }
 
@@ -67,7 +72,7 @@ pub fn parse(file: &[u8]) -> Vtu {
         time: f64::NAN,
         order: vec![],
         arrays: HashMap::new(),
-        short: vec![],
+        kinds: HashMap::new(),
     };
     for line in head.lines().filter(|line| line.starts_with("<DataArray")) {
         let name = attribute(line, "Name").expect("a name");
@@ -76,9 +81,7 @@ pub fn parse(file: &[u8]) -> Vtu {
             vtu.time = text.parse().expect("a time");
         } else {
             let offset: usize = attribute(line, "offset").expect("an offset").parse().expect("a number");
-            if ["type=\"Float32\"", "type=\"Int32\""].iter().any(|kind| line.contains(kind)) {
-                vtu.short.push(name.clone());
-            }
+            vtu.kinds.insert(name.clone(), attribute(line, "type").expect("a type"));
             vtu.arrays.insert(name.clone(), decode(&body[offset..], base64, zlib));
         }
         vtu.order.push(name);
