@@ -68,6 +68,16 @@ impl<'a> Column<'a> {
         Column { quads, mask: 0 }
     }
 
+    /// Those of the elements from one on, the first of a fan or of a block.
+    pub fn from(self, first: usize) -> Self {
+        Column { quads: &self.quads[(first / 4) & self.mask..], ..self }
+    }
+
+    /// One after the other, and what fills up the last block; none where all are the same.
+    pub fn values(&self) -> &'a [f64] {
+        if self.mask == 0 { &[] } else { self.quads.as_flattened() }
+    }
+
     /// The value of one element.
     pub fn at(&self, element: usize) -> f64 {
         self.quads[(element / 4) & self.mask][element % 4]

@@ -42,42 +42,24 @@ pub struct Edges<'a> {
     pub(super) ends: &'a [[u16; 2]],
     /// how many of them are in fans
     in_fans: usize,
-    numbers: [Numbers<'a>; 2],
-}
-
-/// One number of every element.
-#[derive(Clone, Copy, Debug)]
-enum Numbers<'a> {
-    Uniform(&'a [[f64; FANS]; FAN]),
-    /// those in fans, then all others in whole blocks
-    Each(&'a [[f64; 4]]),
+    /// two numbers of every element: those in fans, then all others in whole blocks
+    numbers: [Column<'a>; 2],
 }
 
 impl<'a> Edges<'a> {
-    /// Numbers of elements from one of them on.
-    fn columns(&self, first: usize) -> [Column<'a>; 2] {
-        self.numbers.map(|numbers| match numbers {
-            Numbers::Uniform(number) => Column::uniform(number),
-            Numbers::Each(numbers) => Column::each(&numbers[first / 4..]),
-        })
-    }
-
     /// The elements in fans, with their numbers.
     pub(super) fn fans(&self) -> Fans<'a> {
-        (self.ends[..self.in_fans].as_chunks().0, self.columns(0))
+        (self.ends[..self.in_fans].as_chunks().0, self.numbers)
     }
 
     /// All others.
     pub(super) fn others(&self) -> (&'a [[u16; 2]], [Column<'a>; 2]) {
-        (&self.ends[self.in_fans..], self.columns(self.in_fans))
+        (&self.ends[self.in_fans..], self.numbers.map(|numbers| numbers.from(self.in_fans)))
     }
 
     /// The second number of every element; none where a kernel has one for all.
     pub(super) fn second(&self) -> &'a [f64] {
-        match self.numbers[1] {
-            Numbers::Uniform(_) => &[],
-            Numbers::Each(numbers) => &numbers.as_flattened()[..self.ends.len()],
-        }
+        self.numbers[1].values().get(..self.ends.len()).unwrap_or_default()
     }
 }
 
@@ -123,8 +105,8 @@ impl<K: EdgeKernel> EdgeBatch<K> {
         let Placing { elements, in_fans, numbers } =
             self.tiles.get(tile.number).filter(|placing| !placing.elements.is_empty())?;
         let numbers = std::array::from_fn(|i| match self.numbers[i].get(numbers.clone()) {
-            Some(numbers) => Numbers::Each(numbers),
-            None => Numbers::Uniform(&self.uniform[i]),
+            Some(numbers) => Column::each(numbers),
+            None => Column::uniform(&self.uniform[i]),
         });
         Some(Edges { x: tile.x, v: tile.v, ends: &self.ends[elements.clone()], in_fans: *in_fans, numbers })
     }
