@@ -52,6 +52,7 @@ pub mod spring;
 mod stretch;
 mod stride;
 pub(crate) mod sweep;
+mod tension;
 pub mod threads;
 pub mod tile;
 mod tiling;

@@ -12,9 +12,11 @@ use super::edges::{EdgeBatch, EdgeKernel, Edges};
 use super::pull::{Pull, PullLaw, pull};
 use super::slack::{Plain, TensionLaw, clamped, tension};
 use super::stretch::{InScene, InWindow, Stretched, largest};
+pub use super::tension::Carried;
+use super::tension::Carrying;
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
-use crate::model::quad::{Quad, VectorUnit};
+use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::spec::Slack;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -53,10 +55,13 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
-    /// [N] elastic tension and [-] strain (l - l0)/l0 of spring `i`.
-    pub fn tension_and_strain(&self, x: &[DVec3], i: usize) -> (f64, f64) {
-        let e = self.elongation(x, i);
-        (tension(self.slack, self.stiffness.at(i), e).force, e / self.rest_length[i])
+    /// Elastic tension and strain of every spring at positions `x` [m]; places without a spring keep what they hold.
+    pub fn carried(&self, x: &[DVec3], to: Carried<'_>) {
+        let data = self;
+        match clamped(self.slack) {
+            None => quad::run(Carrying { data, law: Plain, x, to }),
+            Some(law) => quad::run(Carrying { data, law, x, to }),
+        }
     }
 
     /// [m] elongation of spring `i`, without its direction.

@@ -74,12 +74,21 @@ impl Appender {
         self.format
     }
 
-    /// Appends `data`; returns the offset where it begins.
+    /// Whether bytes are neither packed nor spelt otherwise.
+    pub fn leaves_as_is(&self) -> bool {
+        (self.format.encoding, self.format.compression) == (Encoding::Raw, Compression::None)
+    }
+
+    /// Appends what stands before `len` bytes of data, which then follow as they are.
+    pub fn announce(&self, len: usize, body: &mut Vec<u8>) {
+        body.extend_from_slice(&(len as u64).to_le_bytes());
+    }
+
+    /// Appends `data`.
     ///
     /// # Errors
     /// When an encoder fails, which for memory it does not.
-    pub fn append(&mut self, data: &[u8], body: &mut Vec<u8>) -> io::Result<usize> {
-        let offset = body.len();
+    pub fn append(&mut self, data: &[u8], body: &mut Vec<u8>) -> io::Result<()> {
         self.head.clear();
         match self.format.compression {
             Compression::None => {
@@ -93,7 +102,7 @@ impl Appender {
                 self.spell(&[&self.packed], body)?;
             }
         }
-        Ok(offset)
+        Ok(())
     }
 
     /// Compresses into `packed`; `head` gets \[number of blocks, size of a block, size of a last partial block,

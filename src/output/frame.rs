@@ -58,13 +58,26 @@ pub struct FrameSize {
     pub fields: Fields,
 }
 
+impl FrameSize {
+    /// [byte] of a frame's arrays
+    pub fn bytes(self) -> usize {
+        let Fields { force, reaction, .. } = self.fields;
+        let vectors = 2 + usize::from(force) + usize::from(reaction);
+        size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs())
+    }
+
+    /// Length of the arrays on edges: tension and strain come from one call, so either wants both.
+    fn springs(self) -> usize {
+        if self.fields.tension || self.fields.strain { self.edges } else { 0 }
+    }
+}
+
 impl Frame {
     /// A frame of zeros.
     pub fn new(size: FrameSize) -> Self {
-        let FrameSize { nodes, edges, fields } = size;
+        let FrameSize { nodes, fields, .. } = size;
         let vectors = |on: bool| vec![[0.0; 3]; if on { nodes } else { 0 }];
-        // Tension and strain come from one call, so either wants both.
-        let springs = if fields.tension || fields.strain { edges } else { 0 };
+        let springs = size.springs();
         Self {
             time: 0.0,
             positions: vectors(true),
@@ -78,9 +91,17 @@ impl Frame {
 
     /// Whether all positions and velocities are finite.
     pub fn is_finite(&self) -> bool {
-        let finite = |v: &[[f64; 3]]| v.as_flattened().iter().all(|c| c.is_finite());
-        finite(&self.positions) && finite(&self.velocities)
+        [&self.positions, &self.velocities].into_iter().all(|v| all_finite(v.as_flattened()))
     }
+}
+
+/// Whether all exponents are below the largest, by whole numbers and to the end: so the loop is made several numbers at a time.
+fn all_finite(numbers: &[f64]) -> bool {
+    const EXPONENT: u64 = f64::INFINITY.to_bits();
+    const SMALLEST: u64 = f64::MIN_POSITIVE.to_bits();
+    const SIGN: u64 = 1 << 63;
+    // The largest exponent, and no other, overflows into the sign.
+    numbers.iter().fold(0, |seen, c| seen | ((c.to_bits() & EXPONENT) + SMALLEST)) & SIGN == 0
 }
 
 /// The edges of every triangle, to average edge values over them.
@@ -124,6 +145,22 @@ impl CellMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_number_that_is_not_finite_is_found() {
+        let size = FrameSize { nodes: 5, ..FrameSize::default() };
+        for number in [0.0, -0.0, 5e-324, f64::MIN_POSITIVE, 1.0, -1.0, f64::MAX, f64::MIN] {
+            for place in 0..15 {
+                let mut frame = Frame::new(size);
+                frame.velocities.as_flattened_mut()[place] = number;
+                assert!(frame.is_finite(), "{number} in {place}");
+                for bad in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    frame.positions.as_flattened_mut()[14 - place] = bad;
+                    assert!(!frame.is_finite(), "{bad} in {place}");
+                }
+            }
+        }
+    }
 
     /// A triangle averages its springs, skips sides without one, and shows 0 where it has none.
     #[test]

@@ -57,7 +57,7 @@ impl FrameFiles {
             vtu,
             fields: spec.fields,
             reference: spec.reference.to_vec(),
-            displacement: Vec::with_capacity(spec.reference.len()),
+            displacement: vec![[0.0; 3]; spec.reference.len()],
             tension: Vec::new(),
             strain: Vec::new(),
             unsynced: 0,
@@ -153,9 +153,10 @@ impl FrameFiles {
     }
 
     fn prepare(&mut self, frame: &Frame) {
-        self.displacement.clear();
-        let moved = frame.positions.iter().zip(&self.reference);
-        self.displacement.extend(moved.map(|(x, x0)| [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]));
+        let moved = frame.positions.as_flattened().iter().zip(self.reference.as_flattened());
+        for (d, (x, x0)) in self.displacement.as_flattened_mut().iter_mut().zip(moved) {
+            *d = x - x0;
+        }
         if self.fields.tension {
             self.map.spread(&frame.tension, &mut self.tension);
         }

@@ -9,6 +9,7 @@
 //! [`checkpoint`] counts only results that are there: `--resume` cuts off the rest and goes on.
 
 pub mod atomic;
+mod cells;
 pub mod checkpoint;
 pub mod csv;
 pub mod encode;
@@ -21,6 +22,7 @@ pub mod history;
 mod keeper;
 pub mod mark;
 pub mod names;
+mod parts;
 pub mod probes;
 pub mod process;
 pub mod pvd;

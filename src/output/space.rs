@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use super::cells::Width;
 use super::encode::Precision;
 use super::frame::Fields;
-use super::vtu::Width;
 use crate::model::picture::Picture;
 
 /// [byte] The XML around the arrays of a frame, about.

@@ -4,16 +4,14 @@
 //! Connectivity, offsets and types do not change during a run: they are encoded once and stand first in the
 //! appended section, so a frame only adds its own arrays behind them.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
+use super::cells::{CellTable, Width};
 use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
 use super::names::xml_attribute;
-
-/// VTK's cell types (vtkCellType.h).
-const VTK_VERTEX: u8 = 1;
-const VTK_LINE: u8 = 3;
-const VTK_TRIANGLE: u8 = 5;
+use super::parts::{Appended, Part};
 
 /// What never changes: how many points there are and which of them make the cells.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +90,7 @@ pub struct VtuWriter {
     cells: usize,
     appender: Appender,
     head: String,
+    /// what is appended, but for arrays that are written from where they are
     body: Vec<u8>,
     /// numbers of seven digits on their way
     short: Vec<u8>,
@@ -110,11 +109,11 @@ impl VtuWriter {
         let table = CellTable::new(cells)?;
         let mut appender = Appender::new(format);
         let mut body = Vec::new();
-        let fixed_offsets = [
-            appender.append(&table.connectivity, &mut body)?,
-            appender.append(&table.ends, &mut body)?,
-            appender.append(&table.types, &mut body)?,
-        ];
+        let mut fixed_offsets = [0; 3];
+        for (offset, array) in fixed_offsets.iter_mut().zip([&table.connectivity, &table.ends, &table.types]) {
+            *offset = body.len();
+            appender.append(array, &mut body)?;
+        }
         let fixed_len = body.len();
         Ok(Self {
             points: cells.points,
@@ -140,23 +139,23 @@ impl VtuWriter {
     /// When an array has the wrong length, or `out` refuses.
     pub fn write(&mut self, picture: &Snapshot<'_>, out: &mut impl Write) -> Result<(), VtuError> {
         self.body.truncate(self.fixed_len);
+        let mut appended = Appended::from(Part::Body(0..self.fixed_len));
         self.begin(picture.time)?;
         self.head.push_str("<PointData>\n");
         for array in picture.point_data {
-            self.array(array, self.points)?;
+            self.array(array, self.points, &mut appended)?;
         }
         self.head.push_str("</PointData>\n<CellData>\n");
         for array in picture.cell_data {
-            self.array(array, self.cells)?;
+            self.array(array, self.cells, &mut appended)?;
         }
         self.head.push_str("</CellData>\n<Points>\n");
-        self.array(&Array { name: "Points", values: Values::Vectors(picture.points) }, self.points)?;
+        let points = Array { name: "Points", values: Values::Vectors(picture.points) };
+        self.array(&points, self.points, &mut appended)?;
         self.head.push_str("</Points>\n");
         self.end();
-        out.write_all(self.head.as_bytes())?;
-        out.write_all(&self.body)?;
-        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
-        Ok(())
+        let tail = b"\n</AppendedData>\n</VTKFile>\n";
+        Ok(appended.write(out, &self.body, [self.head.as_bytes(), tail])?)
     }
 
     fn begin(&mut self, time: Option<f64>) -> Result<(), VtuError> {
@@ -179,7 +178,7 @@ impl VtuWriter {
         Ok(())
     }
 
-    fn array(&mut self, array: &Array<'_>, expected: usize) -> Result<(), VtuError> {
+    fn array<'a>(&mut self, array: &Array<'a>, expected: usize, to: &mut Appended<'a>) -> Result<(), VtuError> {
         let (values, found, components) = match array.values {
             Values::Scalars(s) => (s, s.len(), 1),
             Values::Vectors(v) => (v.as_flattened(), v.len(), 3),
@@ -187,13 +186,27 @@ impl VtuWriter {
         if found != expected {
             return Err(VtuError::WrongLength { name: array.name.to_owned(), found, expected });
         }
-        let (kind, offset) = match self.appender.format().precision {
-            Precision::F64 => ("Float64", self.appender.append(&little_endian(values), &mut self.body)?),
+        let (offset, begin) = (to.len(), self.body.len());
+        let mut as_they_are = None;
+        let kind = match self.appender.format().precision {
+            Precision::F64 => {
+                match little_endian(values) {
+                    Cow::Borrowed(bytes) if self.appender.leaves_as_is() => {
+                        self.appender.announce(bytes.len(), &mut self.body);
+                        as_they_are = Some(bytes);
+                    }
+                    bytes => self.appender.append(&bytes, &mut self.body)?,
+                }
+                "Float64"
+            }
             Precision::F32 => {
                 little_endian_f32(values, &mut self.short);
-                ("Float32", self.appender.append(&self.short, &mut self.body)?)
+                self.appender.append(&self.short, &mut self.body)?;
+                "Float32"
             }
         };
+        to.push(Part::Body(begin..self.body.len()));
+        as_they_are.into_iter().for_each(|bytes| to.push(Part::Numbers(bytes)));
         let name = xml_attribute(array.name);
         let _ = writeln!(
             self.head,
@@ -218,92 +231,5 @@ impl VtuWriter {
             Encoding::Base64 => "base64",
         };
         let _ = write!(self.head, "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"{encoding}\">\n_");
-    }
-}
-
-/// How the numbers of points and ends of cells are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Width {
-    /// UInt16
-    Half,
-    /// Int32
-    Short,
-    /// Int64
-    Long,
-}
-
-impl Width {
-    /// The shortest that can number so many points and corners of cells: in 32 bits cells are a third to a half of a frame.
-    pub fn of(points: usize, corners: usize) -> Self {
-        let most = points.max(corners);
-        if u16::try_from(most).is_ok() {
-            Width::Half
-        } else if i32::try_from(most).is_ok() {
-            Width::Short
-        } else {
-            Width::Long
-        }
-    }
-
-    /// [byte] of a number
-    pub fn bytes(self) -> usize {
-        match self {
-            Width::Half => size_of::<u16>(),
-            Width::Short => size_of::<i32>(),
-            Width::Long => size_of::<i64>(),
-        }
-    }
-
-    /// VTK's name.
-    fn kind(self) -> &'static str {
-        match self {
-            Width::Half => "UInt16",
-            Width::Short => "Int32",
-            Width::Long => "Int64",
-        }
-    }
-}
-
-/// The cell arrays as bytes: connectivity and ends, UInt8 types.
-struct CellTable {
-    connectivity: Vec<u8>,
-    ends: Vec<u8>,
-    types: Vec<u8>,
-    width: Width,
-}
-
-impl CellTable {
-    fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
-        let width = Width::of(cells.points, 3 * cells.triangles.len() + 2 * cells.edges.len());
-        let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
-        for triangle in cells.triangles {
-            table.push(VTK_TRIANGLE, triangle, cells.points)?;
-        }
-        for edge in cells.edges {
-            table.push(VTK_LINE, edge, cells.points)?;
-        }
-        if table.types.is_empty() {
-            for point in 0..cells.points {
-                table.put(VTK_VERTEX, [point as u64].into_iter());
-            }
-        }
-        Ok(table)
-    }
-
-    fn push(&mut self, kind: u8, corners: &[u32], points: usize) -> Result<(), VtuError> {
-        if let Some(&point) = corners.iter().find(|&&p| p as usize >= points) {
-            return Err(VtuError::PointOutOfRange { cell: self.types.len(), point, points });
-        }
-        self.put(kind, corners.iter().map(|&p| u64::from(p)));
-        Ok(())
-    }
-
-    fn put(&mut self, kind: u8, corners: impl Iterator<Item = u64>) {
-        // The low bytes come first.
-        let bytes = self.width.bytes();
-        corners.for_each(|p| self.connectivity.extend_from_slice(&p.to_le_bytes()[..bytes]));
-        let end = (self.connectivity.len() / bytes) as u64;
-        self.ends.extend_from_slice(&end.to_le_bytes()[..bytes]);
-        self.types.push(kind);
     }
 }

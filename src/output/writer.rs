@@ -12,8 +12,12 @@ use super::history::HistoryRow;
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
-/// Frames that exist at most: one being filled, one being written, one between.
-const FRAMES: usize = 3;
+/// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame loses more time than a quick step takes.
+const MOST: usize = 128;
+/// … and at least: one being filled, one being written, one between.
+const FEWEST: usize = 3;
+/// [byte] that more than the fewest frames may take
+const ROOM: usize = 8 << 20;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
 /// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every row costs both threads more
@@ -24,7 +28,7 @@ const CHECKPOINTS: usize = 2;
 
 /// What goes to the thread. Its end is told by closing the channel.
 enum Message {
-    Frame(Box<Frame>),
+    Frame(Frame),
     Row(HistoryRow),
     Checkpoint(Box<Checkpoint>),
 }
@@ -32,7 +36,11 @@ enum Message {
 /// The thread's ends of the channels.
 struct Ends {
     messages: Receiver<Message>,
-    give_back: SyncSender<Box<Frame>>,
+    give_back: SyncSender<Frame>,
+    /// frames not yet given back
+    written: Vec<Frame>,
+    /// frames that may exist
+    most: usize,
     kept: SyncSender<()>,
 }
 
@@ -40,7 +48,7 @@ struct Ends {
 #[derive(Debug)]
 pub struct ResultWriter {
     to_thread: Option<SyncSender<Message>>,
-    returned: Receiver<Box<Frame>>,
+    returned: Receiver<Frame>,
     /// tells of every checkpoint that is written
     kept: Receiver<()>,
     /// checkpoints sent and not yet known to be written
@@ -48,8 +56,10 @@ pub struct ResultWriter {
     thread: Option<JoinHandle<Result<(), ObserveError>>>,
     size: FrameSize,
     made: usize,
+    /// frames that may exist
+    most: usize,
     /// a frame that was filled but not sent
-    spare: Option<Box<Frame>>,
+    spare: Option<Frame>,
 }
 
 impl ResultWriter {
@@ -70,17 +80,18 @@ impl ResultWriter {
     }
 
     fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
+        let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
+        let most = (ROOM / size.bytes().max(1)).clamp(FEWEST, MOST);
         let (to_thread, messages) = sync_channel(WAITING);
-        let (give_back, returned) = sync_channel(FRAMES);
+        let (give_back, returned) = sync_channel(most);
         let (tell_kept, kept) = sync_channel(CHECKPOINTS);
-        let ends = Ends { messages, give_back, kept: tell_kept };
+        let ends = Ends { messages, give_back, written: Vec::with_capacity(most), most, kept: tell_kept };
         let thread = std::thread::Builder::new()
             .name("results".to_owned())
-            .spawn(move || write_all(files, &ends))
+            .spawn(move || write_all(files, ends))
             .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
-        let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
         let (to_thread, thread) = (Some(to_thread), Some(thread));
-        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, spare: None })
+        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, most, spare: None })
     }
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
@@ -88,7 +99,7 @@ impl ResultWriter {
     ///
     /// # Errors
     /// The fault that ended the thread.
-    pub fn empty_frame(&mut self) -> Result<Box<Frame>, ObserveError> {
+    pub fn empty_frame(&mut self) -> Result<Frame, ObserveError> {
         if let Some(frame) = self.spare.take() {
             return Ok(frame);
         }
@@ -97,9 +108,9 @@ impl ResultWriter {
             Err(TryRecvError::Disconnected) => return Err(self.fault()),
             Err(TryRecvError::Empty) => {}
         }
-        if self.made < FRAMES {
+        if self.made < self.most {
             self.made += 1;
-            return Ok(Box::new(Frame::new(self.size)));
+            return Ok(Frame::new(self.size));
         }
         match self.returned.recv() {
             Ok(frame) => Ok(frame),
@@ -111,12 +122,12 @@ impl ResultWriter {
     ///
     /// # Errors
     /// The fault that ended the thread.
-    pub fn frame(&mut self, frame: Box<Frame>) -> Result<(), ObserveError> {
+    pub fn frame(&mut self, frame: Frame) -> Result<(), ObserveError> {
         self.send(Message::Frame(frame))
     }
 
     /// Takes back a frame that is not to be written after all.
-    pub fn forget(&mut self, frame: Box<Frame>) {
+    pub fn forget(&mut self, frame: Frame) {
         self.spare = Some(frame);
     }
 
@@ -172,30 +183,49 @@ impl Drop for ResultWriter {
     }
 }
 
+impl Ends {
+    /// The next message, if one comes in time; called after another.
+    fn next(&mut self) -> Result<Message, RecvTimeoutError> {
+        match self.messages.try_recv() {
+            Ok(message) => return Ok(message),
+            Err(TryRecvError::Disconnected) => return Err(RecvTimeoutError::Disconnected),
+            Err(TryRecvError::Empty) => {}
+        }
+        // Whoever waits for a frame sends nothing meanwhile.
+        self.give_back();
+        std::thread::sleep(NAP);
+        self.messages.recv_timeout(LONGEST_DELAY)
+    }
+
+    /// A frame that is written. Half of all are given back at once, so that an integrator that waits for the disk is not woken for each of them.
+    fn written(&mut self, frame: Frame) {
+        self.written.push(frame);
+        if 2 * self.written.len() >= self.most {
+            self.give_back();
+        }
+    }
+
+    fn give_back(&mut self) {
+        for frame in self.written.drain(..) {
+            // Never full: no more frames exist than fit. A closed end means the run is over.
+            let _ = self.give_back.try_send(frame);
+        }
+    }
+}
+
 /// The thread: ends when the channel closes or at the first fault, and then saves what it still can.
-fn write_all(mut files: ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
-    let ended = listen(&mut files, ends);
+fn write_all(mut files: ResultFiles, mut ends: Ends) -> Result<(), ObserveError> {
+    let ended = listen(&mut files, &mut ends);
     // All files are tried; the first fault is the one to tell.
     ended.and(files.finish())
 }
 
-/// The next message, if one comes in time; called after another.
-fn next(messages: &Receiver<Message>) -> Result<Message, RecvTimeoutError> {
-    match messages.try_recv() {
-        Ok(message) => return Ok(message),
-        Err(TryRecvError::Disconnected) => return Err(RecvTimeoutError::Disconnected),
-        Err(TryRecvError::Empty) => std::thread::sleep(NAP),
-    }
-    messages.recv_timeout(LONGEST_DELAY)
-}
-
-fn listen(files: &mut ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
+fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> {
     loop {
-        match next(&ends.messages) {
+        match ends.next() {
             Ok(Message::Frame(frame)) => {
                 files.frame(&frame)?;
-                // Never full: no more frames exist than fit. A closed end means the run is over.
-                let _ = ends.give_back.try_send(frame);
+                ends.written(frame);
             }
             Ok(Message::Row(row)) => files.row(&row)?,
             Ok(Message::Checkpoint(checkpoint)) => {
@@ -206,5 +236,51 @@ fn listen(files: &mut ResultFiles, ends: &Ends) -> Result<(), ObserveError> {
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
         files.flush_if_due()?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::encode::VtuFormat;
+    use crate::output::frame::Fields;
+    use crate::output::frame_files::frames_in;
+
+    /// Sends `frames` frames of `nodes` nodes as fast as they are written; returns how many existed.
+    fn frames_made(nodes: usize, frames: usize) -> usize {
+        let dir = tempfile::tempdir().expect("a folder");
+        let spec = FilesSpec {
+            folder: dir.path().to_owned(),
+            stem: "net".to_owned(),
+            reference: &vec![[0.0; 3]; nodes],
+            triangles: &[],
+            edges: &[],
+            fields: Fields::default(),
+            probes: &[],
+            format: VtuFormat::default(),
+        };
+        let mut writer = ResultWriter::start(&spec).expect("a writer");
+        for i in 0..frames {
+            let mut frame = writer.empty_frame().expect("a frame");
+            (frame.time, frame.positions[0][0]) = (i as f64, i as f64);
+            writer.frame(frame).expect("a thread that listens");
+        }
+        writer.finish().expect("all is written");
+        let files = frames_in(&dir.path().join("frames"), "net").expect("a folder");
+        assert_eq!(files.len(), frames);
+        for (i, file) in files.iter().enumerate() {
+            let bytes = std::fs::read(file).expect("a frame");
+            let time = format!(">{:?}</DataArray>", i as f64);
+            assert!(bytes.windows(time.len()).any(|w| w == time.as_bytes()), "frame {i}");
+        }
+        writer.made
+    }
+
+    /// An integrator that is quicker than the disk waits, and gets old frames: small scenes a few dozen, large ones as few as possible.
+    #[test]
+    fn frames_are_used_again() {
+        assert!((1..=MOST).contains(&frames_made(10, 4 * MOST)));
+        let nodes = ROOM / (FEWEST * 48) + 1;
+        assert!((1..=FEWEST).contains(&frames_made(nodes, 3 * FEWEST)));
     }
 }

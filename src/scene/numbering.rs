@@ -1,6 +1,8 @@
 //! Internal node numbers: reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring lie close in
 //! memory whatever order the mesh came in.
 
+use glam::DVec3;
+
 /// The two directions of a renumbering.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numbering {
@@ -31,6 +33,13 @@ impl Numbering {
             internal[old as usize] = new as u32;
         }
         Numbering { user: order, internal }
+    }
+
+    /// Vectors of nodes in the user's order; written one after the other, since what is written is often far away (another thread had it last).
+    pub fn to_user(&self, internal: &[DVec3], user: &mut [[f64; 3]]) {
+        for (to, &from) in user.iter_mut().zip(&self.internal) {
+            *to = internal[from as usize].to_array();
+        }
     }
 }
 

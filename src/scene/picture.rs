@@ -2,6 +2,7 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::axial_dashpot::AxialData;
+use crate::force::spring::Carried;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
 use crate::model::picture::Picture;
@@ -22,16 +23,12 @@ impl Picture for Network {
     }
 
     fn trace(&self, at: StateRef<'_>, positions: &mut [[f64; 3]], velocities: &mut [[f64; 3]]) {
-        for (i, &user) in self.numbering.user.iter().enumerate() {
-            positions[user as usize] = by_node(at.x)[i].to_array();
-            velocities[user as usize] = by_node(at.v)[i].to_array();
-        }
+        self.numbering.to_user(by_node(at.x), positions);
+        self.numbering.to_user(by_node(at.v), velocities);
     }
 
     fn node_forces(&self, _at: StateRef<'_>, forces: &Forces, out: &mut [[f64; 3]]) {
-        for (f, &user) in by_node(&forces.total).iter().zip(&self.numbering.user) {
-            out[user as usize] = f.to_array();
-        }
+        self.numbering.to_user(by_node(&forces.total), out);
     }
 
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]) {
@@ -45,11 +42,9 @@ impl Picture for Network {
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
-        let x = by_node(at.x);
         for batch in &self.springs {
-            for (i, &edge) in batch.edges.iter().enumerate() {
-                (tension[edge as usize], strain[edge as usize]) = batch.data.tension_and_strain(x, i);
-            }
+            let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
+            batch.data.carried(by_node(at.x), Carried { places, tension, strain });
         }
     }
 

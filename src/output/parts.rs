@@ -1,0 +1,123 @@
+//! The pieces of a file that are written in one call, each from where it is.
+
+use std::io::{self, IoSlice, Write};
+use std::ops::Range;
+
+/// What follows a picture's head, piece by piece.
+pub(super) struct Appended<'a> {
+    parts: Vec<Part<'a>>,
+    /// [byte] of all parts
+    len: usize,
+}
+
+/// A piece of it.
+pub(super) enum Part<'a> {
+    /// of the writer's body
+    Body(Range<usize>),
+    /// an array, where it is
+    Numbers(&'a [u8]),
+}
+
+impl<'a> Appended<'a> {
+    /// Begins with a piece.
+    pub fn from(first: Part<'a>) -> Self {
+        let mut made = Appended { parts: Vec::new(), len: 0 };
+        made.push(first);
+        made
+    }
+
+    /// [byte] of all pieces.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Adds a piece behind the others.
+    pub fn push(&mut self, part: Part<'a>) {
+        self.len += match &part {
+            Part::Body(range) => range.len(),
+            Part::Numbers(bytes) => bytes.len(),
+        };
+        self.parts.push(part);
+    }
+
+    /// Writes a file's head, the pieces, of which some are of `body`, and its tail.
+    ///
+    /// # Errors
+    /// When `out` refuses.
+    pub fn write(&self, out: &mut impl Write, body: &[u8], [head, tail]: [&[u8]; 2]) -> io::Result<()> {
+        let pieces = self.parts.iter().map(|part| match part {
+            Part::Body(range) => &body[range.clone()],
+            Part::Numbers(bytes) => bytes,
+        });
+        let mut parts: Vec<_> = std::iter::once(head).chain(pieces).chain([tail]).map(IoSlice::new).collect();
+        write_all(out, &mut parts)
+    }
+}
+
+/// Writes all parts, in one call if the system takes as much.
+fn write_all(out: &mut impl Write, mut parts: &mut [IoSlice<'_>]) -> io::Result<()> {
+    while !parts.is_empty() {
+        match out.write_vectored(parts) {
+            Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+            Ok(written) => IoSlice::advance_slices(&mut parts, written),
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes a few bytes at a time, of one or two pieces, and is interrupted now and then.
+    #[derive(Default)]
+    struct Slow {
+        taken: Vec<u8>,
+        calls: usize,
+    }
+
+    impl Write for Slow {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.write_vectored(&[IoSlice::new(bytes)])
+        }
+
+        fn write_vectored(&mut self, parts: &[IoSlice<'_>]) -> io::Result<usize> {
+            self.calls += 1;
+            if self.calls.is_multiple_of(3) {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+            let room = self.calls % 7 + 1;
+            let bytes = parts.iter().take(2).flat_map(|part| part.iter().copied());
+            let before = self.taken.len();
+            self.taken.extend(bytes.take(room));
+            Ok(self.taken.len() - before)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn whatever_is_taken_at_a_time_all_is_written_in_order() {
+        let body: Vec<u8> = (0..40).collect();
+        let mut pieces = Appended::from(Part::Body(0..17));
+        pieces.push(Part::Numbers(&[101, 102, 103]));
+        pieces.push(Part::Body(17..17));
+        pieces.push(Part::Body(17..40));
+        assert_eq!(pieces.len(), 43);
+        let mut out = Slow::default();
+        pieces.write(&mut out, &body, [b"head", b"tail"]).expect("a patient writer");
+        assert_eq!(out.taken, [b"head", &body[..17], &[101, 102, 103], &body[17..], b"tail"].concat());
+        assert!(out.calls > 10);
+    }
+
+    #[test]
+    fn what_takes_nothing_is_told() {
+        let mut full: &mut [u8] = &mut [0; 5];
+        let fault = Appended::from(Part::Numbers(b"abc")).write(&mut full, &[], [b"head", b"tail"]);
+        assert_eq!(fault.map_err(|e| e.kind()), Err(io::ErrorKind::WriteZero));
+    }
+}
