@@ -17,6 +17,9 @@ use std::sync::atomic::AtomicBool;
 /// Schemes that have strides.
 const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
 
+/// Schemes that have them on nets of one tile whose forces all have a potential.
+const BY_STAGES: [&str; 3] = ["rk4", "improved-euler", "euler-richardson"];
+
 /// Lets steps be made in one go, or does not, and counts.
 struct Witness {
     lets: bool,
@@ -45,6 +48,12 @@ impl Observer for Witness {
 
 /// Columns and rows of sheets: of four strips of nodes, and of one, whose nodes stay in its windows.
 const SIZES: [[u32; 2]; 2] = [[69, 79], [18, 22]];
+
+/// Sizes and schemes that have strides there.
+fn striding() -> impl Iterator<Item = ([u32; 2], &'static str)> {
+    let kicked = SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method)));
+    kicked.chain(BY_STAGES.map(|method| (SIZES[1], method)))
+}
 
 fn sheet() -> Value {
     sheet_of(SIZES[0])
@@ -137,7 +146,7 @@ fn assert_same(case: &Case, how: How, what: &str) -> (Outcome, u64) {
 /// Frames between steps and at their ends, rows of every step, of every third and seventh; one, two and three threads.
 #[test]
 fn every_file_is_the_same() {
-    for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
+    for (size, method) in striding() {
         let case = case_of(&sheet_of(size), &[]);
         for (threads, frames, history) in [
             (1, r#"{"every": 0.013}"#, "1"),
@@ -198,6 +207,28 @@ fn a_divergence_is_found_at_its_step() {
     }
 }
 
+/// The same of steps by stages, which have other limits.
+#[test]
+fn a_divergence_of_stages_is_found_at_its_step() {
+    let case = case_of(&sheet_of(SIZES[1]), &[("time.end", "0.9"), ("output.frames", "null")]);
+    for (method, step, diverges, at_least) in [
+        ("rk4", "4.6e-3", true, 32),
+        ("rk4", "4.53e-3", true, 64),
+        ("rk4", "3e-3", false, 290),
+        ("improved-euler", "1.7e-3", true, 0),
+        ("improved-euler", "1.4e-3", true, 64),
+        ("euler-richardson", "1.7e-3", true, 0),
+        ("euler-richardson", "1.4e-3", true, 64),
+    ] {
+        let case = changed(&case, &[("time.method", method), ("time.step", step)]);
+        let (outcome, in_strides) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
+        assert_same(&case, How { threads: 1, keep_going: true }, &format!("{method}, {step}, and on"));
+        assert_eq!(outcome.status == Status::Diverged, diverges, "{method}, {step}");
+        assert_eq!(outcome.failure.map(|failure| failure.step), diverges.then_some(outcome.steps + 1));
+        assert!(in_strides >= at_least, "{method}, {step}: {in_strides} of {} steps", outcome.steps);
+    }
+}
+
 /// A warning within a stride is that of the step that gives it; the run then goes on in strides.
 #[test]
 fn a_doubt_is_had_at_its_step() {
@@ -212,14 +243,31 @@ fn a_doubt_is_had_at_its_step() {
     assert!(in_strides > 60, "{in_strides} of {} steps", outcome.steps);
 }
 
-/// Other schemes go step by step.
+/// Other schemes go step by step, and so do stages of large scenes.
 #[test]
 fn nothing_else_is_made_in_one_go() {
-    let case = case_of(&sheet(), &[("time.end", "0.012")]);
-    for method in methods().iter().filter(|method| !STRIDING.contains(&method.name)) {
-        let (_, in_strides) =
-            assert_same(&changed(&case, &[("time.method", method.name)]), until_the_end(1), method.name);
-        assert_eq!(in_strides, 0, "{}", method.name);
+    for size in SIZES {
+        let case = case_of(&sheet_of(size), &[("time.end", "0.012")]);
+        let strides = |method| striding().any(|striding| striding == (size, method));
+        for method in methods().iter().filter(|method| !strides(method.name)) {
+            let case = changed(&case, &[("time.method", method.name)]);
+            let (_, in_strides) = assert_same(&case, until_the_end(1), method.name);
+            assert_eq!(in_strides, 0, "{}", method.name);
+        }
+    }
+}
+
+/// Where forces do work that the account asks of every stage, steps by stages are made one by one.
+#[test]
+fn stages_do_work_step_by_step() {
+    for (number, (key, force)) in forces().into_iter().enumerate() {
+        for method in BY_STAGES {
+            let mut scene = sheet_of(SIZES[1]);
+            scene["system"]["network"][key] = force.clone();
+            let case = case_of(&scene, &[("time.method", method), ("time.end", "0.012")]);
+            let (outcome, in_strides) = assert_same(&case, until_the_end(1), &format!("{number}, {method}"));
+            assert_eq!((outcome.status, in_strides), (Status::Completed, 0), "{number}, {method}");
+        }
     }
 }
 

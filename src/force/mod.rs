@@ -49,6 +49,7 @@ pub mod series;
 mod shelf;
 pub mod slack;
 pub mod spring;
+pub mod staged;
 mod stretch;
 mod stride;
 pub(crate) mod sweep;

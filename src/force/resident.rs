@@ -6,7 +6,7 @@ use super::sweep::{Sweep, Terms};
 use super::threads::{Resident, SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::told::{Sums, Told};
-use super::window::{Padded, RECORD, Records, Window, rows, store_rows};
+use super::window::{RECORD, Records, Window, fill, rows, store_rows};
 use crate::model::forces::Tally;
 use crate::model::stride::{Kicks, NodeSums, Nodes, Passed, Work};
 use bytemuck::cast_slice_mut;
@@ -30,7 +30,7 @@ impl Sweep {
         let (n, from, kicks) = (mass.len(), scheme.from(), scheme.kicks());
         let present = out.each_ref().map(|sum| !sum.is_empty());
         let windows = &mut *threads.windows(0);
-        let Windows { x, v, sums, resident: Resident { inverse_mass: m, before, kicked, kept } } = windows;
+        let Windows { x, v, sums, resident: Resident { inverse_mass: m, before, kicked, kept, .. } } = windows;
         let [x, v, m, before, kicked, kept] = [x, v, m, before, kicked, kept].map(Window::records);
         let mut sums = sums.each_mut().map(Window::records);
         let forces = [&from.forces.total, &from.forces.external, &from.forces.dissipative];
@@ -55,13 +55,6 @@ impl Sweep {
         for ((from, to), _) in sums.into_iter().zip(out).zip(present).filter(|(_, present)| *present) {
             store_rows(rows(from, n), to);
         }
-    }
-}
-
-/// Copies vectors into as many records, with 0 in their fourth numbers, which kicks move as all others.
-fn fill(from: &[f64], to: &mut [Padded]) {
-    for (&[x, y, z], to) in from.as_chunks().0.iter().zip(to) {
-        *to = [x, y, z, 0.0];
     }
 }
 

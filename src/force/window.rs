@@ -79,6 +79,13 @@ pub(super) fn copy_rows(from: &[DVec3], to: &mut [Padded]) {
     run(CopyRows { from: bytemuck::cast_slice(from), to });
 }
 
+/// Copies vectors into as many records, with 0 in their fourth numbers, which a scheme moves as all others.
+pub(super) fn fill(from: &[f64], to: &mut [Padded]) {
+    for (&[x, y, z], to) in from.as_chunks().0.iter().zip(to) {
+        *to = [x, y, z, 0.0];
+    }
+}
+
 struct CopyRows<'a> {
     from: &'a [f64],
     to: &'a mut [Padded],

@@ -3,7 +3,7 @@
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
-use crate::model::stride::Passed;
+use crate::model::stride::{Passed, Stages};
 use crate::model::system::{Around, Onward, System};
 
 /// What a run cost, in operations.
@@ -54,6 +54,19 @@ impl Counters {
     ) -> bool {
         let made = system.stride(&mut to.state, &mut to.forces, scheme, passed);
         self.force_evaluations += if made { (scheme.kicks().passes() * passed.len()) as u64 } else { 0 };
+        made
+    }
+
+    /// The same by stages, from a point on.
+    pub fn stride_by_stages<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        to: &mut Point,
+        (from, stages): (&Point, Stages<'_>),
+        passed: &mut [Passed],
+    ) -> bool {
+        let made = system.stride_by_stages((from, stages), &mut to.state, &mut to.forces, passed);
+        self.force_evaluations += if made { (stages.passes() * passed.len()) as u64 } else { 0 };
         made
     }
 

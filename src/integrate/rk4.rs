@@ -10,12 +10,17 @@
 //! ```
 //! Limit on the imaginary axis w h < 2 sqrt 2.
 
+use super::strides::stride_by_stages;
 use super::updates::{Slopes, accumulate_slopes, follow, follow_on, power, weigh};
 use super::{Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
+use crate::model::stride::{Passed, Stage, Stages};
 use crate::model::system::System;
+
+/// Stages from the second on: c_i, the only nonzero a_ij of the row, and weight b_i.
+const STAGES: [(f64, f64); 3] = [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
 
 /// The classical Runge-Kutta method; carries nothing.
 #[derive(Clone, Debug, Default)]
@@ -45,9 +50,7 @@ impl Integrator<dyn System> for Rk4 {
         let mut powers =
             [power(system, &from.forces), StageWork::default(), StageWork::default(), StageWork::default()];
 
-        // (c_i = the only nonzero a_ij of the row, weight b_i)
-        let stages = [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
-        for (i, (c, b)) in stages.into_iter().enumerate() {
+        for (i, (c, b)) in STAGES.into_iter().enumerate() {
             let s = &mut self.stage;
             s.t = if c == 1.0 { t_next } else { n.t + c * h };
             match i {
@@ -63,5 +66,16 @@ impl Integrator<dyn System> for Rk4 {
         let [p1, p2, p3, p4] = powers;
         let work = weigh([(h / 6.0, p1), (h / 3.0, p2), (h / 3.0, p3), (h / 6.0, p4)]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
+    }
+    fn stride(
+        &mut self,
+        step: StepInput<'_, dyn System>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        let h = step.h;
+        let others = STAGES.map(|(c, b)| Stage { reach: c * h, weight: b * h });
+        stride_by_stages(Stages { first: Some(h / 6.0), others: &others }, step, to, passed, counters)
     }
 }

@@ -1,8 +1,8 @@
-//! Strides of schemes that kick, drift and kick: several steps on end, in place from the second on ([`crate::model::stride`]).
+//! Strides: several steps on end ([`crate::model::stride`]), of schemes that kick, drift and kick, and of Runge-Kutta methods.
 
 use super::{Counters, StepInput};
 use crate::model::point::Point;
-use crate::model::stride::{Kicks, Passed};
+use crate::model::stride::{Kicks, Passed, Stages};
 use crate::model::system::{Around, Onward, System};
 use std::ops::Range;
 
@@ -17,6 +17,19 @@ pub(super) fn stride(
     debug_assert!(passed.last().is_none_or(|last| last.t == t_next));
     to.state.t = t_next;
     counters.stride(system, to, &Stride { first, from, kicks }, passed)
+}
+
+/// The same of steps by stages.
+pub(super) fn stride_by_stages(
+    stages: Stages<'_>,
+    StepInput { system, from, t_next, .. }: StepInput<'_, dyn System>,
+    to: &mut Point,
+    passed: &mut [Passed],
+    counters: &mut Counters,
+) -> bool {
+    debug_assert!(passed.last().is_none_or(|last| last.t == t_next));
+    to.state.t = t_next;
+    counters.stride_by_stages(system, to, (from, stages), passed)
 }
 
 /// The first step is made as one alone; then nodes are moved by kicks.

@@ -7,7 +7,7 @@
 use super::forces::{Forces, Role};
 use super::point::Point;
 use super::state::{State, StateRef};
-use super::stride::{Kicks, Passed};
+use super::stride::{Kicks, Passed, Stages};
 use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 use std::ops::Range;
@@ -92,6 +92,19 @@ pub trait System: Sync {
     /// are in `passed`. `false` where there is no such thing, and nothing was done.
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
         let _ = (at, out, scheme, passed);
+        false
+    }
+
+    /// The same of steps by `stages` from a point on: several of them with their force passes, an entry of `passed` each. `false` where there is no such thing, and nothing was
+    /// done.
+    fn stride_by_stages(
+        &self,
+        (from, stages): (&Point, Stages<'_>),
+        at: &mut State,
+        out: &mut Forces,
+        passed: &mut [Passed],
+    ) -> bool {
+        let _ = (from, stages, at, out, passed);
         false
     }
 

@@ -7,14 +7,16 @@ use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::between::Between;
 use crate::force::spring::{Coefficient, SpringData};
+use crate::force::staged::{ByStages, Ended};
 use crate::force::sweep::{Sweep, Terms};
 use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
+use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::{self, Passed};
+use crate::model::stride::{self, Passed, Stages};
 use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
 use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
@@ -250,6 +252,30 @@ impl System for Network {
         let between = Between { scheme, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
             self.sweep.stride((self, moving), between, &self.threads, sums, passed);
+            if let Some(last) = passed.last() {
+                tallies.copy_from_slice(&last.tallies);
+            }
+        });
+        true
+    }
+
+    fn stride_by_stages(
+        &self,
+        (from, stages): (&Point, Stages<'_>),
+        at: &mut State,
+        out: &mut Forces,
+        passed: &mut [Passed],
+    ) -> bool {
+        // Where the account asks for work, it asks for that of every stage.
+        let works = self.has_role(Role::External) || self.has_role(Role::Dissipative);
+        if works || !self.sweep.resides() || passed.is_empty() {
+            return false;
+        }
+        let (mass, inverse_mass) = (&self.mass, &self.inverse_mass);
+        self.pass_into(out, |[f, ..], tallies| {
+            let (by_stages, to) =
+                (ByStages { from, stages, mass, inverse_mass }, Ended { x: &mut at.x, v: &mut at.v, f });
+            self.sweep.stride_by_stages(self, by_stages, &self.threads, to, passed);
             if let Some(last) = passed.last() {
                 tallies.copy_from_slice(&last.tallies);
             }
