@@ -17,7 +17,7 @@ use std::sync::atomic::AtomicBool;
 /// Schemes that have strides.
 const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
 
-/// Schemes that have them on nets of one tile whose forces all have a potential.
+/// Schemes that have them on nets of one tile with springs and weight alone.
 const BY_STAGES: [&str; 3] = ["rk4", "improved-euler", "euler-richardson"];
 
 /// Lets steps be made in one go, or does not, and counts.
@@ -254,6 +254,28 @@ fn nothing_else_is_made_in_one_go() {
             let (_, in_strides) = assert_same(&case, until_the_end(1), method.name);
             assert_eq!(in_strides, 0, "{}", method.name);
         }
+    }
+}
+
+/// Nodes held in some directions only, and velocities that are zeros below zero where a node is held.
+#[test]
+fn held_directions_stay_where_they_are() {
+    for (method, fix) in
+        BY_STAGES.into_iter().chain(STRIDING).flat_map(|method| ["z", "xy", "xyz"].map(|fix| (method, fix)))
+    {
+        let mut scene = sheet_of(SIZES[1]);
+        let [columns, rows] = SIZES[1].map(|n| n as usize);
+        let inside = |node: usize| {
+            let (column, row) = (node % (columns + 1), node / (columns + 1));
+            (1..columns).contains(&column) && (1..rows).contains(&row)
+        };
+        let velocity = |node| if inside(node) { [0.3, 0.1, 1.0] } else { [-0.0; 3] };
+        let velocities: Vec<[f64; 3]> = (0..(columns + 1) * (rows + 1)).map(velocity).collect();
+        scene["system"]["network"]["initial"]["velocity"] = json!(velocities);
+        scene["system"]["network"]["supports"][0]["fix"] = json!(fix);
+        let case = case_of(&scene, &[("time.method", method), ("output.frames", r#"{"every": 0.02}"#)]);
+        let (outcome, in_strides) = assert_same(&case, until_the_end(1), &format!("{method}, {fix}"));
+        assert_eq!((outcome.status, in_strides > 50), (Status::Completed, true), "{method}, {fix}: {in_strides}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Strides of Runge-Kutta methods, of a scene that is one tile and whose forces all have a potential: its nodes stay in the tile's windows from the first step to the last.
+//! Strides of Runge-Kutta methods, of a scene that is one tile and has springs and weight alone: its nodes stay in the tile's windows from the first step to the last.
 
 use super::sweep::{Sweep, Terms};
 use super::threads::{Resident, SUMS, Threads, Windows};
@@ -83,7 +83,7 @@ struct Net<'a, T: ?Sized> {
 }
 
 impl<T: Terms + ?Sized> Net<'_, T> {
-    /// A step that ends at `passed.t`, from the forces at its start. No force with a potential depends on time, so that stages need none of their own.
+    /// A step that ends at `passed.t`, from the forces at its start. Neither springs nor weight depend on time, so that stages need none of their own.
     fn step(&mut self, stages: Stages<'_>, passed: &mut Passed) {
         stages.begin(&mut self.nodes());
         for stage in 0..stages.others.len() {

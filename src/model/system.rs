@@ -82,7 +82,7 @@ pub trait System: Sync {
         self.evaluate(at.as_ref(), out);
     }
 
-    /// Steps of a stride at most; fewer than two where there are no strides.
+    /// Steps of a stride at most; fewer than two where there are no strides of any kind.
     fn longest_stride(&self) -> usize {
         0
     }

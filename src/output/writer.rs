@@ -26,6 +26,11 @@ const NAP: Duration = Duration::from_micros(500);
 /// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
 
+/// How many frames of a size may exist, filled, on their way or to be filled again.
+pub fn most_frames(size: FrameSize) -> usize {
+    (ROOM / size.bytes().max(1)).clamp(FEWEST, MOST)
+}
+
 /// What goes to the thread. Its end is told by closing the channel.
 enum Message {
     Frame(Frame),
@@ -81,7 +86,7 @@ impl ResultWriter {
 
     fn spawn(files: ResultFiles, spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let size = FrameSize { nodes: spec.reference.len(), edges: spec.edges.len(), fields: spec.fields };
-        let most = (ROOM / size.bytes().max(1)).clamp(FEWEST, MOST);
+        let most = most_frames(size);
         let (to_thread, messages) = sync_channel(WAITING);
         let (give_back, returned) = sync_channel(most);
         let (tell_kept, kept) = sync_channel(CHECKPOINTS);
@@ -197,10 +202,10 @@ impl Ends {
         self.messages.recv_timeout(LONGEST_DELAY)
     }
 
-    /// A frame that is written. Half of all are given back at once, so that an integrator that waits for the disk is not woken for each of them.
+    /// A frame that is written. Half of all are given back at once (of three, each), so that an integrator that waits for the disk is not woken for each of many.
     fn written(&mut self, frame: Frame) {
         self.written.push(frame);
-        if 2 * self.written.len() >= self.most {
+        if self.written.len() >= self.most / 2 {
             self.give_back();
         }
     }
@@ -276,7 +281,7 @@ mod tests {
         writer.made
     }
 
-    /// An integrator that is quicker than the disk waits, and gets old frames: small scenes a few dozen, large ones as few as possible.
+    /// An integrator that is quicker than the disk gets old frames and loses none; of large scenes as few exist as possible.
     #[test]
     fn frames_are_used_again() {
         assert!((1..=MOST).contains(&frames_made(10, 4 * MOST)));

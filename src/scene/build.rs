@@ -42,7 +42,11 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
     let Builder { terms, springs, .. } = builder;
-    let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| spec.velocity[at(i)]).collect() };
+    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat differently.
+    let velocity_of = |node: usize| -> [f64; 3] {
+        std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
+    };
+    let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity_of(at(i))).collect() };
     let gravity = spec.gravity.map(DVec3::from_array);
     let wind = spec.air.iter().flat_map(|air| &air.wind.t);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));

@@ -12,6 +12,7 @@ pub mod numbering;
 mod pendulum;
 mod picture;
 mod suspect;
+mod tangent;
 
 pub use bound::BoundRoom;
 pub use build::build_network;

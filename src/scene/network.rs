@@ -2,7 +2,6 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::between::Between;
@@ -17,9 +16,8 @@ use crate::model::motion::motion;
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stride::{self, Passed, Stages};
-use crate::model::system::{Around, Onward, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{Around, Onward, System, TermInfo};
 use crate::model::workers::Workers;
-use crate::startup::{Phase, timed};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
@@ -142,20 +140,6 @@ impl Network {
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
         }
-    }
-
-    fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
-        timed(Phase::Pattern, || self.record(symmetric))
-    }
-
-    fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
-        let state = self.initial_state();
-        let mut recorder = Recorder::default();
-        for term in &self.terms {
-            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
-        }
-        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
-        Assembler::new(nodes, &recorder, symmetric)
     }
 
     fn has_role(&self, role: Role) -> bool {
@@ -322,66 +306,5 @@ impl System for Network {
 
     fn velocity_dependent(&self) -> bool {
         self.infos.iter().any(|i| i.velocity_dependent)
-    }
-}
-
-impl TangentSystem for Network {
-    fn symmetric(&self) -> bool {
-        self.terms.iter().all(|t| t.symmetric())
-    }
-
-    fn assembler(&self) -> Result<Assembler, PatternError> {
-        self.pattern_of(self.symmetric())
-    }
-
-    fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
-        self.pattern_of(true).map(Some)
-    }
-
-    fn assemble_symmetric(&self, at: StateRef<'_>, w: Weights, convex: bool, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            match (term.symmetric(), convex) {
-                (false, _) => term.symmetric_tangent(node_state(at), w, &mut sink),
-                (true, true) => term.convex_tangent(node_state(at), w, &mut sink),
-                (true, false) => term.tangent(node_state(at), w, &mut sink),
-            }
-        }
-    }
-
-    fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            term.tangent(node_state(at), w, &mut sink);
-        }
-    }
-
-    fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            term.convex_tangent(node_state(at), w, &mut sink);
-        }
-    }
-
-    fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
-        self.springs.iter().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
-    }
-
-    fn nodal_stiffness(&self) -> Vec<f64> {
-        let mut nodes = vec![0.0; self.mass.len()];
-        self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));
-        nodes.into_iter().flat_map(|k| [k; 3]).collect()
-    }
-
-    fn force_scale(&self, forces: &Forces) -> f64 {
-        let (mut internal, mut external) = (0.0, 0.0);
-        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
-            let free = DVec3::select(inverse.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
-            let weight = self.gravity.map_or(DVec3::ZERO, |g| self.mass[i] * g);
-            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight) * free;
-            external += load.length_squared();
-            internal += (*total - load).length_squared();
-        }
-        f64::max(internal, external).sqrt()
     }
 }

@@ -79,9 +79,9 @@ impl MemorySpec<'_> {
         points * point + vector * if needs.family == Family::Implicit { 14 } else { 8 }
     }
 
-    /// [byte] Frames on their way to the disk, and the file being written.
+    /// [byte] Frames on their way to the disk, as many as there may be, and the file being written.
     fn files(&self) -> u64 {
-        4 * self.output.frame_bytes
+        self.output.waiting_bytes + self.output.frame_bytes
     }
 
     /// [byte] W, what finds its slots, and its factor.

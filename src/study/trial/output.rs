@@ -8,6 +8,7 @@ use crate::output::frame::{Fields, Frame, FrameSize};
 use crate::output::history::HistoryRow;
 use crate::output::space::frame_bytes;
 use crate::output::vtu::{Array, Cells, Snapshot, Values, VtuWriter};
+use crate::output::writer::most_frames;
 use crate::scene::Scene;
 
 /// [s] spent on measuring a frame and a row each.
@@ -28,6 +29,9 @@ pub struct OutputCost {
     pub row_seconds: f64,
     /// [byte] a frame
     pub frame_bytes: u64,
+    /// [byte] frames on their way to the disk, at most
+    #[serde(skip)]
+    pub(super) waiting_bytes: u64,
     #[serde(skip)]
     rows: RowEvery,
     #[serde(skip)]
@@ -40,7 +44,8 @@ impl OutputCost {
         let state = scene.initial_state();
         let at = state.as_ref();
         let (nodes, edges) = (scene.reference().len(), scene.edges().len());
-        let mut frame = Frame::new(FrameSize { nodes, edges, fields });
+        let size = FrameSize { nodes, edges, fields };
+        let mut frame = Frame::new(size);
         let cells = Cells { points: nodes, triangles: scene.triangles(), edges: scene.edges() };
         let encode = VtuWriter::new(&cells, output.format).map_or(0.0, |mut vtu| {
             let mut file: Vec<u8> = Vec::new();
@@ -71,8 +76,10 @@ impl OutputCost {
             let (max_speed, max_strain) = (scene.max_speed(at), scene.max_strain(at));
             black_box(HistoryRow { max_speed, max_strain, ..HistoryRow::default() }.write(&mut line).is_ok());
         });
+        let frames = 1.0 + output.frames_every.map_or(1.0, |every| (end / every).ceil());
         OutputCost {
-            frames: 1.0 + output.frames_every.map_or(1.0, |every| (end / every).ceil()),
+            frames,
+            waiting_bytes: (frames.min(most_frames(size) as f64) * size.bytes() as f64) as u64,
             frame_seconds: encode + FILE,
             row_seconds: row + ROW,
             frame_bytes: frame_bytes(scene, fields, output.format.precision),

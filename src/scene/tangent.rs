@@ -1,0 +1,86 @@
+//! The tangent of a network: its pattern, W = cm M + cc C + ck K, and what solvers ask of forces besides.
+
+use super::network::{Network, by_node, node_state};
+use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
+use crate::model::forces::Forces;
+use crate::model::state::StateRef;
+use crate::model::system::{System, TangentSystem, Weights};
+use crate::startup::{Phase, timed};
+use glam::DVec3;
+
+impl Network {
+    fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        timed(Phase::Pattern, || self.record(symmetric))
+    }
+
+    fn record(&self, symmetric: bool) -> Result<Assembler, PatternError> {
+        let state = self.initial_state();
+        let mut recorder = Recorder::default();
+        for term in &self.terms {
+            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
+        }
+        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
+        Assembler::new(nodes, &recorder, symmetric)
+    }
+}
+
+impl TangentSystem for Network {
+    fn symmetric(&self) -> bool {
+        self.terms.iter().all(|t| t.symmetric())
+    }
+
+    fn assembler(&self) -> Result<Assembler, PatternError> {
+        self.pattern_of(self.symmetric())
+    }
+
+    fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
+        self.pattern_of(true).map(Some)
+    }
+
+    fn assemble_symmetric(&self, at: StateRef<'_>, w: Weights, convex: bool, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            match (term.symmetric(), convex) {
+                (false, _) => term.symmetric_tangent(node_state(at), w, &mut sink),
+                (true, true) => term.convex_tangent(node_state(at), w, &mut sink),
+                (true, false) => term.tangent(node_state(at), w, &mut sink),
+            }
+        }
+    }
+
+    fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            term.tangent(node_state(at), w, &mut sink);
+        }
+    }
+
+    fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            term.convex_tangent(node_state(at), w, &mut sink);
+        }
+    }
+
+    fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
+        self.springs.iter().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
+    }
+
+    fn nodal_stiffness(&self) -> Vec<f64> {
+        let mut nodes = vec![0.0; self.mass.len()];
+        self.terms.iter().for_each(|t| t.add_stiffness(&mut nodes));
+        nodes.into_iter().flat_map(|k| [k; 3]).collect()
+    }
+
+    fn force_scale(&self, forces: &Forces) -> f64 {
+        let (mut internal, mut external) = (0.0, 0.0);
+        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
+            let free = DVec3::select(inverse.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+            let weight = self.gravity.map_or(DVec3::ZERO, |g| self.mass[i] * g);
+            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight) * free;
+            external += load.length_squared();
+            internal += (*total - load).length_squared();
+        }
+        f64::max(internal, external).sqrt()
+    }
+}
