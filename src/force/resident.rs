@@ -101,12 +101,8 @@ impl<T: Terms + ?Sized> Net<'_, T> {
         } else {
             self.add(Told::All, passed);
         }
-        passed.largest_stretch = f64::NEG_INFINITY;
-        if passed.stretch_wanted {
-            let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
-            let stretches = (0..self.terms.count()).map(|i| self.terms.term(i).0.largest_stretch(&tile));
-            passed.largest_stretch = stretches.fold(f64::NEG_INFINITY, f64::max);
-        }
+        let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        passed.largest_stretch = self.terms.largest_stretch(&tile, passed.stretch_wanted);
     }
 
     fn add(&mut self, told: Told, passed: &mut Passed) {

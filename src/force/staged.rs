@@ -98,12 +98,8 @@ impl<T: Terms + ?Sized> Net<'_, T> {
             Nodes { mass: self.mass, inverse_mass: flat(self.m), x, v, kicked: &mut [], f: flat(self.sums[0]) };
         // Nothing moves: this is the account alone.
         passed.nodes = Kicks { begin: 0.0, drift: 0.0, end: None, predicts: false }.end(nodes, false);
-        passed.largest_stretch = f64::NEG_INFINITY;
-        if passed.stretch_wanted {
-            let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.at[0], v: self.at[1] };
-            let stretches = (0..self.terms.count()).map(|i| self.terms.term(i).0.largest_stretch(&tile));
-            passed.largest_stretch = stretches.fold(f64::NEG_INFINITY, f64::max);
-        }
+        let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.at[0], v: self.at[1] };
+        passed.largest_stretch = self.terms.largest_stretch(&tile, passed.stretch_wanted);
     }
 
     /// The forces where nodes are.

@@ -31,6 +31,12 @@ pub trait Terms: Sync {
     fn still(&self) -> bool {
         false
     }
+
+    /// [-] Largest l^2/l0^2 of all springs of a tile, if it is wanted; else and without springs -inf.
+    fn largest_stretch(&self, tile: &Tile<'_>, wanted: bool) -> f64 {
+        let terms = if wanted { 0..self.count() } else { 0..0 };
+        terms.map(|i| self.term(i).0.largest_stretch(tile)).fold(f64::NEG_INFINITY, f64::max)
+    }
 }
 
 /// All add to the only sum.
@@ -226,12 +232,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         let tile = Tile { number, own, t: self.at.t, x, v };
         let present = out.each_ref().map(|sum| !sum.is_empty());
         Sums { n, sums, present, kept }.add(self.terms, self.told, &tile, tallies);
-        match self.stretch {
-            true => (0..tallies.len())
-                .map(|i| self.terms.term(i).0.largest_stretch(&tile))
-                .fold(f64::NEG_INFINITY, f64::max),
-            false => f64::NEG_INFINITY,
-        }
+        self.terms.largest_stretch(&tile, self.stretch)
     }
 
     /// Copies a nodal vector into a tile's window.
