@@ -59,6 +59,8 @@ pub(super) struct CellTable {
 }
 
 impl CellTable {
+    /// Triangles, then edges; without either a vertex a point.
+    ///
     /// # Errors
     /// When a cell names a point that is not there.
     pub fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {

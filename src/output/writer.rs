@@ -61,8 +61,6 @@ pub struct ResultWriter {
     thread: Option<JoinHandle<Result<(), ObserveError>>>,
     size: FrameSize,
     made: usize,
-    /// frames that may exist
-    most: usize,
     /// a frame that was filled but not sent
     spare: Option<Frame>,
 }
@@ -96,7 +94,7 @@ impl ResultWriter {
             .spawn(move || write_all(files, ends))
             .map_err(|source| ObserveError::Write { path: spec.folder.display().to_string(), source })?;
         let (to_thread, thread) = (Some(to_thread), Some(thread));
-        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, most, spare: None })
+        Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, spare: None })
     }
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
@@ -113,7 +111,7 @@ impl ResultWriter {
             Err(TryRecvError::Disconnected) => return Err(self.fault()),
             Err(TryRecvError::Empty) => {}
         }
-        if self.made < self.most {
+        if self.made < most_frames(self.size) {
             self.made += 1;
             return Ok(Frame::new(self.size));
         }

@@ -49,7 +49,7 @@ pub struct Staged<'a> {
 }
 
 impl Stages<'_> {
-    /// Begins a step with the forces at its start: nodes are then in its first stage but one.
+    /// Begins a step with the forces at its start: nodes are then in its second stage.
     pub fn begin(&self, nodes: &mut Staged<'_>) {
         let reach = self.others.first().map_or(0.0, |stage| stage.reach);
         begin(nodes, self.first, reach);
@@ -65,46 +65,35 @@ impl Stages<'_> {
     }
 }
 
-/// Goes over all numbers with everything that is known of each.
+/// Goes over all numbers of nodes, with their accelerations M^-1 f; forces are 0 afterwards.
 macro_rules! over {
-    ($nodes:expr, |$m:ident, $at:pat, $from:pat, $sum:pat, $f:ident| $body:block) => {
+    ($nodes:expr, |$a:ident, $at:pat_param, $from:pat_param, $sum:pat_param| $body:block) => {
         let Staged { inverse_mass, at: [x, v], from: [x_n, v_n], sum: [x_s, v_s], f } = $nodes;
         let at = x.iter_mut().zip(v.iter_mut());
         let from = x_n.iter_mut().zip(v_n.iter_mut());
         let sum = x_s.iter_mut().zip(v_s.iter_mut());
-        let rest = at.zip(from).zip(sum).zip(f.iter_mut());
-        for (((($at, $from), $sum), $f), $m) in rest.zip(inverse_mass.iter()) {
-            $body * $f = 0.0;
+        for (((($at, $from), $sum), f), m) in at.zip(from).zip(sum).zip(f.iter_mut()).zip(inverse_mass.iter()) {
+            let $a = m * std::mem::take(f);
+            $body
         }
     };
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn begin(nodes: &mut Staged<'_>, weight: Option<f64>, reach: f64) {
-    match weight {
-        Some(b) => {
-            over!(nodes, |m, (x, v), (x_n, v_n), (x_s, v_s), f| {
-                let a = *m * *f;
-                (*x_n, *v_n) = (*x, *v);
-                (*x_s, *v_s) = (*x_n + b * *v_n, *v_n + b * a);
-                (*x, *v) = (*x_n + reach * *v_n, *v_n + reach * a);
-            });
-        }
-        None => {
-            over!(nodes, |m, (x, v), (x_n, v_n), (x_s, v_s), f| {
-                let a = *m * *f;
-                (*x_n, *v_n) = (*x, *v);
-                (*x_s, *v_s) = (*x, *v);
-                (*x, *v) = (*x_n + reach * *v_n, *v_n + reach * a);
-            });
-        }
-    }
+    over!(nodes, |a, (x, v), (x_n, v_n), (x_s, v_s)| {
+        (*x_n, *v_n) = (*x, *v);
+        (*x_s, *v_s) = match weight {
+            Some(b) => (*x_n + b * *v_n, *v_n + b * a),
+            None => (*x_n, *v_n),
+        };
+        (*x, *v) = (*x_n + reach * *v_n, *v_n + reach * a);
+    });
 }
 
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn go_on(nodes: &mut Staged<'_>, weight: f64, reach: f64) {
-    over!(nodes, |m, (x, v), (x_n, v_n), (x_s, v_s), f| {
-        let a = *m * *f;
+    over!(nodes, |a, (x, v), (x_n, v_n), (x_s, v_s)| {
         (*x_s, *v_s) = (*x_s + weight * *v, *v_s + weight * a);
         (*x, *v) = (*x_n + reach * *v, *v_n + reach * a);
     });
@@ -112,8 +101,7 @@ fn go_on(nodes: &mut Staged<'_>, weight: f64, reach: f64) {
 
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn arrive(nodes: &mut Staged<'_>, weight: f64) {
-    over!(nodes, |m, (x, v), _, (x_s, v_s), f| {
-        let a = *m * *f;
+    over!(nodes, |a, (x, v), _, (x_s, v_s)| {
         (*x, *v) = (*x_s + weight * *v, *v_s + weight * a);
     });
 }
