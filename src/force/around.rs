@@ -93,7 +93,7 @@ pub(super) mod tests {
     use super::*;
     use crate::force::batch::{Records, Summand, Wants};
     use crate::force::edges::EdgeBatch;
-    use crate::force::neighbours::{Links, Neighbours};
+    use crate::force::edges::links::{LinkData, Links};
     use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
     use crate::force::spring::{Coefficient, SpringData, Springs};
     use crate::force::tile::Tile;
@@ -107,7 +107,7 @@ pub(super) mod tests {
     /// Dashpots to the node after the next 30 in the first sum, links to the next node in the first or in the last.
     pub struct Pairs {
         dashpots: RelativeDashpots,
-        links: Neighbours,
+        links: Links,
         sum_of_links: usize,
     }
 
@@ -128,7 +128,7 @@ pub(super) mod tests {
     pub fn terms_with(limits: Limits, sum_of_links: usize) -> (Pairs, Sweep) {
         let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
         let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
-        let links = Links { nodes: apart(1), stiffness: Coefficient::Uniform(0.5) };
+        let links = LinkData { nodes: apart(1), weight: 0.5 };
         let mut terms = Pairs { dashpots: EdgeBatch::new(data), links: EdgeBatch::new(links), sum_of_links };
         let tiling = Tiling::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
         (terms, Sweep::of(tiling))

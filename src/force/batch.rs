@@ -23,7 +23,7 @@ impl Wants {
     }
 }
 
-/// Something that is summed into nodes, tile after tile: every force term, and sums over neighbours.
+/// Something that is summed into nodes, tile after tile: every force term.
 pub trait Summand: Send + Sync {
     /// Number of elements (springs, triangles, nodes) that a pass goes over.
     fn elements(&self) -> usize;

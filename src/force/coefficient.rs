@@ -78,11 +78,6 @@ impl<'a> Column<'a> {
         if self.mask == 0 { &[] } else { self.quads.as_flattened() }
     }
 
-    /// The value of one element.
-    pub fn at(&self, element: usize) -> f64 {
-        self.quads[(element / 4) & self.mask][element % 4]
-    }
-
     /// The values of four fans.
     #[inline(always)]
     pub fn fans(&self, group: usize) -> &'a [[f64; FANS]; FAN] {

@@ -166,3 +166,6 @@ impl<K: EdgeKernel> Summand for EdgeBatch<K> {
         self.edges(tile).map_or(f64::NEG_INFINITY, |edges| self.kernel.largest_stretch(edges))
     }
 }
+
+#[cfg(test)]
+pub(super) mod links;

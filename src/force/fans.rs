@@ -152,38 +152,5 @@ fn add<U: VectorUnit>(unit: U, nodes: &Group, kept: &Kept, f: &mut Records) {
     }
 }
 
-/// Adds `k u` of either end to the other, for fans with the numbers `k`.
-pub(super) fn link_fans(k: Column<'_>, groups: &[Group], u: &Records, f: &mut Records) {
-    quad::run(Linking { k, groups, u, f });
-}
-
-struct Linking<'a> {
-    k: Column<'a>,
-    groups: &'a [Group],
-    u: &'a Records,
-    f: &'a mut Records,
-}
-
-impl Pass for Linking<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) {
-        for (i, nodes) in self.groups.iter().enumerate() {
-            let k = self.k.fans(i);
-            for q in 0..FANS {
-                let own = nodes[q][0];
-                let (u_own, mut sum) = (unit.quad(record(self.u, own)), unit.splat(0.0));
-                for j in 0..FAN {
-                    let (other, k) = (nodes[FANS * j + q][1], unit.splat(k[j][q]));
-                    sum = sum + k * unit.quad(record(self.u, other));
-                    set_record(self.f, other, (unit.quad(record(self.f, other)) + k * u_own).numbers());
-                }
-                set_record(self.f, own, (unit.quad(record(self.f, own)) + sum).numbers());
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,62 +1,206 @@
-//! Sums over neighbours along springs: `out_i = sum_j k_ij u_j`, the second sweep of Kang's filter. Not a force term: no force of a scene
-//! has this form.
+//! Sums over neighbours along springs, the two sweeps of Kang's filter: `sum_j k_ij u_j` and `sum_j k_ij (u_j - u_i)`. Not a force term: no
+//! force of a scene is looked for in this form.
+//!
+//! Every node gathers from its neighbours, so that no two write to one place and any range of nodes can be summed for itself; four nodes
+//! go side by side. A spring is met twice, which costs less here than adding to two nodes in memory: there is no root and no division to be saved.
 
-use super::batch::{Records, Wants};
-use super::coefficient::Column;
-use super::edges::{EdgeBatch, EdgeKernel, Edges};
-use super::fans::link_fans;
-use super::spring::Coefficient;
-use super::window::{record, set_record};
-use crate::model::forces::Tally;
-use multiversion::multiversion;
-use std::sync::Arc;
+use super::coefficient::Coefficient;
+use crate::model::quad::{self, Quad, VectorUnit};
+use std::ops::Range;
 
-/// Springs by their ends and stiffness.
-#[derive(Clone, Debug)]
-pub struct Links {
-    /// end nodes
-    pub nodes: Arc<[[u32; 2]]>,
-    /// [N/m] k
-    pub stiffness: Coefficient,
+/// Every node's neighbours with the weights of the springs between.
+#[derive(Clone, Debug, Default)]
+pub struct Neighbours {
+    /// by group of four nodes: how many rounds there are before it
+    first: Vec<usize>,
+    rounds: Vec<Round>,
 }
 
-/// A batch of links.
-pub type Neighbours = EdgeBatch<Links>;
+/// A neighbour of each of four nodes; one that has no more is its own, without a weight.
+#[derive(Clone, Copy, Debug)]
+struct Round {
+    /// first degrees of freedom
+    places: [u32; SIDE_BY_SIDE],
+    weights: [f64; SIDE_BY_SIDE],
+}
 
-impl EdgeKernel for Links {
-    const WANTS: Wants = Wants { x: true, v: false };
+const SIDE_BY_SIDE: usize = 4;
 
-    fn elements(&self) -> &[[u32; 2]] {
-        &self.nodes
+/// Degrees of freedom of four nodes: ranges of sums begin at multiples of it.
+const GROUP: usize = 3 * SIDE_BY_SIDE;
+
+impl Neighbours {
+    /// Of `n` nodes with `links`: pairs of nodes below `n`, and a weight for each. Nodes may be linked more than once.
+    pub fn new<'a>(n: usize, links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone) -> Self {
+        let mut degrees = vec![0; n];
+        for &node in links.clone().flat_map(|(nodes, _)| nodes.as_flattened()) {
+            degrees[node as usize] += 1;
+        }
+        let mut neighbours = Neighbours { first: vec![0], rounds: Vec::new() };
+        for (group, degrees) in degrees.chunks(SIDE_BY_SIDE).enumerate() {
+            let most = degrees.iter().copied().max().unwrap_or_default();
+            let places = std::array::from_fn(|q| 3 * (SIDE_BY_SIDE * group + q).min(n - 1) as u32);
+            let empty = Round { places, weights: [0.0; SIDE_BY_SIDE] };
+            neighbours.rounds.extend(std::iter::repeat_n(empty, most));
+            neighbours.first.push(neighbours.rounds.len());
+        }
+        degrees.fill(0);
+        for (nodes, weights) in links {
+            for (i, &[a, b]) in nodes.iter().enumerate() {
+                neighbours.push(&mut degrees, [a, b], weights.at(i));
+                neighbours.push(&mut degrees, [b, a], weights.at(i));
+            }
+        }
+        neighbours
     }
 
-    fn numbers(&self) -> [Coefficient; 2] {
-        [self.stiffness.clone(), Coefficient::Uniform(0.0)]
+    /// `filled` tells how many neighbours every node has so far.
+    fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) {
+        let (group, q) = (own as usize / SIDE_BY_SIDE, own as usize % SIDE_BY_SIDE);
+        let filled = &mut filled[own as usize];
+        let round = &mut self.rounds[self.first[group] + *filled];
+        (round.places[q], round.weights[q]) = (3 * other, weight);
+        *filled += 1;
     }
 
-    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
-        let ((fans, [of_fans, _]), (others, [of_others, _])) = (tile.fans(), tile.others());
-        link_fans(of_fans, fans, tile.x, f);
-        add_links(of_others, others, tile.x, f);
-        Tally::default()
+    /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve; `u` has those of all nodes.
+    ///
+    /// # Panics
+    /// When `out` is longer than the scene from there on, or `u` shorter than the scene.
+    pub fn sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        quad::run(Gather::<false> { neighbours: self, u, dofs, out });
+    }
+
+    /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.
+    ///
+    /// # Panics
+    /// As [`Neighbours::sums`].
+    pub fn differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        quad::run(Gather::<true> { neighbours: self, u, dofs, out });
     }
 }
 
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn add_links(k: Column<'_>, links: &[[u16; 2]], u: &Records, f: &mut Records) {
-    for (i, &nodes) in links.iter().enumerate() {
-        add_link(nodes, k.at(i), u, f);
+struct Gather<'a, const DIFFERENCES: bool> {
+    neighbours: &'a Neighbours,
+    u: &'a [f64],
+    dofs: Range<usize>,
+    out: &'a mut [f64],
+}
+
+impl<const DIFFERENCES: bool> quad::Pass for Gather<'_, DIFFERENCES> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) {
+        let Gather { neighbours, u, dofs, out } = self;
+        debug_assert!(dofs.start.is_multiple_of(GROUP) && dofs.len() == out.len());
+        let (groups, last) = out.as_chunks_mut::<GROUP>();
+        let mut number = dofs.start / GROUP;
+        for out in groups {
+            let sums = sums::<U, DIFFERENCES>(unit, neighbours, u, number);
+            for (out, sum) in out.as_chunks_mut().0.iter_mut().zip(sums) {
+                *out = sum.numbers();
+            }
+            number += 1;
+        }
+        if !last.is_empty() {
+            let sums = sums::<U, DIFFERENCES>(unit, neighbours, u, number).map(Quad::numbers);
+            last.copy_from_slice(&sums.as_flattened()[..last.len()]);
+        }
     }
 }
 
+/// Of the four nodes of a group, packed.
 #[inline(always)]
-fn add_link([a, b]: [u16; 2], k: f64, u: &Records, f: &mut Records) {
-    add_scaled(f, a, k, record(u, b));
-    add_scaled(f, b, k, record(u, a));
+fn sums<U: VectorUnit, const DIFFERENCES: bool>(
+    unit: U,
+    neighbours: &Neighbours,
+    u: &[f64],
+    group: usize,
+) -> [U::Quad; 3] {
+    let mut own = [unit.splat(0.0); SIDE_BY_SIDE];
+    if DIFFERENCES {
+        for (q, own) in own.iter_mut().enumerate() {
+            *own = vector(unit, u, (GROUP * group + 3 * q).min(u.len() - 3));
+        }
+    }
+    let mut sums = [unit.splat(0.0); SIDE_BY_SIDE];
+    for round in &neighbours.rounds[neighbours.first[group]..neighbours.first[group + 1]] {
+        for q in 0..SIDE_BY_SIDE {
+            let mut other = vector(unit, u, round.places[q] as usize);
+            if DIFFERENCES {
+                other = other - own[q];
+            }
+            sums[q] = sums[q] + unit.splat(round.weights[q]) * other;
+        }
+    }
+    U::Quad::pack(sums)
 }
 
+/// A node's vector by its first degree of freedom, and a number that means nothing.
 #[inline(always)]
-fn add_scaled(f: &mut Records, node: u16, k: f64, u: [f64; 4]) {
-    let sum = record(f, node);
-    set_record(f, node, [sum[0] + k * u[0], sum[1] + k * u[1], sum[2] + k * u[2], sum[3] + k * u[3]]);
+fn vector<U: VectorUnit>(unit: U, u: &[f64], at: usize) -> U::Quad {
+    match u.get(at..at + 4) {
+        Some(four) => unit.quad(four.first_chunk().copied().unwrap_or_default()),
+        None => unit.quad([u[at], u[at + 1], u[at + 2], 0.0]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::phases::tests::random;
+    use crate::model::quad::Portable;
+
+    /// Pairs of nodes, some of them linked twice or with themselves, and some without any.
+    fn links(n: usize, count: usize) -> Vec<[u32; 2]> {
+        let mut random = random(7);
+        let mut node = || (random().abs() * (n as f64 - 0.5)) as u32;
+        (0..count).map(|_| [node(), node()]).collect()
+    }
+
+    /// Of all nodes, an element after the other.
+    fn plain(differences: bool, links: &[[u32; 2]], k: &Coefficient, u: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; u.len()];
+        for (i, &[a, b]) in links.iter().enumerate() {
+            for (own, other) in [(a, b), (b, a)].map(|(own, other)| (3 * own as usize, 3 * other as usize)) {
+                for c in 0..3 {
+                    let from = if differences { u[own + c] } else { 0.0 };
+                    out[own + c] += k.at(i) * (u[other + c] - from);
+                }
+            }
+        }
+        out
+    }
+
+    /// In whatever pieces, and on any machine: a node sums in the order of its links.
+    #[test]
+    fn sums_have_the_bits_of_a_plain_loop() {
+        for n in (1..14).chain([100]) {
+            let (first, second) = (links(n, 2 * n), links(n, n));
+            let mut random = random(3);
+            let u: Vec<f64> = (0..3 * n).map(|_| random()).collect();
+            let k: Vec<f64> = (0..2 * n).map(|_| random()).collect();
+            let weights = [Coefficient::Each(k.clone().into()), Coefficient::Uniform(0.3)];
+            let neighbours = Neighbours::new(n, [(&first[..], &weights[0]), (&second[..], &weights[1])].into_iter());
+            let all = [&first[..], &second].concat();
+            let of_all = Coefficient::Each([k, vec![0.3; n]].concat().into());
+            let (expected, with_differences) = (plain(false, &all, &of_all, &u), plain(true, &all, &of_all, &u));
+            for piece in [12, 24, 1200] {
+                let (mut out, mut portable) = (vec![f64::NAN; 3 * n], vec![f64::NAN; 3 * n]);
+                for (i, (out, portable)) in out.chunks_mut(piece).zip(portable.chunks_mut(piece)).enumerate() {
+                    let dofs = i * piece..i * piece + out.len();
+                    neighbours.sums(&u, dofs.clone(), out);
+                    let u = &u;
+                    quad::Pass::run(Gather::<false> { neighbours: &neighbours, u, dofs, out: portable }, Portable);
+                }
+                assert_eq!(out, expected, "{n} nodes by {piece}");
+                assert_eq!(portable, expected, "{n} nodes by {piece}");
+                for (i, out) in out.chunks_mut(piece).enumerate() {
+                    neighbours.differences(&u, i * piece..i * piece + out.len(), out);
+                }
+                assert_eq!(out, with_differences, "{n} nodes by {piece}");
+            }
+        }
+    }
 }

@@ -12,11 +12,12 @@
 //! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered springs only: a weight on one
 //! spring comes to rest 1 + kappa times as far down as it should.
 
-use super::updates::accumulate;
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
+use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::system::{SpringGraph, Viscosity};
 use multiversion::multiversion;
+use std::ops::Range;
 
 /// Kang's scheme; carries nothing.
 #[derive(Clone, Debug)]
@@ -35,12 +36,8 @@ pub struct Kang {
     filtered: Vec<f64>,
     /// h F_j / D_j
     sweep: Vec<f64>,
-    /// sum_j k_ij (h F_j / D_j)
-    neighbours: Vec<f64>,
-    /// g, what acts outside the filter
-    outside: Vec<f64>,
-    /// dashpots of the scene that are part of F already, where they are not all of its dashpots
-    inside: Vec<f64>,
+    /// [N] dashpots of the scene that are not part of F, where some are
+    outer_dashpots: Vec<f64>,
 }
 
 impl Default for Kang {
@@ -54,9 +51,7 @@ impl Default for Kang {
             viscosity: Viscosity::None,
             filtered: empty(),
             sweep: empty(),
-            neighbours: empty(),
-            outside: empty(),
-            inside: empty(),
+            outer_dashpots: empty(),
         }
     }
 }
@@ -68,12 +63,10 @@ impl Integrator<dyn SpringGraph> for Kang {
         self.weight = system.weight();
         self.viscosity = system.viscosity();
         self.h = 0.0;
-        for buffer in
-            [&mut self.inverse_d, &mut self.filtered, &mut self.sweep, &mut self.neighbours, &mut self.outside]
-        {
+        for buffer in [&mut self.inverse_d, &mut self.filtered, &mut self.sweep] {
             *buffer = vec![0.0; n];
         }
-        self.inside = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
+        self.outer_dashpots = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
         Ok(())
     }
 
@@ -84,12 +77,23 @@ impl Integrator<dyn SpringGraph> for Kang {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
         self.invert(system, h);
-        self.split_forces(system, from, h);
-        system.neighbour_sums(&self.sweep, &mut self.neighbours);
+        self.find_outer_dashpots(system, from);
+        let Kang { filtered, sweep, inverse_d, weight, outer_dashpots: outer, viscosity, .. } = self;
+        let step = Step { system, from, h, inverse_d, viscosity: *viscosity };
+        let sweeps = (filtered.as_mut_slice(), sweep.as_mut_slice());
         to.state.t = t_next;
-        let Kang { filtered: f, neighbours: sum, inverse_d, outside: g, .. } = &*self;
-        let with = Advance { f, sum, inverse_d, g, inverse_mass: system.inverse_mass(), h };
-        advance((&mut to.state.x, &mut to.state.v), (&from.state.x, &from.state.v), with);
+        let state = (to.state.x.as_mut_slice(), to.state.v.as_mut_slice());
+        let Forces { external, dissipative, .. } = &from.forces;
+        // A scene pays for what acts in it: most have no more than their weight outside.
+        match (*viscosity, external.as_slice(), dissipative.as_slice()) {
+            (Viscosity::All { .. }, [], _) | (_, [], []) => step.make(sweeps, state, [[weight]; 2]),
+            (Viscosity::All { .. }, one, _) | (_, one, []) | (Viscosity::None, [], one) => {
+                step.make(sweeps, state, [[weight, one]; 2]);
+            }
+            (Viscosity::None, one, other) => step.make(sweeps, state, [[weight, one, other]; 2]),
+            (Viscosity::Some, [], all) => step.make(sweeps, state, [[weight, all], [weight, outer]]),
+            (Viscosity::Some, one, all) => step.make(sweeps, state, [[weight, one, all], [weight, one, outer]]),
+        }
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
@@ -107,29 +111,69 @@ impl Kang {
         }
     }
 
-    /// Fills `filtered` (springs and their implicit viscosity) and `outside` (everything else) from a force pass that is there already, and
-    /// `sweep`.
-    fn split_forces(&mut self, system: &dyn SpringGraph, from: &Point, h: f64) {
-        let Kang { filtered: f, sweep, outside: g, weight, inside, neighbours, inverse_d, viscosity, .. } = self;
-        let forces = &from.forces;
-        let (viscous, share, dampers): (_, _, &[f64]) = match viscosity {
-            // The scene's dashpots are F's, made for a step of so many seconds.
-            Viscosity::All { seconds } => (&forces.dissipative, h / *seconds - 1.0, &[]),
-            Viscosity::None | Viscosity::Some => {
-                system.neighbour_differences(&from.state.v, neighbours);
-                (&*neighbours, h, &forces.dissipative)
-            }
-        };
-        let with = Filter { total: &forces.total, viscous, share, h, inverse_d };
-        let out = (f.as_mut_slice(), sweep.as_mut_slice(), g.as_mut_slice());
-        match (forces.external.as_slice(), dampers) {
-            ([], []) => filter(out, with, [weight]),
-            (one, []) | ([], one) => filter(out, with, [weight, one]),
-            (one, other) => filter(out, with, [weight, one, other]),
+    /// All dashpots but those that are part of F, where both are there.
+    fn find_outer_dashpots(&mut self, system: &dyn SpringGraph, from: &Point) {
+        if self.viscosity == Viscosity::Some {
+            system.workers().each(&mut self.outer_dashpots, |r, out| {
+                system.step_dashpots(&from.state.v, r.clone(), out);
+                out.iter_mut().zip(&from.forces.dissipative[r]).for_each(|(out, all)| *out = all - *out);
+                0.0
+            });
         }
-        if *viscosity == Viscosity::Some {
-            system.step_dashpots(&from.state.v, inside);
-            accumulate(g, -1.0, inside);
+    }
+}
+
+/// What a step begins with.
+struct Step<'a> {
+    system: &'a dyn SpringGraph,
+    from: &'a Point,
+    /// [s]
+    h: f64,
+    /// [1/kg] D^-1
+    inverse_d: &'a [f64],
+    viscosity: Viscosity,
+}
+
+/// The forces that make up what acts outside the filter: as they are in the total of all forces, and as they are beside F.
+type Outside<'a, const N: usize> = [[&'a [f64]; N]; 2];
+
+impl Step<'_> {
+    /// Both sweeps, of which the second moves the nodes.
+    fn make<const N: usize>(
+        &self,
+        (f, sweep): (&mut [f64], &mut [f64]),
+        state: (&mut [f64], &mut [f64]),
+        [in_total, beside]: Outside<'_, N>,
+    ) {
+        let Step { system, from, h, inverse_d, .. } = *self;
+        let workers = system.workers();
+        workers.both((f, sweep), |r, f, sweep| {
+            let share = self.viscous(r.clone(), f);
+            let with = Filter { total: &from.forces.total[r.clone()], share, h, inverse_d: &inverse_d[r.clone()] };
+            filter((f, sweep), with, in_total.map(|part| &part[r.clone()]));
+        });
+        let (f, sweep) = (&*f, &*sweep);
+        workers.both(state, |r, x, v| {
+            system.neighbour_sums(sweep, r.clone(), v);
+            let (f, inverse_d) = (&f[r.clone()], &inverse_d[r.clone()]);
+            let with = Advance { f, inverse_d, inverse_mass: &system.inverse_mass()[r.clone()], h };
+            let outside = beside.map(|part| &part[r.clone()]);
+            advance((x, v), (&from.state.x[r.clone()], &from.state.v[r]), with, outside);
+        });
+    }
+
+    /// Finds what is viscous in F: dashpots' forces [N], or sums of k (v_j - v_i) [N/s]. Returns what F has of it besides what is among all forces already, [-] or [s].
+    fn viscous(&self, dofs: Range<usize>, out: &mut [f64]) -> f64 {
+        match self.viscosity {
+            // The scene's dashpots are F's, made for a step of so many seconds.
+            Viscosity::All { seconds } => {
+                out.copy_from_slice(&self.from.forces.dissipative[dofs]);
+                self.h / seconds - 1.0
+            }
+            Viscosity::None | Viscosity::Some => {
+                self.system.neighbour_differences(&self.from.state.v, dofs, out);
+                self.h
+            }
         }
     }
 }
@@ -138,9 +182,7 @@ impl Kang {
 struct Filter<'a> {
     /// [N] all forces
     total: &'a [f64],
-    /// what is viscous: dashpots' forces [N], or sums of k (v_j - v_i) [N/s]
-    viscous: &'a [f64],
-    /// [-] or [s] what F has of it besides what is in `total`
+    /// [-] or [s] what F has of what is viscous besides what is in `total`
     share: f64,
     /// [s]
     h: f64,
@@ -148,16 +190,15 @@ struct Filter<'a> {
     inverse_d: &'a [f64],
 }
 
-/// g = the sum of what acts outside the filter, F = total - g + share * viscous, and h F / D
+/// F = total - g + share * viscous, where f is what is viscous, and h F / D
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn filter<const N: usize>((f, sweep, g): (&mut [f64], &mut [f64], &mut [f64]), with: Filter<'_>, outside: [&[f64]; N]) {
-    let (Filter { total, viscous, share, h, inverse_d }, n) = (with, f.len());
-    let (sweep, g, total, viscous, inverse_d) =
-        (&mut sweep[..n], &mut g[..n], &total[..n], &viscous[..n], &inverse_d[..n]);
+fn filter<const N: usize>((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>, outside: [&[f64]; N]) {
+    let (Filter { total, share, h, inverse_d }, n) = (with, f.len());
+    let (sweep, total, inverse_d) = (&mut sweep[..n], &total[..n], &inverse_d[..n]);
     let outside = outside.map(|part| &part[..n]);
     for i in 0..n {
-        g[i] = outside.iter().fold(0.0, |sum, part| sum + part[i]);
-        f[i] = total[i] - g[i] + share * viscous[i];
+        let g = outside.iter().fold(0.0, |sum, part| sum + part[i]);
+        f[i] = total[i] - g + share * f[i];
         sweep[i] = h * f[i] * inverse_d[i];
     }
 }
@@ -165,21 +206,26 @@ fn filter<const N: usize>((f, sweep, g): (&mut [f64], &mut [f64], &mut [f64]), w
 /// What a step is made of, in the letters of the module's equations.
 struct Advance<'a> {
     f: &'a [f64],
-    sum: &'a [f64],
     inverse_d: &'a [f64],
-    g: &'a [f64],
     inverse_mass: &'a [f64],
     h: f64,
 }
 
-/// v = v_n + (h F + h^2 sum) / D + h M^-1 g, then x = x_n + h v
+/// v = v_n + (h F + h^2 sum) / D + h M^-1 g, where v is the sum; then x = x_n + h v
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn advance((x, v): (&mut [f64], &mut [f64]), (x_n, v_n): (&[f64], &[f64]), with: Advance<'_>) {
-    let (Advance { f, sum, inverse_d, g, inverse_mass, h }, n) = (with, x.len());
-    let (v, x_n, v_n, f, sum) = (&mut v[..n], &x_n[..n], &v_n[..n], &f[..n], &sum[..n]);
-    let (inverse_d, g, inverse_mass) = (&inverse_d[..n], &g[..n], &inverse_mass[..n]);
+fn advance<const N: usize>(
+    (x, v): (&mut [f64], &mut [f64]),
+    (x_n, v_n): (&[f64], &[f64]),
+    with: Advance<'_>,
+    outside: [&[f64]; N],
+) {
+    let (Advance { f, inverse_d, inverse_mass, h }, n) = (with, x.len());
+    let (v, x_n, v_n, f) = (&mut v[..n], &x_n[..n], &v_n[..n], &f[..n]);
+    let (inverse_d, inverse_mass) = (&inverse_d[..n], &inverse_mass[..n]);
+    let outside = outside.map(|part| &part[..n]);
     for i in 0..n {
-        v[i] = v_n[i] + (f[i] * h + h * h * sum[i]) * inverse_d[i] + h * inverse_mass[i] * g[i];
+        let g = outside.iter().fold(0.0, |sum, part| sum + part[i]);
+        v[i] = v_n[i] + (f[i] * h + h * h * v[i]) * inverse_d[i] + h * inverse_mass[i] * g;
         x[i] = x_n[i] + h * v[i];
     }
 }

@@ -219,14 +219,14 @@ pub trait SpringGraph: System {
     /// Which of the dissipative forces the filter already contains: relative `"step"` dashpots.
     fn viscosity(&self) -> Viscosity;
 
-    /// [N] `out =` the forces of the dashpots that the filter already contains.
-    fn step_dashpots(&self, v: &[f64], out: &mut [f64]);
+    /// [N] `out =` the forces of the dashpots that the filter already contains, for some degrees of freedom: a range that [`System::workers`] gives.
+    fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// `out_i = sum_j k_ij u_j`
-    fn neighbour_sums(&self, u: &[f64], out: &mut [f64]);
+    /// `out_i = sum_j k_ij u_j`, likewise; `u` has all degrees of freedom.
+    fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// `out_i = sum_j k_ij (u_j - u_i)`
-    fn neighbour_differences(&self, u: &[f64], out: &mut [f64]);
+    /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.
+    fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 }
 
 /// What a scene can do, for binding a scheme to it.

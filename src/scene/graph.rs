@@ -1,53 +1,31 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
-use super::network::{Network, SpringBatch, by_node};
-use crate::force::NodeState;
-use crate::force::batch::Summand;
-use crate::force::neighbours::{Links, Neighbours};
-use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
-use crate::force::spring::Coefficient;
-use crate::force::sweep::Sweep;
+use super::network::{Network, SpringBatch};
+use crate::force::coefficient::Coefficient;
+use crate::force::neighbours::Neighbours;
 use crate::model::forces::Role;
 use crate::model::system::{SpringGraph, Viscosity};
 use glam::DVec3;
+use std::ops::Range;
 
-/// Passes over the springs that are not forces of the scene.
+/// Every node's neighbours along springs.
 #[derive(Debug)]
 pub(super) struct Graph {
-    sums: Batches<Neighbours>,
-    /// dashpots with c = k
-    differences: Batches<RelativeDashpots>,
-    /// dashpots with c = k h, as the scene has them
-    step_dashpots: Batches<RelativeDashpots>,
-}
-
-/// Batches that are summed together.
-#[derive(Debug)]
-struct Batches<S> {
-    batches: Vec<S>,
-    sweep: Sweep,
-}
-
-impl<S: Summand> Batches<S> {
-    fn new(nodes: usize, batches: impl Iterator<Item = S>) -> Self {
-        let mut batches: Vec<S> = batches.collect();
-        let mut summands: Vec<&mut dyn Summand> = batches.iter_mut().map(|b| b as &mut dyn Summand).collect();
-        let sweep = Sweep::new(nodes, &mut summands);
-        Batches { batches, sweep }
-    }
+    /// by stiffness
+    springs: Neighbours,
+    /// by the coefficients c = k h of dashpots that the filter contains
+    step_dashpots: Neighbours,
 }
 
 impl Graph {
     fn new(nodes: usize, springs: &[SpringBatch]) -> Self {
-        let dashpots = |b: &SpringBatch, coefficient: &Coefficient| {
-            RelativeDashpots::new(RelativeData { nodes: b.data.nodes.clone(), coefficient: coefficient.clone() })
-        };
-        let links = |b: &SpringBatch| Links { nodes: b.data.nodes.clone(), stiffness: b.data.stiffness.clone() };
-        let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| dashpots(b, &b.dashpot));
+        fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> (&'a [[u32; 2]], &'a Coefficient) {
+            (&b.data.nodes, weights)
+        }
+        let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| links(b, &b.dashpot));
         Graph {
-            sums: Batches::new(nodes, springs.iter().map(|b| Neighbours::new(links(b)))),
-            differences: Batches::new(nodes, springs.iter().map(|b| dashpots(b, &b.data.stiffness))),
-            step_dashpots: Batches::new(nodes, in_filter),
+            springs: Neighbours::new(nodes, springs.iter().map(|b| links(b, &b.data.stiffness))),
+            step_dashpots: Neighbours::new(nodes, in_filter),
         }
     }
 }
@@ -62,13 +40,6 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 impl Network {
     fn graph(&self) -> &Graph {
         self.graph.get_or_init(|| Graph::new(self.mass.len(), &self.springs))
-    }
-
-    /// `out =` what a pass gives at x = v = u.
-    fn graph_pass<S: Summand>(&self, pass: &Batches<S>, u: &[f64], out: &mut [f64]) {
-        let at = NodeState { t: 0.0, x: by_node(u), v: by_node(u) };
-        let out = [bytemuck::cast_slice_mut(out), &mut [], &mut []];
-        pass.sweep.pass((pass.batches.as_slice(), at), &self.threads, out, &mut []);
     }
 }
 
@@ -100,15 +71,15 @@ impl SpringGraph for Network {
         }
     }
 
-    fn step_dashpots(&self, v: &[f64], out: &mut [f64]) {
-        self.graph_pass(&self.graph().step_dashpots, v, out);
+    fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.graph().step_dashpots.differences(v, dofs, out);
     }
 
-    fn neighbour_sums(&self, u: &[f64], out: &mut [f64]) {
-        self.graph_pass(&self.graph().sums, u, out);
+    fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.graph().springs.sums(u, dofs, out);
     }
 
-    fn neighbour_differences(&self, u: &[f64], out: &mut [f64]) {
-        self.graph_pass(&self.graph().differences, u, out);
+    fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.graph().springs.differences(u, dofs, out);
     }
 }

@@ -78,7 +78,7 @@ fn assert_near((a, energy_a): &Found, (b, energy_b): &Found) {
 
 /// From none to many groups: all units have the same bits, which are those of a plain loop but for its order.
 #[test]
-fn fans_pull_and_link_as_their_elements_do() {
+fn fans_pull_as_their_elements_do() {
     let mut all = elements::<2>(400, 1);
     all.push([place(NODES - 2), place(NODES - 1)]);
     for n in [0, 12, 30, 60, 100, 401] {
@@ -87,22 +87,12 @@ fn fans_pull_and_link_as_their_elements_do() {
         assert!(n < 100 || groups > 2, "{groups} groups of {n}");
         let numbers: Vec<f64> = std::iter::repeat_with(random(3)).take(GROUP * groups).collect();
         let (u, in_blocks) = (&*window.records(), blocks(&numbers));
-        let k = Column::each(&in_blocks);
-        let pulling = || (fans, [k, Column::uniform(&LESS)]);
+        let pulling = || (fans, [Column::each(&in_blocks), Column::uniform(&LESS)]);
         let pulled = found(|f| quad::run(Pulling { law: &Law, fans: pulling(), u, f }));
         let portable = found(|f| Pulling { law: &Law, fans: pulling(), u, f }.run(Portable));
         assert_eq!(pulled, portable, "{n} elements");
-        let linked = found(|f| {
-            quad::run(Linking { k, groups: fans, u, f });
-            0.0
-        });
-        let portable = found(|f| {
-            Linking { k, groups: fans, u, f }.run(Portable);
-            0.0
-        });
-        assert_eq!(linked, portable, "{n} elements");
         let mut energy = 0.0;
-        let [mut pulls, mut links] = [0; 2].map(|_| vec![[0.0; RECORD]; NODES]);
+        let mut pulls = vec![[0.0; RECORD]; NODES];
         for (&[a, b], k) in fans.as_flattened().iter().zip(&numbers) {
             let (u_a, u_b) = (record(u, a), record(u, b));
             let l = (0..3).map(|i| (u_b[i] - u_a[i]).powi(2)).sum::<f64>().sqrt();
@@ -113,11 +103,8 @@ fn fans_pull_and_link_as_their_elements_do() {
                 let force = if l > 0.0 { pull / l * (u_b[i] - u_a[i]) } else { 0.0 };
                 pulls[a][i] += force;
                 pulls[b][i] -= force;
-                links[a][i] += k * u_b[i];
-                links[b][i] += k * u_a[i];
             }
         }
         assert_near(&pulled, &(pulls, energy));
-        assert_near(&linked, &(links, 0.0));
     }
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::force::edges::EdgeBatch;
+use crate::force::edges::links::{LinkData, Links};
 use crate::force::gravity::Gravity;
-use crate::force::neighbours::{Links, Neighbours};
 use crate::force::phases::tests::random;
 use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::spring::Coefficient;
@@ -15,7 +15,7 @@ const NODES: usize = 200;
 /// A star, a chain and weight, each for a sum of its own.
 struct Mixed {
     star: RelativeDashpots,
-    chain: Neighbours,
+    chain: Links,
     weight: Gravity,
 }
 
@@ -32,7 +32,7 @@ impl Terms for Mixed {
 fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
     let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
-    let links = Links { nodes: ends(&|i| [i, i - 1]), stiffness: Coefficient::Uniform(0.5) };
+    let links = LinkData { nodes: ends(&|i| [i, i - 1]), weight: 0.5 };
     let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
     let mut terms = Mixed { star: EdgeBatch::new(data), chain: EdgeBatch::new(links), weight };
     let tiling = Tiling::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
