@@ -1,5 +1,5 @@
-//! Sums over neighbours along springs, the two sweeps of Kang's filter: `sum_j k_ij u_j` and `sum_j k_ij (u_j - u_i)`. Not a force term: no
-//! force of a scene is looked for in this form.
+//! Sums over neighbours along springs, as Kang's filter has them: `sum_j k_ij (u_j - u_i)` in what is viscous, `sum_j k_ij u_j` in its second sweep.
+//! Not a force term: nothing that a scene adds up, and without energies.
 //!
 //! Every node gathers from its neighbours, so that no two write to one place and any range of nodes can be summed for itself; four nodes
 //! go side by side. A spring is met twice, which costs less here than adding to two nodes in memory: there is no root and no division to be saved.
@@ -9,7 +9,7 @@ use crate::model::quad::{self, Quad, VectorUnit};
 use std::ops::Range;
 
 /// Every node's neighbours with the weights of the springs between.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Neighbours {
     /// by group of four nodes: how many rounds there are before it
     first: Vec<usize>,
@@ -30,7 +30,10 @@ const SIDE_BY_SIDE: usize = 4;
 const GROUP: usize = 3 * SIDE_BY_SIDE;
 
 impl Neighbours {
-    /// Of `n` nodes with `links`: pairs of nodes below `n`, and a weight for each. Nodes may be linked more than once.
+    /// Of `n` nodes with `links`: pairs of nodes, and a weight for each, such as a stiffness [N/m]. Nodes may be linked more than once.
+    ///
+    /// # Panics
+    /// When a node is not below `n`, or a weight is missing.
     pub fn new<'a>(n: usize, links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone) -> Self {
         let mut degrees = vec![0; n];
         for &node in links.clone().flat_map(|(nodes, _)| nodes.as_flattened()) {
@@ -63,10 +66,11 @@ impl Neighbours {
         *filled += 1;
     }
 
-    /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve; `u` has those of all nodes.
+    /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve, as many as `out` has; `u` has those of all nodes.
+    /// In units of a weight times one of `u`.
     ///
     /// # Panics
-    /// When `out` is longer than the scene from there on, or `u` shorter than the scene.
+    /// When `dofs` begin elsewhere, are not as many as `out` has or lie beyond the scene, or `u` lacks a node.
     pub fn sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
         quad::run(Gather::<false> { neighbours: self, u, dofs, out });
     }
@@ -93,7 +97,7 @@ impl<const DIFFERENCES: bool> quad::Pass for Gather<'_, DIFFERENCES> {
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) {
         let Gather { neighbours, u, dofs, out } = self;
-        debug_assert!(dofs.start.is_multiple_of(GROUP) && dofs.len() == out.len());
+        assert!(dofs.start.is_multiple_of(GROUP) && dofs.len() == out.len(), "whole groups of nodes");
         let (groups, last) = out.as_chunks_mut::<GROUP>();
         let mut number = dofs.start / GROUP;
         for out in groups {
@@ -173,6 +177,27 @@ mod tests {
         out
     }
 
+    /// What is not finite stays with the node and those it is linked to.
+    #[test]
+    fn other_nodes_do_not_notice_what_is_not_finite() {
+        let chain: Vec<[u32; 2]> = (0..9).map(|i| [i, i + 1]).collect();
+        let neighbours = Neighbours::new(10, [(&chain[..], &Coefficient::Uniform(2.0))].into_iter());
+        for (wrong, value) in (0..10).flat_map(|node| [f64::NAN, f64::INFINITY].map(|value| (node, value))) {
+            let mut u = vec![1.0; 30];
+            u[3 * wrong] = value;
+            let mut out = vec![0.0; 30];
+            neighbours.sums(&u, 0..30, &mut out);
+            for (i, sum) in out.iter().enumerate() {
+                let expected = if (3..27).contains(&i) { 4.0 } else { 2.0 };
+                match (i / 3).abs_diff(wrong) {
+                    1 if i % 3 == 0 => assert!(!sum.is_finite(), "{sum} at {i}, {value} at {wrong}"),
+                    0 => {}
+                    _ => assert_eq!(*sum, expected, "at {i}, {value} at {wrong}"),
+                }
+            }
+        }
+    }
+
     /// In whatever pieces, and on any machine: a node sums in the order of its links.
     #[test]
     fn sums_have_the_bits_of_a_plain_loop() {
@@ -196,10 +221,14 @@ mod tests {
                 }
                 assert_eq!(out, expected, "{n} nodes by {piece}");
                 assert_eq!(portable, expected, "{n} nodes by {piece}");
-                for (i, out) in out.chunks_mut(piece).enumerate() {
-                    neighbours.differences(&u, i * piece..i * piece + out.len(), out);
+                for (i, (out, portable)) in out.chunks_mut(piece).zip(portable.chunks_mut(piece)).enumerate() {
+                    let dofs = i * piece..i * piece + out.len();
+                    neighbours.differences(&u, dofs.clone(), out);
+                    let u = &u;
+                    quad::Pass::run(Gather::<true> { neighbours: &neighbours, u, dofs, out: portable }, Portable);
                 }
                 assert_eq!(out, with_differences, "{n} nodes by {piece}");
+                assert_eq!(portable, with_differences, "{n} nodes by {piece}");
             }
         }
     }

@@ -39,17 +39,6 @@ pub trait Terms: Sync {
     }
 }
 
-/// All add to the only sum.
-impl<S: Summand> Terms for [S] {
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        (&self[i], 0)
-    }
-}
-
 /// The tiles of a scene and the room a pass needs.
 #[derive(Debug)]
 pub struct Sweep {

@@ -36,8 +36,8 @@ pub struct Kang {
     filtered: Vec<f64>,
     /// h F_j / D_j
     sweep: Vec<f64>,
-    /// [N] dashpots of the scene that are not part of F, where some are
-    outer_dashpots: Vec<f64>,
+    /// [N] dissipative forces that are not part of F, where some are
+    outer_dissipative: Vec<f64>,
 }
 
 impl Default for Kang {
@@ -51,7 +51,7 @@ impl Default for Kang {
             viscosity: Viscosity::None,
             filtered: empty(),
             sweep: empty(),
-            outer_dashpots: empty(),
+            outer_dissipative: empty(),
         }
     }
 }
@@ -66,7 +66,7 @@ impl Integrator<dyn SpringGraph> for Kang {
         for buffer in [&mut self.inverse_d, &mut self.filtered, &mut self.sweep] {
             *buffer = vec![0.0; n];
         }
-        self.outer_dashpots = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
+        self.outer_dissipative = if self.viscosity == Viscosity::Some { vec![0.0; n] } else { Vec::new() };
         Ok(())
     }
 
@@ -77,8 +77,8 @@ impl Integrator<dyn SpringGraph> for Kang {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
         self.invert(system, h);
-        self.find_outer_dashpots(system, from);
-        let Kang { filtered, sweep, inverse_d, weight, outer_dashpots: outer, viscosity, .. } = self;
+        self.find_outer_dissipative(system, from);
+        let Kang { filtered, sweep, inverse_d, weight, outer_dissipative: outer, viscosity, .. } = self;
         let step = Step { system, from, h, inverse_d, viscosity: *viscosity };
         let sweeps = (filtered.as_mut_slice(), sweep.as_mut_slice());
         to.state.t = t_next;
@@ -111,10 +111,10 @@ impl Kang {
         }
     }
 
-    /// All dashpots but those that are part of F, where both are there.
-    fn find_outer_dashpots(&mut self, system: &dyn SpringGraph, from: &Point) {
+    /// All dissipative forces but those of the dashpots that are part of F, where both are there.
+    fn find_outer_dissipative(&mut self, system: &dyn SpringGraph, from: &Point) {
         if self.viscosity == Viscosity::Some {
-            system.workers().each(&mut self.outer_dashpots, |r, out| {
+            system.workers().each(&mut self.outer_dissipative, |r, out| {
                 system.step_dashpots(&from.state.v, r.clone(), out);
                 out.iter_mut().zip(&from.forces.dissipative[r]).for_each(|(out, all)| *out = all - *out);
                 0.0

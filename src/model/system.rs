@@ -210,7 +210,7 @@ pub enum Viscosity {
 
 /// What Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
-    /// [N/m] sum of the stiffnesses at every node, slack or not.
+    /// [N/m] sum of the stiffnesses at every node, slack or not. Asked for first: what the other sums need is made here.
     fn stiffness_sums(&self) -> Vec<f64>;
 
     /// [N] weight at every degree of freedom.
@@ -219,10 +219,10 @@ pub trait SpringGraph: System {
     /// Which of the dissipative forces the filter already contains: relative `"step"` dashpots.
     fn viscosity(&self) -> Viscosity;
 
-    /// [N] `out =` the forces of the dashpots that the filter already contains, for some degrees of freedom: a range that [`System::workers`] gives.
+    /// [N] `out =` the forces of the dashpots that the filter already contains, where they are some of the dissipative forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives.
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// `out_i = sum_j k_ij u_j`, likewise; `u` has all degrees of freedom.
+    /// `out_i = sum_j k_ij u_j`, likewise, in N/m times the unit of `u`, which has all degrees of freedom.
     fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.

@@ -13,19 +13,20 @@ use std::ops::Range;
 pub(super) struct Graph {
     /// by stiffness
     springs: Neighbours,
-    /// by the coefficients c = k h of dashpots that the filter contains
-    step_dashpots: Neighbours,
+    /// by the coefficients c = k h of dashpots that the filter contains, where it does not contain all that is dissipative
+    step_dashpots: Option<Neighbours>,
 }
 
 impl Graph {
-    fn new(nodes: usize, springs: &[SpringBatch]) -> Self {
+    fn new(nodes: usize, springs: &[SpringBatch], viscosity: Viscosity) -> Self {
+        let some = viscosity == Viscosity::Some;
         fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> (&'a [[u32; 2]], &'a Coefficient) {
             (&b.data.nodes, weights)
         }
         let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| links(b, &b.dashpot));
         Graph {
             springs: Neighbours::new(nodes, springs.iter().map(|b| links(b, &b.data.stiffness))),
-            step_dashpots: Neighbours::new(nodes, in_filter),
+            step_dashpots: some.then(|| Neighbours::new(nodes, in_filter)),
         }
     }
 }
@@ -39,12 +40,13 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 
 impl Network {
     fn graph(&self) -> &Graph {
-        self.graph.get_or_init(|| Graph::new(self.mass.len(), &self.springs))
+        self.graph.get_or_init(|| Graph::new(self.mass.len(), &self.springs, self.viscosity()))
     }
 }
 
 impl SpringGraph for Network {
     fn stiffness_sums(&self) -> Vec<f64> {
+        self.graph();
         let mut sums = vec![0.0; self.mass.len()];
         for b in &self.springs {
             for (i, ends) in b.data.nodes.iter().enumerate() {
@@ -72,7 +74,10 @@ impl SpringGraph for Network {
     }
 
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]) {
-        self.graph().step_dashpots.differences(v, dofs, out);
+        match &self.graph().step_dashpots {
+            Some(dashpots) => dashpots.differences(v, dofs, out),
+            None => out.fill(0.0),
+        }
     }
 
     fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {

@@ -29,6 +29,17 @@ impl Terms for Mixed {
     }
 }
 
+/// All add to the only sum.
+impl<S: Summand> Terms for [S] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        (&self[i], 0)
+    }
+}
+
 fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
     let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
