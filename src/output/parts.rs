@@ -3,6 +3,9 @@
 use std::io::{self, IoSlice, Write};
 use std::ops::Range;
 
+/// [byte] Asked of the system in one call: some refuse from 2 GiB on, in place of taking as much as they can.
+const AT_ONCE: usize = 1 << 30;
+
 /// What follows a picture's head, piece by piece.
 pub(super) struct Appended<'a> {
     parts: Vec<Part<'a>>,
@@ -49,15 +52,21 @@ impl<'a> Appended<'a> {
             Part::Body(range) => &body[range.clone()],
             Part::Numbers(bytes) => bytes,
         });
-        let mut parts: Vec<_> = std::iter::once(head).chain(pieces).chain([tail]).map(IoSlice::new).collect();
-        write_all(out, &mut parts)
+        write_all(out, std::iter::once(head).chain(pieces).chain([tail]), AT_ONCE)
     }
 }
 
-/// Writes all parts, in one call if the system takes as much.
-fn write_all(out: &mut impl Write, mut parts: &mut [IoSlice<'_>]) -> io::Result<()> {
+/// Writes all parts, in calls of at most so many bytes, in one if the system takes as much.
+fn write_all<'a>(out: &mut impl Write, parts: impl Iterator<Item = &'a [u8]>, at_once: usize) -> io::Result<()> {
+    let mut parts: Vec<_> = parts.flat_map(|part| part.chunks(at_once)).map(IoSlice::new).collect();
+    let mut parts = parts.as_mut_slice();
     while !parts.is_empty() {
-        match out.write_vectored(parts) {
+        let ends = parts.iter().scan(0, |end, part| {
+            *end += part.len();
+            Some(*end)
+        });
+        let count = ends.take_while(|end| *end <= at_once).count();
+        match out.write_vectored(&parts[..count]) {
             Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
             Ok(written) => IoSlice::advance_slices(&mut parts, written),
             Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
@@ -112,6 +121,33 @@ mod tests {
         pieces.write(&mut out, &body, [b"head", b"tail"]).expect("a patient writer");
         assert_eq!(out.taken, [b"head", &body[..17], &[101, 102, 103], &body[17..], b"tail"].concat());
         assert!(out.calls > 10);
+    }
+
+    /// Refuses more than ten bytes in a call.
+    #[derive(Default)]
+    struct Small(Vec<u8>);
+
+    impl Write for Small {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.write_vectored(&[IoSlice::new(bytes)])
+        }
+
+        fn write_vectored(&mut self, parts: &[IoSlice<'_>]) -> io::Result<usize> {
+            let bytes: Vec<u8> = parts.iter().flat_map(|part| part.iter().copied()).collect();
+            self.0.extend(&bytes);
+            if bytes.len() <= 10 { Ok(bytes.len()) } else { Err(io::ErrorKind::InvalidInput.into()) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn no_call_asks_for_more_than_the_system_takes() {
+        let (long, mut out) = ((0..37).collect::<Vec<u8>>(), Small::default());
+        write_all(&mut out, [b"head", &long[..], b"", b"a", &long[..9], b"tail"].into_iter(), 10).expect("small calls");
+        assert_eq!(out.0, [b"head", &long[..], b"a", &long[..9], b"tail"].concat());
     }
 
     #[test]
