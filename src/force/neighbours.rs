@@ -66,6 +66,14 @@ impl Neighbours {
         *filled += 1;
     }
 
+    /// `sum_j k_ij` of every node, and zeros that fill up the last four.
+    pub fn weights(&self) -> impl Iterator<Item = f64> {
+        let rounds = self.first.windows(2).map(|ends| &self.rounds[ends[0]..ends[1]]);
+        rounds.flat_map(|rounds| {
+            rounds.iter().fold([0.0; SIDE_BY_SIDE], |sums, round| std::array::from_fn(|q| sums[q] + round.weights[q]))
+        })
+    }
+
     /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve, as many as `out` has; `u` has those of all nodes.
     /// In units of a weight times one of `u`.
     ///
@@ -210,6 +218,8 @@ mod tests {
             let neighbours = Neighbours::new(n, [(&first[..], &weights[0]), (&second[..], &weights[1])].into_iter());
             let all = [&first[..], &second].concat();
             let of_all = Coefficient::Each([k, vec![0.3; n]].concat().into());
+            let sums = plain(false, &all, &of_all, &vec![1.0; 3 * n]);
+            assert!(neighbours.weights().take(n).eq(sums.into_iter().step_by(3)), "{n} nodes");
             let (expected, with_differences) = (plain(false, &all, &of_all, &u), plain(true, &all, &of_all, &u));
             for piece in [12, 24, 1200] {
                 let (mut out, mut portable) = (vec![f64::NAN; 3 * n], vec![f64::NAN; 3 * n]);

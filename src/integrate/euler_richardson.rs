@@ -49,6 +49,7 @@ impl Integrator<dyn System> for EulerRichardson {
         let work = weigh([(h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
+
     fn stride(
         &mut self,
         step: StepInput<'_, dyn System>,

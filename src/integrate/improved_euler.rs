@@ -50,6 +50,7 @@ impl Integrator<dyn System> for ImprovedEuler {
         let work = weigh([(0.5 * h, power(system, &from.forces)), (0.5 * h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
+
     fn stride(
         &mut self,
         step: StepInput<'_, dyn System>,

@@ -20,7 +20,7 @@ use multiversion::multiversion;
 use std::ops::Range;
 
 /// Kang's scheme; carries nothing.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Kang {
     /// [N/m] sum of the stiffnesses at every node
     stiffness_sum: Vec<f64>,
@@ -38,22 +38,6 @@ pub struct Kang {
     sweep: Vec<f64>,
     /// [N] dissipative forces that are not part of F, where some are
     outer_dissipative: Vec<f64>,
-}
-
-impl Default for Kang {
-    fn default() -> Self {
-        let empty = Vec::new;
-        Kang {
-            stiffness_sum: empty(),
-            h: 0.0,
-            inverse_d: empty(),
-            weight: empty(),
-            viscosity: Viscosity::None,
-            filtered: empty(),
-            sweep: empty(),
-            outer_dissipative: empty(),
-        }
-    }
 }
 
 impl Integrator<dyn SpringGraph> for Kang {

@@ -67,6 +67,7 @@ impl Integrator<dyn System> for Rk4 {
         let work = weigh([(h / 6.0, p1), (h / 3.0, p2), (h / 3.0, p3), (h / 6.0, p4)]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
     }
+
     fn stride(
         &mut self,
         step: StepInput<'_, dyn System>,

@@ -195,9 +195,10 @@ pub struct Weights {
 }
 
 /// Which of a scene's dissipative forces are the viscosity h sum_j k_ij (v_j - v_i) that Kang's filter has of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Viscosity {
     /// none of them
+    #[default]
     None,
     /// all, and every spring has its dashpot c = k times this many seconds
     All {
@@ -210,7 +211,7 @@ pub enum Viscosity {
 
 /// What Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
-    /// [N/m] sum of the stiffnesses at every node, slack or not. Asked for first: what the other sums need is made here.
+    /// [N/m] sum of the stiffnesses at every node, slack or not. Asked for once, before a range of any other sum.
     fn stiffness_sums(&self) -> Vec<f64>;
 
     /// [N] weight at every degree of freedom.

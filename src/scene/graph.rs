@@ -14,19 +14,18 @@ pub(super) struct Graph {
     /// by stiffness
     springs: Neighbours,
     /// by the coefficients c = k h of dashpots that the filter contains, where it does not contain all that is dissipative
-    step_dashpots: Option<Neighbours>,
+    step_dashpots: Neighbours,
 }
 
 impl Graph {
     fn new(nodes: usize, springs: &[SpringBatch], viscosity: Viscosity) -> Self {
-        let some = viscosity == Viscosity::Some;
         fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> (&'a [[u32; 2]], &'a Coefficient) {
             (&b.data.nodes, weights)
         }
-        let in_filter = springs.iter().filter(|b| b.in_filter).map(|b| links(b, &b.dashpot));
+        let some = springs.iter().filter(|b| b.in_filter && viscosity == Viscosity::Some);
         Graph {
             springs: Neighbours::new(nodes, springs.iter().map(|b| links(b, &b.data.stiffness))),
-            step_dashpots: some.then(|| Neighbours::new(nodes, in_filter)),
+            step_dashpots: Neighbours::new(nodes, some.map(|b| links(b, &b.dashpot))),
         }
     }
 }
@@ -46,16 +45,7 @@ impl Network {
 
 impl SpringGraph for Network {
     fn stiffness_sums(&self) -> Vec<f64> {
-        self.graph();
-        let mut sums = vec![0.0; self.mass.len()];
-        for b in &self.springs {
-            for (i, ends) in b.data.nodes.iter().enumerate() {
-                for &node in ends {
-                    sums[node as usize] += b.data.stiffness.at(i);
-                }
-            }
-        }
-        sums
+        self.graph().springs.weights().take(self.mass.len()).collect()
     }
 
     fn weight(&self) -> Vec<f64> {
@@ -74,10 +64,7 @@ impl SpringGraph for Network {
     }
 
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]) {
-        match &self.graph().step_dashpots {
-            Some(dashpots) => dashpots.differences(v, dofs, out),
-            None => out.fill(0.0),
-        }
+        self.graph().step_dashpots.differences(v, dofs, out);
     }
 
     fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
