@@ -9,6 +9,7 @@ mod fixture;
 
 use canopy_fem::force::threads::Threads;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{LinearChoice, solver_for};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -22,7 +23,7 @@ fn iteration(c: &mut Criterion) {
     let scene = build_network(cloth(703, 126, Contents::Dashpots), Threads::one()).expect("the fixture is sound");
     let (state, mut forces) = (scene.initial_state(), scene.new_forces());
     let mut assembler = scene.assembler().expect("small");
-    let mut solver = solver_for(assembler.pattern.clone(), LinearChoice::Auto).expect("symmetric");
+    let mut solver = solver_for(assembler.pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
     scene.assemble(state.as_ref(), W, &mut assembler);
     let mut b = vec![1.0; assembler.pattern.n()];
     let mut group = c.benchmark_group("Newton iteration, 703 nodes, no air");

@@ -10,6 +10,7 @@ use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
 use common::run::{Run, apart, asset, changed, run, run_with};
@@ -29,7 +30,7 @@ fn sheet(side: u32) -> Network {
 }
 
 fn cg(pattern: &Arc<Pattern>) -> Box<dyn LinearSolver> {
-    solver_for(Arc::clone(pattern), LinearChoice::Cg).expect("a symmetric pattern")
+    solver_for(Arc::clone(pattern), LinearChoice::Cg, &ALONE).expect("a symmetric pattern")
 }
 
 fn random_vector(n: usize, seed: u64) -> Vec<f64> {
@@ -64,7 +65,7 @@ fn solutions_are_those_of_cholesky() {
     let pattern = sheet(12).assembler().expect("small").pattern;
     assert!(pattern.node_start.windows(2).any(|w| w[1] - w[0] < 3), "some nodes are partly held");
     let mut solver = cg(&pattern);
-    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric");
+    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky, &ALONE).expect("symmetric");
     for seed in 0..20 {
         let values = random_definite(&pattern, seed);
         let b = random_vector(pattern.n(), 100 + seed);
@@ -112,7 +113,7 @@ fn an_indefinite_matrix_is_noticed() {
         assert!(matches!(outcome, Err(LinearError::Indefinite { .. })), "scale {scale}: {outcome:?}");
         assert_eq!(x, b, "scale {scale}");
         assert_eq!(solver.stats().indefinite, 1, "scale {scale}");
-        let mut weighed = kept_solver_for(pattern, LinearChoice::Auto).expect("symmetric");
+        let mut weighed = kept_solver_for(pattern, LinearChoice::Auto, &ALONE).expect("symmetric");
         assert_eq!(weighed.prepare(&values), Ok(Inertia::Indefinite), "scale {scale}");
     }
 }
@@ -180,7 +181,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
         }
         other => panic!("{other:?}"),
     }
-    let mut weighed = kept_solver_for(pattern.clone(), LinearChoice::Auto).expect("symmetric");
+    let mut weighed = kept_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
     assert_eq!(weighed.prepare(&values), Ok(Inertia::Definite));
     let mut x = b.clone();
     weighed.solve(&values, &mut x).expect("definite");
@@ -227,11 +228,11 @@ fn a_long_chain_takes_few_iterations() {
     assert_eq!(found, [10, 45, 51]);
 }
 
-/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
+/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two halves, and takes 14 and 30 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
 #[test]
 fn sheets_take_few_iterations() {
     let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
-    assert_eq!(found, [[14, 13, 14], [25, 23, 30]]);
+    assert_eq!(found, [[14, 13, 14], [25, 23, 31]]);
 }
 
 /// A sheet in waves of unit springs, or flat but for a patch of so many nodes' width.
@@ -265,7 +266,7 @@ fn wrinkled_sheets() {
 fn apart_from_cholesky(system: &(Arc<Pattern>, Vec<f64>), relative: f64) -> (f64, u64) {
     let (pattern, values) = system;
     let (mut expected, x, iterations) = solution(system, relative);
-    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric");
+    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky, &ALONE).expect("symmetric");
     direct.factor(values).expect("definite");
     direct.solve(values, &mut expected).expect("definite");
     (difference(&x, &expected), iterations)
@@ -384,4 +385,15 @@ fn the_work_of_conjugate_gradients() {
         [307, 3, 0, 206, 385],
         "{c:?}"
     );
+}
+
+/// Nets of some thousand nodes are eliminated in two halves, which threads share: the bits and the work do not depend on their number.
+#[test]
+fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
+    let case = asset("big/annulus-10k", &[("time.end", "4e-3"), ("output", "{}"), ("solver.linear", "cg")]);
+    let [one, two, three] = [1, 2, 3].map(|threads| run_with(&case, threads));
+    assert!(one.outcome.counters.cg_iterations > 20, "{:?}", one.outcome.counters);
+    for other in [two, three] {
+        assert!(one.state == other.state && one.outcome.counters == other.outcome.counters);
+    }
 }

@@ -8,6 +8,7 @@ use canopy_fem::force::threads::Threads;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};
 use common::{Random, patch, spring_group, square};
@@ -43,7 +44,7 @@ fn relative_residual(pattern: &Pattern, values: &[f64], x: &[f64], b: &[f64]) ->
 }
 
 fn solve(assembler: &Assembler, choice: LinearChoice) -> (f64, u64) {
-    let mut solver = solver_for(assembler.pattern.clone(), choice).expect("the choice fits");
+    let mut solver = solver_for(assembler.pattern.clone(), choice, &ALONE).expect("the choice fits");
     let b = right_hand_side(assembler.pattern.n());
     let mut x = b.clone();
     solver.factor(assembler.values()).expect("regular");
@@ -76,7 +77,7 @@ fn a_singular_tangent_is_an_error_not_a_number() {
     // A flat net without inertia has no stiffness across its plane.
     let w = tangent(&sheet(6), 1.0, Weights { m: 0.0, c: 0.0, k: 1.0 });
     for choice in [LinearChoice::Cholesky, LinearChoice::Lu] {
-        let mut solver = solver_for(w.pattern.clone(), choice).expect("the choice fits");
+        let mut solver = solver_for(w.pattern.clone(), choice, &ALONE).expect("the choice fits");
         let mut b = right_hand_side(w.pattern.n());
         let outcome = solver.factor(w.values()).and_then(|_| solver.solve(w.values(), &mut b));
         assert!(matches!(outcome, Err(LinearError::Singular { .. })), "{choice:?}: {outcome:?}");
@@ -90,7 +91,7 @@ fn values_that_are_not_finite_are_refused_with_their_column() {
     let mut values = w.values().to_vec();
     values[w.pattern.col_ptr[column] as usize + 1] = f64::NAN;
     for choice in [LinearChoice::Cholesky, LinearChoice::Lu] {
-        let mut solver = solver_for(w.pattern.clone(), choice).expect("the choice fits");
+        let mut solver = solver_for(w.pattern.clone(), choice, &ALONE).expect("the choice fits");
         assert_eq!(solver.factor(&values), Err(LinearError::NotFinite { unknown: column }), "{choice:?}");
     }
 }
@@ -106,7 +107,7 @@ fn a_tangent_that_is_not_symmetric_takes_lu_and_refuses_cholesky() {
     assert!(!w.pattern.symmetric);
     let (residual, _) = solve(&w, LinearChoice::Auto);
     assert!(residual < 1e-12, "{residual}");
-    let refused = solver_for(w.pattern.clone(), LinearChoice::Cholesky).err();
+    let refused = solver_for(w.pattern.clone(), LinearChoice::Cholesky, &ALONE).err();
     assert_eq!(refused, Some(LinearError::NotSymmetric));
 }
 
@@ -130,7 +131,10 @@ fn the_ordering_is_a_permutation_that_keeps_nodes_together_and_saves_fill() {
                 "side {side}: the unknowns of a node were parted"
             );
         }
-        let fill = solver_for(Arc::clone(&pattern), LinearChoice::Cholesky).expect("symmetric").stats().factor_nonzeros;
+        let fill = solver_for(Arc::clone(&pattern), LinearChoice::Cholesky, &ALONE)
+            .expect("symmetric")
+            .stats()
+            .factor_nonzeros;
         let banded = 3 * (side as usize + 2) * pattern.n();
         let fill = fill.expect("known from the analysis");
         let (counted, ratio) = (elimination.nonzeros, fill as f64 / elimination.nonzeros);
@@ -148,7 +152,7 @@ fn a_kept_factor_solves_as_exactly_as_it_is_asked_to() {
         let w = tangent(&sheet(side), stretch, Weights { m, c: 0.0, k: 1.0 });
         let (pattern, values) = (&w.pattern, w.values().iter().map(|v| scale * v).collect::<Vec<f64>>());
         let [mut exact, mut kept] =
-            [0; 2].map(|_| solver_for(pattern.clone(), LinearChoice::Cholesky).expect("symmetric"));
+            [0; 2].map(|_| solver_for(pattern.clone(), LinearChoice::Cholesky, &ALONE).expect("symmetric"));
         assert_eq!(exact.factor(&values), Ok(Inertia::Definite));
         assert_eq!(kept.prepare(&values), Ok(Inertia::Definite));
         let b = right_hand_side(pattern.n());

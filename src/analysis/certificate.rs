@@ -4,6 +4,7 @@
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
+use crate::model::workers::ALONE;
 use crate::scene::Scene;
 use crate::solve::{Inertia, LinearChoice, LinearSolver, solver_for};
 
@@ -22,8 +23,11 @@ impl Certifier {
         }
         let assembler = scene.assembler().ok()?;
         let single = assembler.pattern.n() == 1;
-        let solver =
-            if single { None } else { Some(solver_for(assembler.pattern.clone(), LinearChoice::Cholesky).ok()?) };
+        let solver = if single {
+            None
+        } else {
+            Some(solver_for(assembler.pattern.clone(), LinearChoice::Cholesky, &ALONE).ok()?)
+        };
         Some(Certifier { assembler, solver })
     }
 

@@ -7,6 +7,7 @@ use super::{Counters, StepError};
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;
 use crate::model::system::{TangentSystem, Weights};
+use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{
     Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for,
@@ -21,13 +22,13 @@ pub struct Factor {
 }
 
 impl Factor {
-    fn new(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
-        let linear = solver_for(assembler.pattern.clone(), choice)?;
+    fn new(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        let linear = solver_for(assembler.pattern.clone(), choice, workers)?;
         Ok(Factor { assembler, linear })
     }
 
-    fn kept(assembler: Assembler, choice: LinearChoice) -> Result<Self, LinearError> {
-        let linear = kept_solver_for(assembler.pattern.clone(), choice)?;
+    fn kept(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        let linear = kept_solver_for(assembler.pattern.clone(), choice, workers)?;
         Ok(Factor { assembler, linear })
     }
 
@@ -51,7 +52,7 @@ pub fn kept_factor(
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::kept(assembler, choice)?;
+    let factor = Factor::kept(assembler, choice, system.workers())?;
     // What is not factorised is cheap to make, and cheaper to keep.
     let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
     Ok(keeps.then_some(factor))
@@ -105,7 +106,7 @@ impl Tangents {
                 if by_nodes && system.symmetric() && !assembler.pattern.symmetric {
                     return Err(LinearError::NotByNodes.into());
                 }
-                Some(Factor::new(assembler, choice)?)
+                Some(Factor::new(assembler, choice, system.workers())?)
             }
         };
         // A pendulum's single entry is stored in full.
@@ -158,7 +159,7 @@ impl Tangents {
                     unknowns: self.dof.len(),
                     reason: e.to_string(),
                 };
-                slot.insert(Factor::new(system.assembler().map_err(failed)?, self.choice)?)
+                slot.insert(Factor::new(system.assembler().map_err(failed)?, self.choice, system.workers())?)
             }
         };
         match curvature {

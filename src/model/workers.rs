@@ -17,7 +17,7 @@ const PIECES: usize = 64;
 const PIECE: usize = 3 * 2048;
 
 /// The threads that loops over a scene's nodes may use.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Workers(Option<Arc<ThreadPool>>);
 
 thread_local! {

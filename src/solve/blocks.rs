@@ -12,6 +12,7 @@
 //! L is stored column by column, in single precision: half the bytes come from memory, and a column of a block is one register. A node with fixed
 //! degrees of freedom keeps three places: the idle ones have nothing beside their diagonal, so that a vector which is zero there stays so.
 
+use super::strips::Strip;
 use crate::assembly::Pattern;
 use glam::{Mat3A, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
@@ -69,72 +70,75 @@ impl SymmetricBlock {
     }
 }
 
-/// W = E (I + J + L + L^T) E^T.
+/// The part of W = E (I + J + L + L^T) E^T that comes with the columns of a strip's nodes.
 pub(super) struct NodeBlocks {
     pub(super) pattern: Arc<Pattern>,
+    pub(super) strip: Strip,
     /// first block of every node's column of L, and their number at the end
     start: Vec<u32>,
-    /// row of every block of L
+    /// row of every block of L, by its place in the strip
     pub(super) row: Vec<u32>,
     pub(super) below: Vec<Block>,
     /// J: what D has more than P, E^-1 (D - P) E^-T; I + J is positive definite
     pub(super) surplus: Vec<SymmetricBlock>,
-    /// 1/sqrt(W_uu) of every unknown: what is scaled by it can be told in single precision
-    pub(super) scale: Vec<f64>,
-    /// E^-1 of W scaled so
+    /// E^-1 of W scaled by its diagonal
     pub(super) inverse_root: Vec<Mat3A>,
-    /// where every stored value of W that is beside the diagonal's blocks goes, among the entries of L
+    /// where every stored value in the columns of the strip's nodes, and then of its seam's, goes among the entries of L, or [`ELSEWHERE`]
     pub(super) entry: Vec<u32>,
 }
+
+/// Not among the entries of L: in a node's own block, or in another strip's L.
+pub(super) const ELSEWHERE: u32 = u32::MAX;
 
 impl NodeBlocks {
     /// Stored entries of W beyond which entries of blocks, of which each holds one at least, could not be numbered.
     pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
 
-    /// Finds the blocks of a symmetric pattern, which must have all entries of a block over its free places: what is not stored is never written again.
-    pub fn new(pattern: Arc<Pattern>) -> Self {
-        let nodes = pattern.node_start.len() - 1;
-        let mut node = vec![0; pattern.n()];
-        for (g, unknowns) in (0..).zip(pattern.node_start.windows(2)) {
-            node[unknowns[0] as usize..unknowns[1] as usize].fill(g);
-        }
-        let (mut start, mut row, mut entry) = (vec![0], Vec::new(), vec![0; pattern.nonzeros()]);
-        for (g, columns) in (0..).zip(pattern.node_start.windows(2)) {
-            let first = row.len();
-            let all = (columns[0]..columns[1]).flat_map(|u| pattern.column(u as usize)).map(|&r| node[r as usize]);
-            row.extend(all.filter(|&r| r != g));
-            row[first..].sort_unstable();
-            let kept = first + dedup(&mut row[first..]);
-            row.truncate(kept);
-            for u in columns[0] as usize..columns[1] as usize {
-                let slots = pattern.col_ptr[u] as usize..pattern.col_ptr[u + 1] as usize;
-                for (entry, &r) in entry[slots].iter_mut().zip(pattern.column(u)) {
-                    if let Ok(at) = row[first..].binary_search(&node[r as usize]) {
-                        *entry = BLOCK * (first + at) as u32 + 3 * (pattern.dof[u] % 3) + pattern.dof[r as usize] % 3;
-                    }
-                }
-            }
-            start.push(row.len() as u32);
-        }
-        row.shrink_to_fit();
-        let (below, scale) = (vec![Block([0.0; 9]); row.len()], vec![0.0; pattern.n()]);
-        let (surplus, inverse_root) = (vec![SymmetricBlock::default(); nodes], vec![Mat3A::IDENTITY; nodes]);
-        NodeBlocks { pattern, start, row, below, surplus, scale, inverse_root, entry }
+    /// Finds a strip's blocks of a symmetric pattern, which must have all entries of a block over its free places: what is not stored is never written again. `node` is that
+    /// of every unknown.
+    pub fn new(pattern: Arc<Pattern>, strip: Strip, node: &[u32]) -> Self {
+        let (own, places) = (strip.own.len(), strip.places());
+        let mut start = vec![0; own + 1];
+        pairs(&pattern, &strip, node, |column, _| start[column + 1] += 1);
+        (0..own).for_each(|g| start[g + 1] += start[g]);
+        let (mut next, mut row) = (start.clone(), vec![0; start[own] as usize]);
+        pairs(&pattern, &strip, node, |column, other| {
+            row[next[column] as usize] = other as u32;
+            next[column] += 1;
+        });
+        (0..own).for_each(|g| row[start[g] as usize..start[g + 1] as usize].sort_unstable());
+        let place = |unknown: u32| strip.place(node[unknown as usize] as usize);
+        let entry_of = |u: u32, r: u32| {
+            let (at, other) = (place(u)?, place(r)?);
+            let [(column, u), (other, r)] = if at < other { [(at, u), (other, r)] } else { [(other, r), (at, u)] };
+            let first = *start.get(column).filter(|_| column < own)? as usize;
+            let block = first + row[first..start[column + 1] as usize].binary_search(&(other as u32)).ok()?;
+            Some(BLOCK * block as u32 + 3 * (pattern.dof[u as usize] % 3) + pattern.dof[r as usize] % 3)
+        };
+        let columns = unknowns(&pattern, &strip.own).chain(unknowns(&pattern, &strip.seam)).map(|u| u as u32);
+        let entry = columns
+            .flat_map(|u| pattern.column(u as usize).iter().map(move |&r| (u, r)))
+            .map(|(u, r)| entry_of(u, r).unwrap_or(ELSEWHERE))
+            .collect();
+        let below = vec![Block([0.0; 9]); row.len()];
+        let (surplus, inverse_root) = (vec![SymmetricBlock::default(); places], vec![Mat3A::IDENTITY; places]);
+        NodeBlocks { pattern, strip, start, row, below, surplus, inverse_root, entry }
     }
 
     /// Number of nodes.
     pub fn nodes(&self) -> usize {
-        self.inverse_root.len()
+        self.strip.own.len()
     }
 
     pub(super) fn column(&self, g: usize) -> Range<usize> {
         self.start[g] as usize..self.start[g + 1] as usize
     }
 
-    /// A number of each of a node's unknowns in its three places, 0 in the idle ones.
+    /// A number of each unknown of the node at a place in its three places, 0 in the idle ones.
     #[inline(always)]
-    pub(super) fn places(&self, g: usize, of: impl Fn(usize) -> f32) -> Vec3A {
-        let (first, end) = (self.pattern.node_start[g] as usize, self.pattern.node_start[g + 1] as usize);
+    pub(super) fn places(&self, place: usize, of: impl Fn(usize) -> f32) -> Vec3A {
+        let node = self.strip.node(place);
+        let (first, end) = (self.pattern.node_start[node] as usize, self.pattern.node_start[node + 1] as usize);
         if end - first == 3 {
             return Vec3A::new(of(first), of(first + 1), of(first + 2));
         }
@@ -147,16 +151,37 @@ impl NodeBlocks {
     pub(super) fn direction(&self, u: usize) -> usize {
         (self.pattern.dof[u] % 3) as usize
     }
+
+    /// Unknowns of an own node.
+    #[inline(always)]
+    pub fn unknowns_of(&self, g: usize) -> Range<usize> {
+        let node = self.strip.node(g);
+        self.pattern.node_start[node] as usize..self.pattern.node_start[node + 1] as usize
+    }
+
+    /// Unknowns of the strip's own nodes, and of those in its seam.
+    pub fn unknowns(&self) -> [Range<usize>; 2] {
+        [unknowns(&self.pattern, &self.strip.own), unknowns(&self.pattern, &self.strip.seam)]
+    }
 }
 
-/// Drops repeated values of a sorted list and returns how many are left at its start.
-fn dedup(sorted: &mut [u32]) -> usize {
-    let mut kept = 0;
-    for i in 0..sorted.len() {
-        if i == 0 || sorted[i] != sorted[kept - 1] {
-            sorted[kept] = sorted[i];
-            kept += 1;
+fn unknowns(pattern: &Pattern, nodes: &Range<usize>) -> Range<usize> {
+    pattern.node_start[nodes.start] as usize..pattern.node_start[nodes.end] as usize
+}
+
+/// Column and row of every block beside the diagonal in a strip's L.
+fn pairs(pattern: &Pattern, strip: &Strip, node: &[u32], mut found: impl FnMut(usize, usize)) {
+    for g in strip.own.clone().chain(strip.seam.clone()) {
+        // A node's unknowns have their neighbours in common.
+        let Some(first) = unknowns(pattern, &(g..g + 1)).next() else { continue };
+        for &r in pattern.column(first) {
+            let other = node[r as usize] as usize;
+            let leads = other != g && r == pattern.node_start[other];
+            if let Some((at, other)) = strip.place(g).zip(strip.place(other)).filter(|_| leads)
+                && at.min(other) < strip.own.len()
+            {
+                found(at.min(other), at.max(other));
+            }
         }
     }
-    kept
 }

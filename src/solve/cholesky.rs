@@ -10,6 +10,7 @@ use super::ordering::{Permutation, fill_reducing};
 use super::single::SingleFactor;
 use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
+use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -243,7 +244,7 @@ impl LinearSolver for Cholesky {
     fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         self.factorizations += 1;
         self.single_serves = false;
-        check_finite(&self.pattern, values)?;
+        check_finite(&self.pattern, values, &ALONE)?;
         let llt = timed(Phase::Factorization, || {
             self.symbolic.factorize_numeric_llt(
                 &mut self.l,
@@ -304,7 +305,7 @@ impl LinearSolver for Cholesky {
                 return Err(LinearError::Singular { unknown: None });
             }
         }
-        check_solution(b)
+        check_solution(b, &ALONE)
     }
 
     fn ask(&mut self, accuracy: Accuracy) {

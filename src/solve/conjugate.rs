@@ -11,11 +11,12 @@
 //! single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
 use super::blocks::NodeBlocks;
-use super::eisenstat::Sweep;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
+use super::pieces::Pieces;
 use super::pivots::RELAXATION;
+use super::strips::{cut, node_of_unknown};
 use crate::assembly::Pattern;
-use glam::{DVec3, Vec3A};
+use crate::model::workers::Workers;
 use std::sync::Arc;
 
 /// [-] relative residual of a solve for which nobody has asked for another
@@ -28,9 +29,7 @@ const ROUND: f64 = 0.1;
 const ROUNDING: f64 = 1e-5;
 /// [iterations] after which it is judged whether M is nearly singular.
 const PROBE: u32 = 3;
-/// [nodes] in each of the runs in which that is looked for: a flaw of a few nodes would not show in the whole scene.
-const RUN: usize = 256;
-/// [-] p . W p over p . p that a run may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves; where M is nearly singular (nets with
+/// [-] p . W p over p . p that a run of nodes may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves; where M is nearly singular (nets with
 /// waves some springs long, or six nodes of such waves in a flat net) it is 4.5 to 1e8, and motions that hardly matter drown all others
 /// in the residual.
 const LARGEST: f64 = 2.0;
@@ -42,15 +41,10 @@ const MOST: [usize; 2] = [200, 20_000];
 /// W x = b by conjugate gradients.
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
-    blocks: NodeBlocks,
+    pieces: Pieces,
+    workers: Workers,
     /// what a solve may leave
     accuracy: Accuracy,
-    /// x^
-    x: Vec<Vec3A>,
-    r: Vec<Vec3A>,
-    p: Vec<Vec3A>,
-    t: Vec<Vec3A>,
-    q: Vec<Vec3A>,
     /// b and the residual of refinement, made when first called for
     refined: Option<[Vec<f64>; 2]>,
     /// the most of them in a solve
@@ -84,11 +78,11 @@ impl std::fmt::Debug for ConjugateGradients {
 }
 
 impl ConjugateGradients {
-    /// Finds the blocks of a pattern.
+    /// Finds the blocks of a pattern, which the threads share.
     ///
     /// # Errors
     /// A pattern that is not symmetric, or has too many entries.
-    pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
+    pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
         if !pattern.symmetric {
             return Err(LinearError::NotByNodes);
         }
@@ -96,14 +90,13 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let blocks = NodeBlocks::new(Arc::clone(&pattern));
-        let zero = || vec![Vec3A::ZERO; blocks.nodes()];
-        let [x, r, p, t, q] = [zero(), zero(), zero(), zero(), zero()];
+        let strips = cut(&pattern, &node_of_unknown(&pattern));
+        let pieces = Pieces::new(&pattern, strips, workers.clone());
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
         let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
-        let refined = None;
-        Ok(ConjugateGradients { pattern, blocks, accuracy, x, r, p, t, q, refined, most, iterations, all, indefinite })
+        let (refined, workers) = (None, workers.clone());
+        Ok(ConjugateGradients { pattern, pieces, workers, accuracy, refined, most, iterations, all, indefinite })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
@@ -112,10 +105,9 @@ impl ConjugateGradients {
     /// # Errors
     /// As [`LinearSolver::solve`].
     pub(super) fn rehearse(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
-        fill_roughly(&mut self.r);
         let own = std::mem::replace(&mut self.most, most);
         self.iterations = 0;
-        let first = squared(&self.r);
+        let first = self.pieces.rehearse();
         let found = self.iterate(first, Accuracy::to(relative));
         self.most = own;
         found.map(|()| self.iterations)
@@ -127,15 +119,12 @@ impl ConjugateGradients {
         let found = self.rehearse(0.0, PROBE);
         // A nearly singular M makes rounding look like an indefinite W.
         self.indefinite = indefinite;
-        let small = |(p, q): (&[Vec3A], &[Vec3A])| product(p, q) <= LARGEST * squared(p);
-        matches!(found, Ok(_) | Err(LinearError::Stalled { .. }))
-            && self.p.chunks(RUN).zip(self.q.chunks(RUN)).all(small)
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.pieces.runs_within(LARGEST)
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
     fn iterate(&mut self, first: f64, Accuracy { relative, enough }: Accuracy) -> Result<(), LinearError> {
-        self.x.fill(Vec3A::ZERO);
-        self.p.fill(Vec3A::ZERO);
+        self.pieces.begin();
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
@@ -146,8 +135,7 @@ impl ConjugateGradients {
             }
             self.iterations += 1;
             self.all += 1;
-            let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
-            let curvature = self.blocks.times(&self.r, beta, sweep);
+            let curvature = self.pieces.product(beta);
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -161,7 +149,7 @@ impl ConjugateGradients {
             }
             let alpha = square / curvature.along;
             let before = square;
-            square = advance(alpha as f32, [&mut self.x, &mut self.r], [&self.p, &self.q]);
+            square = self.pieces.advance(alpha as f32);
             if !square.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -175,16 +163,13 @@ impl ConjugateGradients {
         let Taken { scale, first } = self.take(b)?;
         let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE) };
         self.iterate(first, possible)?;
-        self.blocks.backward(&mut self.x);
-        self.blocks.scatter(&self.x, scale, b);
+        self.pieces.finish(scale, b);
         Ok(())
     }
 
     /// r <- (I + L)^-1 E^-1 b over the scale of b.
     fn take(&mut self, b: &[f64]) -> Result<Taken, LinearError> {
-        let scale = self.blocks.gather(b, &mut self.r);
-        self.blocks.forward(&mut self.r);
-        let first = squared(&self.r);
+        let [scale, first] = self.pieces.take(b);
         if first.is_finite() { Ok(Taken { scale, first }) } else { Err(LinearError::Singular { unknown: None }) }
     }
 
@@ -231,41 +216,12 @@ impl ConjugateGradients {
     }
 }
 
-/// Numbers that are the same everywhere.
-fn fill_roughly(v: &mut [Vec3A]) {
-    let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut rough = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
-    };
-    v.fill_with(|| Vec3A::new(rough(), rough(), rough()));
-}
-
-fn squared(v: &[Vec3A]) -> f64 {
-    v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
-}
-
-fn product(a: &[Vec3A], b: &[Vec3A]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum()
-}
-
-/// x += alpha p, r -= alpha q; returns r . r.
-fn advance(alpha: f32, [x, r]: [&mut [Vec3A]; 2], [p, q]: [&[Vec3A]; 2]) -> f64 {
-    let mut sum = DVec3::ZERO;
-    for (((x, r), p), q) in x.iter_mut().zip(r).zip(p).zip(q) {
-        *x += alpha * *p;
-        *r -= alpha * *q;
-        sum += (*r * *r).as_dvec3();
-    }
-    sum.element_sum()
-}
-
 impl LinearSolver for ConjugateGradients {
     /// Makes the blocks ready. Whether W is definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
-        check_finite(&self.pattern, values)?;
-        let served = self.blocks.fill(values, RELAXATION) && self.served();
-        if served || self.blocks.fill(values, 0.0) {
+        check_finite(&self.pattern, values, &self.workers)?;
+        let served = self.pieces.fill(values, RELAXATION) && self.served();
+        if served || self.pieces.fill(values, 0.0) {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;
@@ -280,7 +236,7 @@ impl LinearSolver for ConjugateGradients {
         } else {
             self.round(b, asked)?
         }
-        check_solution(b)
+        check_solution(b, &self.workers)
     }
 
     fn ask(&mut self, accuracy: Accuracy) {

@@ -10,25 +10,20 @@ use prefetch_index::prefetch_index;
 const AHEAD: usize = 192;
 
 impl NodeBlocks {
-    /// v = E^-1 b / s, with s of the size of E^-1 b, which is returned.
-    pub fn gather(&self, b: &[f64], v: &mut [Vec3A]) -> f64 {
-        let size = b.iter().zip(&self.scale).fold(0.0_f64, |size, (b, scale)| size.max((b * scale).abs()));
-        let inverse = if size >= f64::MIN_POSITIVE { size.recip() } else { 0.0 };
-        let single = |u: usize| (b[u] * self.scale[u] * inverse) as f32;
-        for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).enumerate() {
-            *v = *inverse_root * self.places(g, single);
+    /// v = E^-1 b, with b by unknown.
+    pub fn gather(&self, b: impl Fn(usize) -> f32, v: &mut [Vec3A]) {
+        for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).take(self.nodes()).enumerate() {
+            *v = *inverse_root * self.places(g, &b);
         }
-        size
     }
 
-    /// b = s E^-T v
-    pub fn scatter(&self, v: &[Vec3A], s: f64, b: &mut [f64]) {
-        for (g, unknowns) in self.pattern.node_start.windows(2).enumerate() {
-            let own = self.inverse_root[g].transpose() * v[g];
-            let (first, end) = (unknowns[0] as usize, unknowns[1] as usize);
-            for (i, b) in b[first..end].iter_mut().enumerate() {
-                let direction = if end - first == 3 { i } else { self.direction(first + i) };
-                *b = f64::from(own[direction]) * self.scale[first + i] * s;
+    /// b = s Y^-1 E^-T v, with Y^-1 the scale of every unknown, and of b those of the strip.
+    pub fn scatter(&self, v: &[Vec3A], (s, scale): (f64, &[f64]), b: &mut [f64]) {
+        let first = self.unknowns()[0].start;
+        for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
+            let own = inverse_root.transpose() * *v;
+            for u in self.unknowns_of(g) {
+                b[u - first] = f64::from(own[self.direction(u)]) * scale[u] * s;
             }
         }
     }
@@ -81,12 +76,13 @@ impl NodeBlocks {
         sums.x_axis + sums.y_axis + sums.z_axis
     }
 
-    /// The product of Eisenstat (SIAM J. Sci. Stat. Comput. 2, 1981), for the price of one with W itself: with A = I + J + L + L^T and p <- z + beta p,
+    /// The first half of the product of Eisenstat (SIAM J. Sci. Stat. Comput. 2, 1981), for the price of one with W itself: with A = I + J + L + L^T and p <- z + beta p,
     ///
     /// ```text
     /// q = (I + L)^-1 A (I + L^T)^-1 p = t + (I + L)^-1 (L^T t + J t),      t = (I + L^T)^-1 p,      L^T t = p - t
     /// ```
-    pub fn times(&self, z: &[Vec3A], beta: f32, sweep: Sweep<'_>) -> Curvature {
+    /// It makes t, and L^T t + J t in q.
+    pub fn back(&self, z: &[Vec3A], beta: f32, sweep: Sweep<'_>) {
         let Sweep { p, t, q } = sweep;
         for g in (0..self.nodes()).rev() {
             let above = self.above(g, t);
@@ -94,6 +90,11 @@ impl NodeBlocks {
             t[g] = p[g] - above;
             q[g] = above + self.surplus[g].matrix() * t[g];
         }
+    }
+
+    /// The other half.
+    pub fn forth(&self, sweep: Sweep<'_>) -> Curvature {
+        let Sweep { p, t, q } = sweep;
         let (mut along, mut squares) = (DVec3::ZERO, DVec3::ZERO);
         for g in 0..self.nodes() {
             q[g] = self.take_below(g, q) + t[g];
@@ -105,6 +106,7 @@ impl NodeBlocks {
 }
 
 /// What a product tells of its direction p.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Curvature {
     /// p . q
     pub along: f64,
@@ -112,7 +114,7 @@ pub(super) struct Curvature {
     pub squares: f64,
 }
 
-/// Vectors of a product.
+/// Vectors of a product: p of a strip's own nodes, t and q of the seams beside it too.
 pub(super) struct Sweep<'a> {
     /// direction
     pub p: &'a mut [Vec3A],

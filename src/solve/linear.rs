@@ -3,6 +3,7 @@
 pub use super::weighed::Prediction;
 use super::{Cholesky, ConjugateGradients, Lu, Weighed};
 use crate::assembly::Pattern;
+use crate::model::workers::Workers;
 use std::sync::Arc;
 
 /// Which solver to use.
@@ -218,14 +219,18 @@ pub trait LinearSolver: Send {
     fn stats(&self) -> LinearStats;
 }
 
-/// The solver for a pattern.
+/// The solver for a pattern, which may use these threads.
 ///
 /// # Errors
 /// When the choice does not fit the pattern or the analysis fails.
-pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
+pub fn solver_for(
+    pattern: Arc<Pattern>,
+    choice: LinearChoice,
+    workers: &Workers,
+) -> Result<Box<dyn LinearSolver>, LinearError> {
     match (choice, pattern.symmetric) {
         (LinearChoice::Cholesky, false) => Err(LinearError::NotSymmetric),
-        (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern)?)),
+        (LinearChoice::Cg, _) => Ok(Box::new(ConjugateGradients::new(pattern, workers)?)),
         (LinearChoice::Auto | LinearChoice::Cholesky, true) => Ok(Box::new(Cholesky::new(pattern)?)),
         (LinearChoice::Auto | LinearChoice::Lu, _) => Ok(Box::new(Lu::new(pattern)?)),
     }
@@ -235,22 +240,29 @@ pub fn solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn
 ///
 /// # Errors
 /// As [`solver_for`].
-pub fn kept_solver_for(pattern: Arc<Pattern>, choice: LinearChoice) -> Result<Box<dyn LinearSolver>, LinearError> {
+pub fn kept_solver_for(
+    pattern: Arc<Pattern>,
+    choice: LinearChoice,
+    workers: &Workers,
+) -> Result<Box<dyn LinearSolver>, LinearError> {
     match choice {
-        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern)?)),
-        _ => solver_for(pattern, choice),
+        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern, workers)?)),
+        _ => solver_for(pattern, choice, workers),
     }
 }
 
-pub(super) fn check_finite(pattern: &Pattern, values: &[f64]) -> Result<(), LinearError> {
-    if values.iter().all(|v| v.is_finite()) {
+pub(super) fn check_finite(pattern: &Pattern, values: &[f64], workers: &Workers) -> Result<(), LinearError> {
+    if workers.all_finite(values) {
         return Ok(());
     }
     let slot = values.iter().position(|v| !v.is_finite()).unwrap_or(0) as u32;
     Err(LinearError::NotFinite { unknown: pattern.col_ptr.partition_point(|&p| p <= slot).saturating_sub(1) })
 }
 
-pub(super) fn check_solution(x: &[f64]) -> Result<(), LinearError> {
+pub(super) fn check_solution(x: &[f64], workers: &Workers) -> Result<(), LinearError> {
+    if workers.all_finite(x) {
+        return Ok(());
+    }
     match x.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
         unknown => Err(LinearError::Singular { unknown }),

@@ -3,6 +3,7 @@
 use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
+use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
@@ -78,7 +79,7 @@ impl Lu {
 impl LinearSolver for Lu {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         self.factorizations += 1;
-        check_finite(&self.pattern, values)?;
+        check_finite(&self.pattern, values, &ALONE)?;
         self.factored = false;
         let w = match &mut self.full {
             None => matrix(&self.pattern, values),
@@ -115,7 +116,7 @@ impl LinearSolver for Lu {
             PAR,
             MemStack::new(&mut self.memory),
         );
-        check_solution(b)
+        check_solution(b, &ALONE)
     }
 
     fn work(&self) -> Work {

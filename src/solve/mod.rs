@@ -11,12 +11,14 @@ mod lu;
 pub mod newton;
 pub(crate) mod norms;
 mod ordering;
+mod pieces;
 mod pivots;
 mod problem;
 pub mod quasi;
 mod search;
 mod single;
 mod sparse;
+mod strips;
 mod weighed;
 
 pub use cholesky::Cholesky;

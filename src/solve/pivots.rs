@@ -11,7 +11,7 @@
 //! pivot without fill is not positive definite, P_g = D_g. The product of Eisenstat (`eisenstat`) costs the same with any pivots, and M is positive definite if
 //! they are.
 
-use super::blocks::{BLOCK, Block, NodeBlocks, SymmetricBlock};
+use super::blocks::{BLOCK, Block, ELSEWHERE, NodeBlocks, SymmetricBlock};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 /// [-] omega. On taut nets of 703 to a million nodes 0.9, 0.98 and 1 took as many iterations within an eighth.
@@ -26,78 +26,94 @@ const SHIFT: f64 = 0.01;
 const LARGEST: f32 = 1.0 + 1e-5;
 
 impl NodeBlocks {
-    /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are positive definite, and those beside them no larger
-    /// than that allows.
-    pub fn fill(&mut self, values: &[f64], omega: f64) -> bool {
-        for (scale, &first) in self.scale.iter_mut().zip(&self.pattern.col_ptr) {
-            // Rows ascend from the diagonal.
-            *scale = values[first as usize].sqrt().recip();
-        }
+    /// Takes the values of W beside the blocks on its diagonal, scaled by the diagonal; whether all are small enough.
+    pub fn begin(&mut self, values: &[f64], scale: &[f64]) -> bool {
         // Until a node's turn comes: what the nodes before it take from its pivot, and the fill.
         self.inverse_root.fill(Mat3A::ZERO);
         self.surplus.fill(SymmetricBlock::default());
-        for g in 0..self.nodes() {
-            let Some(diagonal) = self.take(g, values) else { return false };
-            let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.as_dmat3());
-            let Some(pivot) = Pivot::new(&diagonal, taken, omega) else { return false };
-            self.inverse_root[g] = pivot.inverse_root;
-            self.surplus[g] = pivot.surplus;
-            self.eliminate(g);
-        }
-        self.scale_rows()
+        let columns = self.unknowns().into_iter().flatten();
+        let NodeBlocks { pattern, below, entry, .. } = self;
+        let mut entries = entry.iter();
+        columns.into_iter().all(|u| {
+            let first = pattern.col_ptr[u] as usize;
+            let beside = pattern.column(u).iter().zip(&values[first..]).zip(&mut entries);
+            // All of the column, so that the next one meets its own entries.
+            beside.fold(true, |small, ((&r, value), &entry)| {
+                small & (entry == ELSEWHERE || put(below, entry, value * scale[u] * scale[r as usize]))
+            })
+        })
     }
 
-    /// Takes the values of a node's columns, scaled by the diagonal; returns the lower half of its block on the diagonal, or `None` where an entry beside
-    /// it is too large: nothing may reach idle places that is not finite, for nothing is ever written there again.
-    fn take(&mut self, g: usize, values: &[f64]) -> Option<DMat3> {
-        let pattern = &self.pattern;
-        let unknowns = pattern.node_start[g]..pattern.node_start[g + 1];
+    /// Adds what the elimination of a half takes from the pivots of this seam.
+    pub fn take_from(&mut self, half: &NodeBlocks) {
+        for (own, other) in self.inverse_root.iter_mut().zip(&half.inverse_root[half.nodes()..]) {
+            *own += *other;
+        }
+        for (own, other) in self.surplus.iter_mut().zip(&half.surplus[half.nodes()..]) {
+            own.add(&other.matrix());
+        }
+    }
+
+    /// Takes the pivots of its seam into a half.
+    pub fn take_seam(&mut self, seam: &NodeBlocks) {
+        let own = self.nodes();
+        self.inverse_root[own..].copy_from_slice(&seam.inverse_root);
+        self.surplus[own..].copy_from_slice(&seam.surplus);
+    }
+
+    /// Eliminates all nodes in their order, with `omega` [-] of the fill in the pivots; whether the blocks on W's diagonal are positive definite.
+    pub fn eliminate(&mut self, values: &[f64], scale: &[f64], omega: f64) -> bool {
+        (0..self.nodes()).all(|g| {
+            let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.as_dmat3());
+            let Some(pivot) = Pivot::new(&self.diagonal(g, values, scale), taken, omega) else { return false };
+            self.inverse_root[g] = pivot.inverse_root;
+            self.surplus[g] = pivot.surplus;
+            self.eliminate_node(g, scale);
+            true
+        })
+    }
+
+    /// The lower half of a node's block on the diagonal, scaled.
+    fn diagonal(&self, g: usize, values: &[f64], scale: &[f64]) -> DMat3 {
+        let (pattern, unknowns) = (&self.pattern, self.unknowns_of(g));
         let mut diagonal = DMat3::IDENTITY;
-        for u in unknowns.start as usize..unknowns.end as usize {
-            let slots = pattern.col_ptr[u] as usize..pattern.col_ptr[u + 1] as usize;
-            for ((&r, value), &entry) in pattern.column(u).iter().zip(&values[slots.clone()]).zip(&self.entry[slots]) {
-                let scaled = value * self.scale[u] * self.scale[r as usize];
-                if r < unknowns.end {
-                    diagonal.col_mut((pattern.dof[u] % 3) as usize)[(pattern.dof[r as usize] % 3) as usize] = scaled;
-                } else if scaled.abs() <= f64::from(LARGEST) {
-                    let (block, within) = ((entry / BLOCK) as usize, (entry % BLOCK) as usize);
-                    self.below[block].0[within] = scaled as f32;
-                } else {
-                    return None;
-                }
+        for u in unknowns.clone() {
+            let first = pattern.col_ptr[u] as usize;
+            for (r, value) in (u..unknowns.end).zip(&values[first..]) {
+                diagonal.col_mut(self.direction(u))[self.direction(r)] = value * scale[u] * scale[r];
             }
         }
-        Some(diagonal)
+        diagonal
     }
 
     /// Scales a node's column from the right, and takes from the pivots of its neighbours what its elimination takes.
-    fn eliminate(&mut self, g: usize) {
+    fn eliminate_node(&mut self, g: usize, scale: &[f64]) {
         let right = self.inverse_root[g].transpose();
         let mut all = Mat3A::ZERO;
         for k in self.column(g) {
             let block = self.below[k].matrix() * right;
             self.below[k] = Block(block.to_cols_array());
-            let scale = self.scale_of(self.row[k] as usize);
-            let translation = Vec3A::select(scale.cmpgt(Vec3A::ZERO), scale.recip(), Vec3A::ZERO);
+            let inverse = self.scale_of(self.row[k] as usize, scale);
+            let translation = Vec3A::select(inverse.cmpgt(Vec3A::ZERO), inverse.recip(), Vec3A::ZERO);
             all += scale_columns(block.transpose(), translation);
         }
         for k in self.column(g) {
             let row = self.row[k] as usize;
             let block = self.below[k].matrix();
             let own = block * block.transpose();
-            let fill = block * scale_columns(all, self.scale_of(row)) - own;
+            let fill = block * scale_columns(all, self.scale_of(row, scale)) - own;
             self.inverse_root[row] += own;
             self.surplus[row].add(&((fill + fill.transpose()) * 0.5));
         }
     }
 
-    /// Scales of a node's three places, 0 where they are idle.
-    fn scale_of(&self, g: usize) -> Vec3A {
-        self.places(g, |u| self.scale[u] as f32)
+    /// Scales of the three places of the node at a place, 0 where they are idle.
+    fn scale_of(&self, place: usize, scale: &[f64]) -> Vec3A {
+        self.places(place, |u| scale[u] as f32)
     }
 
     /// Scales all rows from the left; whether entries are as small as a positive definite W has them.
-    fn scale_rows(&mut self) -> bool {
+    pub fn scale_rows(&mut self) -> bool {
         let mut small = true;
         for g in 0..self.nodes() {
             let own = (self.surplus[g].diagonal() + 1.0) * (LARGEST * LARGEST);
@@ -114,6 +130,16 @@ impl NodeBlocks {
         }
         small
     }
+}
+
+/// Puts a scaled value of W where it goes; whether it is as small as beside the diagonal of a positive definite matrix.
+#[inline(always)]
+fn put(below: &mut [Block], entry: u32, scaled: f64) -> bool {
+    let small = scaled.abs() <= f64::from(LARGEST);
+    if small {
+        below[(entry / BLOCK) as usize].0[(entry % BLOCK) as usize] = scaled as f32;
+    }
+    small
 }
 
 fn scale_columns(m: Mat3A, by: Vec3A) -> Mat3A {

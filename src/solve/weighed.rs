@@ -11,6 +11,7 @@ use super::linear::{
 use super::ordering::{Elimination, fill_reducing};
 use super::{Cholesky, ConjugateGradients};
 use crate::assembly::Pattern;
+use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
 use std::sync::Arc;
 
@@ -72,8 +73,8 @@ impl Weighed {
     ///
     /// # Errors
     /// When the analysis fails, or there is nothing to choose.
-    pub fn new(pattern: Arc<Pattern>) -> Result<Self, LinearError> {
-        let cg = ConjugateGradients::new(pattern.clone())?;
+    pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
+        let cg = ConjugateGradients::new(pattern.clone(), workers)?;
         let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
         Ok(Weighed {
             pattern,

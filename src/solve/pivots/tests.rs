@@ -2,7 +2,10 @@
 
 use super::*;
 use crate::assembly::Pattern;
-use crate::solve::eisenstat::Sweep;
+use crate::model::workers::Workers;
+use crate::solve::pieces::{Piece, Pieces};
+use crate::solve::strips::strips;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What node g may move along, of a row of nodes of which some are partly held.
@@ -61,92 +64,136 @@ fn values(pattern: &Pattern, seed: u64) -> Vec<f64> {
     values
 }
 
+/// Without a cut, and with one whose halves have nodes that are partly held.
+const SEAMS: [Range<usize>; 2] = [NODES..NODES, 4..9];
+
+fn pieces(seam: &Range<usize>) -> Pieces {
+    Pieces::new(&Arc::new(pattern()), strips(NODES, seam.clone()), Workers::default())
+}
+
+fn all(pieces: &Pieces) -> [&Piece; 3] {
+    let [first, second] = &pieces.halves;
+    [first, second, &pieces.seam]
+}
+
+/// Nodes in the order of their elimination.
+fn order(pieces: &Pieces) -> Vec<usize> {
+    let nodes = |piece: &Piece| (0..piece.blocks.nodes()).map(|g| piece.blocks.strip.node(g)).collect::<Vec<_>>();
+    all(pieces).into_iter().flat_map(nodes).collect()
+}
+
+/// What a strip holds of each of its nodes, by node.
+fn by_node<T: Copy + Default>(pieces: &Pieces, of: impl Fn(&Piece) -> &[T]) -> Vec<T> {
+    let mut found = vec![T::default(); NODES];
+    for piece in all(pieces) {
+        (0..piece.blocks.nodes()).for_each(|g| found[piece.blocks.strip.node(g)] = of(piece)[g]);
+    }
+    found
+}
+
+/// Row, column and value of every block of L.
+fn below(pieces: &Pieces) -> Vec<(usize, usize, DMat3)> {
+    let mut found = Vec::new();
+    for blocks in all(pieces).map(|piece| &piece.blocks) {
+        for (g, k) in (0..blocks.nodes()).flat_map(|g| blocks.column(g).map(move |k| (g, k))) {
+            let (row, column) = (blocks.strip.node(blocks.row[k] as usize), blocks.strip.node(g));
+            found.push((row, column, blocks.below[k].matrix().as_dmat3()));
+        }
+    }
+    found
+}
+
 /// E (I + J) E^T and E L E^T are the blocks of W, entry by entry, whatever the pivots.
 #[test]
 fn the_blocks_are_those_of_w() {
-    let pattern = Arc::new(pattern());
-    let mut blocks = NodeBlocks::new(Arc::clone(&pattern));
-    let mut lost = 0;
-    for seed in 1..20 {
-        let values = values(&pattern, seed);
-        assert!(blocks.fill(&values, RELAXATION), "seed {seed}");
-        lost += (0..NODES).filter(|&g| blocks.surplus[g].diagonal().max_element() > 0.1).count();
-        let root: Vec<DMat3> = blocks.inverse_root.iter().map(|inverse| inverse.as_dmat3().inverse()).collect();
-        for g in 0..NODES {
-            let own = DMat3::IDENTITY + blocks.surplus[g].matrix().as_dmat3();
-            let beside = blocks.column(g).map(|k| (blocks.row[k] as usize, blocks.below[k].matrix().as_dmat3()));
-            for (other, block) in beside.chain([(g, own)]) {
-                let found = root[other] * block * root[g].transpose();
-                for u in pattern.node_start[g]..pattern.node_start[g + 1] {
-                    for r in (pattern.node_start[other]..pattern.node_start[other + 1]).filter(|&r| r >= u) {
-                        // What is not stored is no number, and then nothing is near.
-                        let value = pattern.slot(r, u).map_or(f64::NAN, |slot| values[slot as usize]);
-                        let scales = blocks.scale[u as usize] * blocks.scale[r as usize];
-                        let (column, row) = (blocks.direction(u as usize), blocks.direction(r as usize));
-                        let off = found.col(column)[row] - value * scales;
-                        assert!(off.abs() < 2e-6, "seed {seed}: entry {r}, {u} is {off:e} off");
-                    }
-                }
+    for seam in SEAMS {
+        let (mut pieces, pattern) = (pieces(&seam), pattern());
+        let mut lost = 0;
+        for seed in 1..20 {
+            let values = values(&pattern, seed);
+            assert!(pieces.fill(&values, RELAXATION), "seed {seed}");
+            let surplus = by_node(&pieces, |piece| &piece.blocks.surplus);
+            lost += surplus.iter().filter(|surplus| surplus.diagonal().max_element() > 0.1).count();
+            let inverse = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+            let root: Vec<DMat3> = inverse.iter().map(|inverse| inverse.as_dmat3().inverse()).collect();
+            let (w, _) = scaled(&pieces, &values);
+            let own = |g: usize| (g, g, DMat3::IDENTITY + surplus[g].matrix().as_dmat3());
+            let blocks: Vec<_> = below(&pieces).into_iter().chain((0..NODES).map(own)).collect();
+            let stored = (0..NODES).map(|g| (g..NODES).filter(|&s| w[s][g] != DMat3::ZERO).count()).sum::<usize>();
+            assert_eq!(blocks.len(), stored, "each block once");
+            for (row, column, block) in blocks {
+                let off = root[row] * block * root[column].transpose() - w[row][column];
+                assert!(
+                    most(off) < 1e-6 * (1.0 + most(root[row]) * most(root[column])),
+                    "seed {seed}, {seam:?}: block {row}, {column} is {off} off"
+                );
             }
         }
+        assert!(lost > 20, "{lost} pivots that lose");
     }
-    assert!(lost > 20, "{lost} pivots that lose");
+}
+
+fn most(m: DMat3) -> f64 {
+    m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 /// W scaled by its diagonal, block by block, with the identity in idle places; and Y^-1, 0 in idle places.
-fn scaled(blocks: &NodeBlocks, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
-    let (pattern, place) = (&blocks.pattern, |u: usize| (blocks.pattern.dof[u] as usize / 3, blocks.direction(u)));
+fn scaled(pieces: &Pieces, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
+    let pattern = &pieces.seam.blocks.pattern;
+    let place = |u: usize| (pattern.dof[u] as usize / 3, pattern.dof[u] as usize % 3);
     let (mut w, mut scale) = (vec![vec![DMat3::ZERO; NODES]; NODES], vec![DMat3::ZERO; NODES]);
     for (g, row) in w.iter_mut().enumerate() {
         row[g] = DMat3::IDENTITY;
     }
     for u in 0..pattern.n() {
         let (g, column) = place(u);
-        scale[g].col_mut(column)[column] = blocks.scale[u];
+        scale[g].col_mut(column)[column] = pieces.scale[u];
         for (&r, value) in pattern.column(u).iter().zip(&values[pattern.col_ptr[u] as usize..]) {
             let (other, row) = place(r as usize);
-            w[other][g].col_mut(column)[row] = value * blocks.scale[u] * blocks.scale[r as usize];
+            w[other][g].col_mut(column)[row] = value * pieces.scale[u] * pieces.scale[r as usize];
             w[g][other].col_mut(row)[column] = w[other][g].col(column)[row];
         }
     }
     (w, scale)
 }
 
-/// The pivots are those of the equation above.
+/// The pivots are those of the equation above, in the order of elimination.
 #[test]
 fn the_pivots_are_those_of_the_equation() {
-    let pattern = Arc::new(pattern());
-    let mut blocks = NodeBlocks::new(Arc::clone(&pattern));
-    let mut filled = 0;
-    for seed in 1..20 {
-        let values = values(&pattern, seed);
-        assert!(blocks.fill(&values, RELAXATION), "seed {seed}");
-        let (w, scale) = scaled(&blocks, &values);
-        let weight = |g: usize| {
-            let entry = |c: usize| if scale[g].col(c)[c] > 0.0 { scale[g].col(c)[c].recip() } else { 0.0 };
-            DMat3::from_diagonal(DVec3::new(entry(0), entry(1), entry(2)))
-        };
-        let mut inverse: Vec<DMat3> = Vec::new();
-        for g in 0..NODES {
-            let (mut taken, mut fill) = (DMat3::ZERO, DMat3::ZERO);
-            for j in 0..g {
-                let row = w[g][j] * inverse[j];
-                taken += row * w[g][j].transpose();
-                for s in (j + 1..NODES).filter(|&s| s != g) {
-                    fill += row * w[s][j].transpose() * weight(s) * scale[g];
+    for seam in SEAMS {
+        let (mut pieces, pattern) = (pieces(&seam), pattern());
+        let order = order(&pieces);
+        let mut filled = 0;
+        for seed in 1..20 {
+            let values = values(&pattern, seed);
+            assert!(pieces.fill(&values, RELAXATION), "seed {seed}");
+            let (w, scale) = scaled(&pieces, &values);
+            let found = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+            let weight = |g: usize| {
+                let entry = |c: usize| if scale[g].col(c)[c] > 0.0 { scale[g].col(c)[c].recip() } else { 0.0 };
+                DMat3::from_diagonal(DVec3::new(entry(0), entry(1), entry(2)))
+            };
+            let mut inverse = [DMat3::ZERO; NODES];
+            for (turn, &g) in order.iter().enumerate() {
+                let (mut taken, mut fill) = (DMat3::ZERO, DMat3::ZERO);
+                for (earlier, &j) in order[..turn].iter().enumerate() {
+                    let row = w[g][j] * inverse[j];
+                    taken += row * w[g][j].transpose();
+                    for &s in order[earlier + 1..].iter().filter(|&&s| s != g) {
+                        fill += row * w[s][j].transpose() * weight(s) * scale[g];
+                    }
                 }
+                let bare = w[g][g] * (1.0 + SHIFT) - taken;
+                let pivot = less_fill(&bare, &((fill + fill.transpose()) * (0.5 * RELAXATION)));
+                filled += u32::from(pivot != bare);
+                let root = found[g].as_dmat3().inverse();
+                let off = most(root * root.transpose() - pivot);
+                assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {seam:?}, node {g}: {off:e} off");
+                inverse[g] = pivot.inverse();
             }
-            let bare = w[g][g] * (1.0 + SHIFT) - taken;
-            let pivot = less_fill(&bare, &((fill + fill.transpose()) * (0.5 * RELAXATION)));
-            filled += u32::from(pivot != bare);
-            let root = blocks.inverse_root[g].as_dmat3().inverse();
-            let most = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let off = most(root * root.transpose() - pivot);
-            assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, node {g}: {off:e} off");
-            inverse.push(pivot.inverse());
         }
+        assert!(filled > 50, "{filled} pivots with fill");
     }
-    assert!(filled > 50, "{filled} pivots with fill");
 }
 
 /// Fill is taken as far as it leaves enough, then halved, then left out.
@@ -160,45 +207,97 @@ fn pivots_keep_enough() {
     }
 }
 
-/// Eisenstat's product is the one of its three factors.
+/// Eisenstat's product is the one of its three factors, and the solution's way in and out those of both of its solves.
 #[test]
-fn the_product_is_that_of_its_factors() {
-    let pattern = Arc::new(pattern());
-    let mut blocks = NodeBlocks::new(Arc::clone(&pattern));
-    assert!(blocks.fill(&values(&pattern, 1), RELAXATION));
-    let z: Vec<Vec3A> = (0..NODES).map(|i| Vec3A::new(1.0, -2.0, 0.5) * (i as f32).cos()).collect();
-    let [mut p, mut t, mut q] = [z.clone(), z.clone(), z.clone()];
-    let curvature = blocks.times(&z, 0.5, Sweep { p: &mut p, t: &mut t, q: &mut q });
-    assert!(p.iter().zip(&z).all(|(p, z)| *p == *z * 1.5), "p <- z + beta p");
-    let mut u = p.clone();
-    blocks.backward(&mut u);
-    let mut product: Vec<Vec3A> = (0..NODES).map(|g| u[g] + blocks.surplus[g].matrix() * u[g]).collect();
-    for g in 0..NODES {
-        for k in blocks.column(g) {
-            let (row, block) = (blocks.row[k] as usize, blocks.below[k].matrix());
-            product[row] += block * u[g];
-            product[g] += block.transpose() * u[row];
+fn the_operations_are_those_of_their_factors() {
+    for seam in SEAMS {
+        let (mut pieces, pattern) = (pieces(&seam), pattern());
+        assert!(pieces.fill(&values(&pattern, 1), RELAXATION));
+        let mut order = order(&pieces);
+        let below = below(&pieces);
+        let forward = |v: &mut [DVec3], order: &[usize]| {
+            for &g in order {
+                let column: Vec<_> = below.iter().filter(|(_, column, _)| *column == g).collect();
+                column.into_iter().for_each(|(row, _, block)| v[*row] -= *block * v[g]);
+            }
+        };
+        let backward = |v: &mut [DVec3], order: &[usize]| {
+            for &g in order.iter().rev() {
+                let row: DVec3 = below.iter().filter(|b| b.1 == g).map(|b| b.2.transpose() * v[b.0]).sum();
+                v[g] -= row;
+            }
+        };
+        let b: Vec<f64> = (0..pattern.n()).map(|u| (u as f64).cos()).collect();
+        let [s, square] = pieces.take(&b);
+        let root = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+        let mut r = vec![DVec3::ZERO; NODES];
+        (0..pattern.n())
+            .for_each(|u| r[pattern.dof[u] as usize / 3][pattern.dof[u] as usize % 3] = b[u] * pieces.scale[u]);
+        r.iter_mut().zip(&root).for_each(|(r, root)| *r = root.as_dmat3() * *r / s);
+        forward(&mut r, &order);
+        let near = |what: &str, found: &[Vec3A], expected: &[DVec3]| {
+            for (g, (found, expected)) in found.iter().zip(expected).enumerate() {
+                let off = (found.as_dvec3() - *expected).length();
+                assert!(off < 1e-5 * (1.0 + expected.length()), "{what}, {seam:?}, node {g}: {off:e} off");
+            }
+        };
+        near("r", &by_node(&pieces, |piece| &piece.r), &r);
+        let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
+        assert!((square - squares).abs() < 1e-5 * squares);
+
+        pieces.begin();
+        pieces.product(0.0);
+        let curvature = pieces.product(0.5);
+        let p: Vec<DVec3> = r.iter().map(|r| *r * 1.5).collect();
+        near("p <- r + beta p", &by_node(&pieces, |piece| &piece.p), &p);
+        let mut u = p.clone();
+        backward(&mut u, &order);
+        let surplus = by_node(&pieces, |piece| &piece.blocks.surplus);
+        let mut q: Vec<DVec3> = (0..NODES).map(|g| u[g] + surplus[g].matrix().as_dmat3() * u[g]).collect();
+        for (row, column, block) in &below {
+            q[*row] += *block * u[*column];
+            q[*column] += block.transpose() * u[*row];
         }
+        forward(&mut q, &order);
+        near("q", &by_node(&pieces, |piece| &piece.q), &q);
+        let along: f64 = p.iter().zip(&q).map(|(p, q)| p.dot(*q)).sum();
+        let squares: f64 = p.iter().map(|p| p.length_squared()).sum();
+        assert!((curvature.along - along).abs() < 1e-5 * along && (curvature.squares - squares).abs() < 1e-5 * squares);
+
+        let left = pieces.advance(0.25);
+        let r: Vec<DVec3> = r.iter().zip(&q).map(|(r, q)| *r - *q * 0.25).collect();
+        near("r -= alpha q", &by_node(&pieces, |piece| &piece.r), &r);
+        let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
+        assert!((left - squares).abs() < 1e-5 * squares);
+        let mut x: Vec<DVec3> = p.iter().map(|p| *p * 0.25).collect();
+        backward(&mut x, &order);
+        let mut found = vec![f64::NAN; pattern.n()];
+        pieces.finish(s, &mut found);
+        for (u, found) in found.into_iter().enumerate() {
+            let g = pattern.dof[u] as usize / 3;
+            let own = (root[g].as_dmat3().transpose() * x[g])[pattern.dof[u] as usize % 3] * pieces.scale[u] * s;
+            assert!(
+                (found - own).abs() < 1e-5 * x[g].length() * pieces.scale[u] * s + 1e-12,
+                "{seam:?}: {found} at {u}, not {own}"
+            );
+        }
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..NODES), "every node once");
     }
-    blocks.forward(&mut product);
-    for (g, (a, b)) in product.iter().zip(&q).enumerate() {
-        assert!((*a - *b).length() < 1e-5 * (1.0 + a.length()), "node {g}: {a} and {b}");
-    }
-    let along: f64 = p.iter().zip(&q).map(|(p, q)| f64::from(p.dot(*q))).sum();
-    let squares: f64 = p.iter().map(|p| f64::from(p.length_squared())).sum();
-    assert!((curvature.along - along).abs() < 1e-5 * along && (curvature.squares - squares).abs() < 1e-5 * squares);
 }
 
 /// A W that single precision cannot hold is told, and leaves nothing behind for the next one.
 #[test]
 fn overflow_is_told_and_forgotten() {
-    let pattern = Arc::new(pattern());
+    let pattern = pattern();
     let good = values(&pattern, 1);
-    for u in 0..pattern.n() {
-        let mut blocks = NodeBlocks::new(Arc::clone(&pattern));
-        let mut bad = good.clone();
-        bad[pattern.col_ptr[u] as usize] = 1e-90;
-        assert!(!blocks.fill(&bad, RELAXATION) && blocks.fill(&good, RELAXATION), "unknown {u}");
-        assert!(blocks.below.iter().flat_map(|block| block.0).all(f32::is_finite), "unknown {u}");
+    for seam in SEAMS {
+        for u in 0..pattern.n() {
+            let mut pieces = pieces(&seam);
+            let mut bad = good.clone();
+            bad[pattern.col_ptr[u] as usize] = 1e-90;
+            assert!(!pieces.fill(&bad, RELAXATION) && pieces.fill(&good, RELAXATION), "unknown {u}");
+            assert!(below(&pieces).iter().all(|(.., block)| block.is_finite()), "unknown {u}");
+        }
     }
 }

@@ -138,7 +138,8 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
             Some(Factor { assembler, linear }) => (assembler, linear, true),
             None => {
                 let assembler = scene.assembler().map_err(|e| e.to_string())?;
-                let solver = solver_for(assembler.pattern.clone(), spec.linear).map_err(|e| e.to_string())?;
+                let solver =
+                    solver_for(assembler.pattern.clone(), spec.linear, scene.workers()).map_err(|e| e.to_string())?;
                 (assembler, solver, false)
             }
         };

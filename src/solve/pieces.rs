@@ -1,0 +1,278 @@
+//! The vectors of conjugate gradients and the operations on them, strip by strip (`strips`): both halves at once, before or after the seam. Sums are added in the order
+//! of the strips, so that bits do not depend on the number of threads.
+//!
+//! ```text
+//! (I + L)^-1        forwards:   the halves, then the seam, which adds what they take from it
+//! (I + L^T)^-1      backwards:  the seam, then the halves, which read it
+//! ```
+
+use super::blocks::NodeBlocks;
+use super::eisenstat::{Curvature, Sweep};
+use super::strips::{Strip, node_of_unknown};
+use crate::assembly::Pattern;
+use crate::model::workers::Workers;
+use glam::{DVec3, Vec3A};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// [nodes] in each of the runs over which [`Pieces::runs_within`] looks: a flaw of a few nodes would not show in the whole scene.
+const RUN: usize = 256;
+
+/// A strip of W with its share of all vectors; t and q hold places of the seam beside it too.
+pub(super) struct Piece {
+    pub(super) blocks: NodeBlocks,
+    x: Vec<Vec3A>,
+    pub(super) r: Vec<Vec3A>,
+    pub(super) p: Vec<Vec3A>,
+    t: Vec<Vec3A>,
+    pub(super) q: Vec<Vec3A>,
+    found: Found,
+}
+
+/// What an operation finds in a strip.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    /// whether it went well
+    well: bool,
+    /// r . r
+    square: f64,
+    curvature: Curvature,
+}
+
+impl Piece {
+    fn new(blocks: NodeBlocks) -> Self {
+        let (own, all) = ([Vec3A::ZERO].repeat(blocks.nodes()), [Vec3A::ZERO].repeat(blocks.strip.places()));
+        Piece { x: own.clone(), r: own.clone(), p: own, t: all.clone(), q: all, blocks, found: Found::default() }
+    }
+
+    fn begin(&mut self) {
+        self.x.fill(Vec3A::ZERO);
+        self.p.fill(Vec3A::ZERO);
+    }
+
+    /// Takes t of the seam.
+    fn read(&mut self, seam: &Piece) {
+        self.t[self.blocks.nodes()..].copy_from_slice(&seam.t);
+    }
+
+    /// Adds to a seam's q what the halves take from it.
+    fn add(&mut self, halves: &[Piece; 2]) {
+        for half in halves {
+            for (q, other) in self.q.iter_mut().zip(&half.q[half.blocks.nodes()..]) {
+                *q += *other;
+            }
+        }
+    }
+
+    /// t <- (I + L^T)^-1 x^
+    fn backward(&mut self) {
+        self.t[..self.blocks.nodes()].copy_from_slice(&self.x);
+        self.blocks.backward(&mut self.t);
+    }
+
+    fn forward(&mut self) {
+        self.blocks.forward(&mut self.q);
+    }
+
+    /// r <- q
+    fn keep(&mut self) {
+        self.r.copy_from_slice(&self.q[..self.blocks.nodes()]);
+        self.found.square = squared(&self.r);
+    }
+
+    /// q <- E^-1 Y^-1 b
+    fn gather(&mut self, b: impl Fn(usize) -> f32) {
+        let own = self.blocks.nodes();
+        self.blocks.gather(b, &mut self.q);
+        self.q[own..].fill(Vec3A::ZERO);
+    }
+
+    fn back(&mut self, beta: f32) {
+        let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
+        self.blocks.back(&self.r, beta, sweep);
+        self.q[self.blocks.nodes()..].fill(Vec3A::ZERO);
+    }
+
+    fn forth(&mut self) {
+        self.found.curvature = self.blocks.forth(Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q });
+    }
+
+    /// x += alpha p, r -= alpha q
+    fn advance(&mut self, alpha: f32) {
+        let mut sum = DVec3::ZERO;
+        for (((x, r), p), q) in self.x.iter_mut().zip(&mut self.r).zip(&self.p).zip(&self.q) {
+            *x += alpha * *p;
+            *r -= alpha * *q;
+            sum += (*r * *r).as_dvec3();
+        }
+        self.found.square = sum.element_sum();
+    }
+}
+
+/// All of W.
+pub(super) struct Pieces {
+    pub(super) halves: [Piece; 2],
+    pub(super) seam: Piece,
+    /// Y^-1: one over the root of W's diagonal
+    pub(super) scale: Vec<f64>,
+    workers: Workers,
+}
+
+impl Pieces {
+    /// `strips` are both halves and the seam.
+    pub fn new(pattern: &Arc<Pattern>, strips: [Strip; 3], workers: Workers) -> Self {
+        let node = node_of_unknown(pattern);
+        // Nothing is handed over where there is a single piece.
+        let workers = if strips[1].own.is_empty() { Workers::default() } else { workers };
+        let piece = |strip| Piece::new(NodeBlocks::new(Arc::clone(pattern), strip, &node));
+        let [first, second, seam] = strips.map(piece);
+        Pieces { halves: [first, second], seam, scale: vec![0.0; pattern.n()], workers }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Piece> {
+        self.halves.iter().chain([&self.seam])
+    }
+
+    fn sum(&self, of: impl Fn(&Found) -> f64) -> f64 {
+        self.all().map(|piece| of(&piece.found)).sum()
+    }
+
+    /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are positive definite, and those beside them no larger
+    /// than that allows.
+    pub fn fill(&mut self, values: &[f64], omega: f64) -> bool {
+        let Pieces { halves, seam, scale, workers } = self;
+        let diagonals = &seam.blocks.pattern.col_ptr;
+        workers.each(scale, |range, scale| {
+            for (scale, &first) in scale.iter_mut().zip(&diagonals[range]) {
+                // Rows ascend from the diagonal.
+                *scale = values[first as usize].sqrt().recip();
+            }
+            0.0
+        });
+        let scale = &*scale;
+        both(workers, halves, |half| {
+            half.found.well = half.blocks.begin(values, scale) && half.blocks.eliminate(values, scale, omega);
+        });
+        let mut well = halves.iter().all(|half| half.found.well) && seam.blocks.begin(values, scale);
+        halves.iter().for_each(|half| seam.blocks.take_from(&half.blocks));
+        well = well && seam.blocks.eliminate(values, scale, omega) && seam.blocks.scale_rows();
+        if well {
+            both(workers, halves, |half| {
+                half.blocks.take_seam(&seam.blocks);
+                half.found.well = half.blocks.scale_rows();
+            });
+        }
+        well && halves.iter().all(|half| half.found.well)
+    }
+
+    /// r <- (I + L)^-1 E^-1 Y^-1 b / s, with s of the size of Y^-1 b; returns s and r . r.
+    pub fn take(&mut self, b: &[f64]) -> [f64; 2] {
+        let Pieces { halves, seam, scale, workers } = self;
+        let scale = &*scale;
+        let most = |range: Range<usize>| {
+            b[range.clone()].iter().zip(&scale[range]).fold(0.0_f64, |most, (b, scale)| most.max((b * scale).abs()))
+        };
+        let size = workers.fold(b.len(), 0.0, most, f64::max);
+        let inverse = if size >= f64::MIN_POSITIVE { size.recip() } else { 0.0 };
+        let single = |u: usize| (b[u] * scale[u] * inverse) as f32;
+        both(workers, halves, |half| {
+            half.gather(single);
+            half.forward();
+            half.keep();
+        });
+        seam.gather(single);
+        seam.add(halves);
+        seam.forward();
+        seam.keep();
+        [size, self.sum(|found| found.square)]
+    }
+
+    /// x^ <- 0, p <- 0
+    pub fn begin(&mut self) {
+        both(&self.workers, &mut self.halves, Piece::begin);
+        self.seam.begin();
+    }
+
+    /// p <- r + beta p, q <- (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 p
+    pub fn product(&mut self, beta: f32) -> Curvature {
+        let Pieces { halves, seam, workers, .. } = self;
+        seam.back(beta);
+        both(workers, halves, |half| {
+            half.read(seam);
+            half.back(beta);
+            half.forth();
+        });
+        seam.add(halves);
+        seam.forth();
+        Curvature { along: self.sum(|found| found.curvature.along), squares: self.sum(|found| found.curvature.squares) }
+    }
+
+    /// x^ += alpha p, r -= alpha q; returns r . r.
+    pub fn advance(&mut self, alpha: f32) -> f64 {
+        both(&self.workers, &mut self.halves, |half| half.advance(alpha));
+        self.seam.advance(alpha);
+        self.sum(|found| found.square)
+    }
+
+    /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
+    pub fn finish(&mut self, s: f64, b: &mut [f64]) {
+        let Pieces { halves, seam, scale, workers } = self;
+        let factors = (s, &**scale);
+        let (first, rest) = b.split_at_mut(seam.blocks.unknowns()[0].start);
+        let (middle, second) = rest.split_at_mut(seam.blocks.unknowns()[0].len());
+        seam.backward();
+        seam.blocks.scatter(&seam.t, factors, middle);
+        let [one, other] = halves;
+        let finish = |half: &mut Piece, b: &mut [f64]| {
+            half.read(seam);
+            half.backward();
+            half.blocks.scatter(&half.t, factors, b);
+        };
+        join(workers, (one, first), (other, second), |(half, b)| finish(half, b));
+    }
+
+    /// Makes r a vector that is the same everywhere and has a part of every motion; returns r . r.
+    pub fn rehearse(&mut self) -> f64 {
+        let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut rough = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
+        };
+        for piece in self.halves.iter_mut().chain([&mut self.seam]) {
+            piece.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+            piece.found.square = squared(&piece.r);
+        }
+        self.sum(|found| found.square)
+    }
+
+    /// Whether p . q is no more of p . p than this [-] in every run of nodes.
+    pub fn runs_within(&self, most: f64) -> bool {
+        let mut runs = self.all().flat_map(|piece| piece.p.chunks(RUN).zip(piece.q.chunks(RUN)));
+        runs.all(|(p, q)| product(p, q) <= most * squared(p))
+    }
+}
+
+fn both(workers: &Workers, [one, other]: &mut [Piece; 2], work: impl Fn(&mut Piece) + Sync) {
+    join(workers, one, other, work);
+}
+
+/// Does the work on both, on two threads if there are.
+fn join<T: Send>(workers: &Workers, one: T, other: T, work: impl Fn(T) + Sync) {
+    match workers.pool() {
+        None => {
+            work(one);
+            work(other);
+        }
+        Some(pool) => {
+            pool.install(|| rayon::join(|| work(one), || work(other)));
+        }
+    }
+}
+
+fn product(a: &[Vec3A], b: &[Vec3A]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum()
+}
+
+fn squared(v: &[Vec3A]) -> f64 {
+    v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
+}
