@@ -2,7 +2,9 @@
 
 use super::stage::StageMap;
 use crate::model::lanes::{LANES, Lanes};
+use crate::model::workers::Workers;
 use multiversion::multiversion;
+use std::ops::Range;
 
 /// A step's start.
 #[derive(Clone, Copy)]
@@ -15,74 +17,95 @@ pub(super) struct Start<'a> {
     pub a: &'a [f64],
 }
 
-/// Its end.
-pub(super) struct End<'a> {
-    /// [m]
-    pub x: &'a mut [f64],
-    /// [m/s]
-    pub v: &'a mut [f64],
-    /// [m/s^2]
-    pub a: &'a mut [f64],
+impl<'a> Start<'a> {
+    fn of(self, r: Range<usize>) -> Self {
+        Start { x: &self.x[r.clone()], v: &self.v[r.clone()], a: &self.a[r] }
+    }
 }
 
-/// x = x_n + z,   v = cv z + vv v_n + va a_n,   a = ca z + av v_n + aa a_n
+/// x = x_n + z,   v = cv z + vv v_n + va a_n
+pub(super) fn displace(workers: &Workers, map: StageMap, z: &[f64], n: Start<'_>, to: (&mut [f64], &mut [f64])) {
+    workers.both(to, |r, x, v| displace_some(map, &z[r.clone()], n.of(r), (x, v)));
+}
+
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn displace(map: StageMap, z: &[f64], n: Start<'_>, to: End<'_>) {
+fn displace_some(map: StageMap, z: &[f64], n: Start<'_>, (x, v): (&mut [f64], &mut [f64])) {
     let start = z.iter().zip(n.x).zip(n.v).zip(n.a);
-    let end = to.x.iter_mut().zip(to.v).zip(to.a);
-    for ((((z, x_n), v_n), a_n), ((x, v), a)) in start.zip(end) {
+    for ((((z, x_n), v_n), a_n), (x, v)) in start.zip(x.iter_mut().zip(v)) {
         *x = x_n + z;
         *v = map.cv * z + map.vv * v_n + map.va * a_n;
-        *a = map.ca * z + map.av * v_n + map.aa * a_n;
     }
 }
 
-/// What the forces of inertia are made of.
+/// [N] forces at both ends, and what inertia they meet.
 #[derive(Clone, Copy)]
-pub(super) struct Inertial<'a> {
-    /// [kg] diagonal of M
-    pub mass: &'a [f64],
-    /// [m/s^2] at the start
-    pub a_n: &'a [f64],
-    /// [m/s^2] at the end
-    pub a: &'a [f64],
-}
-
-/// [N] forces at both ends.
-#[derive(Clone, Copy)]
-pub(super) struct Ends<'a> {
+pub(super) struct Forces<'a> {
     pub f_n: &'a [f64],
     pub f: &'a [f64],
+    /// [kg] diagonal of M
+    pub mass: &'a [f64],
 }
 
-/// r = M ((1 - am) a + am a_n) - (1 - af) f - af f_n [N]
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn unbalanced(map: StageMap, inertia: Inertial<'_>, forces: Ends<'_>, r: &mut [f64]) {
-    let accelerations = inertia.mass.iter().zip(inertia.a_n).zip(inertia.a);
-    for ((((mass, a_n), a), (f_n, f)), r) in accelerations.zip(forces.f_n.iter().zip(forces.f)).zip(r) {
-        *r = mass * ((1.0 - map.am) * a + map.am * a_n) - ((1.0 - map.af) * f + map.af * f_n);
+impl<'a> Forces<'a> {
+    fn of(self, r: Range<usize>) -> Self {
+        Forces { f_n: &self.f_n[r.clone()], f: &self.f[r.clone()], mass: &self.mass[r] }
     }
 }
 
-/// What rounding is proportional to, besides the residual.
+/// a = ca z + av v_n + aa a_n,   r = M ((1 - am) a + am a_n) - (1 - af) f - af f_n [N], in the place of z
+pub(super) fn unbalanced(
+    workers: &Workers,
+    map: StageMap,
+    n: Start<'_>,
+    forces: Forces<'_>,
+    (a, z_to_r): (&mut [f64], &mut [f64]),
+) {
+    workers.both((a, z_to_r), |r, a, z_to_r| unbalanced_some(map, n.of(r.clone()), forces.of(r), (a, z_to_r)));
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn unbalanced_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, (a, z_to_r): (&mut [f64], &mut [f64])) {
+    let forces = forces.mass.iter().zip(forces.f_n).zip(forces.f);
+    for ((((mass, f_n), f), (v_n, a_n)), (a, r)) in forces.zip(n.v.iter().zip(n.a)).zip(a.iter_mut().zip(z_to_r)) {
+        *a = map.ca * *r + map.av * v_n + map.aa * a_n;
+        *r = mass * ((1.0 - map.am) * *a + map.am * a_n) - ((1.0 - map.af) * f + map.af * f_n);
+    }
+}
+
+/// What rounding is proportional to, besides the forces.
 #[derive(Clone, Copy)]
 pub(super) struct Sizes<'a> {
     /// [N/m] by degree of freedom
     pub stiffness: &'a [f64],
     /// [m] largest coordinate
     pub largest: f64,
-    /// [m/s]
-    pub v_n: &'a [f64],
+    /// [m/s^2] accelerations at the end
+    pub a: &'a [f64],
 }
 
 /// [N] The rounding of every residual: positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as
 /// M v/(beta h).
+pub(super) fn rounding(
+    workers: &Workers,
+    map: StageMap,
+    n: Start<'_>,
+    forces: Forces<'_>,
+    sizes: Sizes<'_>,
+    floor: &mut [f64],
+) {
+    workers.each(floor, |r, floor| {
+        let sizes = Sizes { stiffness: &sizes.stiffness[r.clone()], a: &sizes.a[r.clone()], ..sizes };
+        rounding_some(map, n.of(r.clone()), forces.of(r), sizes, floor);
+        0.0
+    });
+}
+
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn rounding(map: StageMap, inertia: Inertial<'_>, forces: Ends<'_>, sizes: Sizes<'_>, floor: &mut [f64]) {
+fn rounding_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, sizes: Sizes<'_>, floor: &mut [f64]) {
     let moved = map.av.abs();
-    let accelerations = inertia.mass.iter().zip(inertia.a_n).zip(inertia.a);
-    let terms = accelerations.zip(forces.f_n.iter().zip(forces.f)).zip(sizes.stiffness.iter().zip(sizes.v_n));
-    for (((((mass, a_n), a), (f_n, f)), (stiffness, v_n)), floor) in terms.zip(floor) {
+    let forces = forces.mass.iter().zip(forces.f_n).zip(forces.f);
+    let terms = forces.zip(n.v.iter().zip(n.a)).zip(sizes.stiffness.iter().zip(sizes.a));
+    for (((((mass, f_n), f), (v_n, a_n)), (stiffness, a)), floor) in terms.zip(floor) {
         let force = ((1.0 - map.af) * f + map.af * f_n).abs();
         let inertia = mass * (((1.0 - map.am) * a + map.am * a_n).abs() + moved * v_n.abs());
         *floor = 4.0 * f64::EPSILON * (stiffness * sizes.largest + force + inertia);

@@ -6,7 +6,7 @@
 //! ```
 
 use super::Counters;
-use super::balance::{End, Ends, Inertial, Sizes, Start, displace, rounding, unbalanced};
+use super::balance::{Forces, Sizes, Start, displace, rounding, unbalanced};
 use super::kept::Kept;
 use super::stage::StageMap;
 use super::tangents::{Tangents, Which};
@@ -138,17 +138,19 @@ impl NonlinearProblem for Equations<'_> {
         for (&dof, z) in self.tangents.dof.iter().zip(z) {
             wide[dof as usize] = *z;
         }
-        let start = Start { x: &n.x, v: &n.v, a: self.a };
-        displace(map, wide, start, End { x: &mut self.to.state.x, v: &mut self.to.state.v, a: self.a_next });
+        let (workers, start) = (self.system.workers(), Start { x: &n.x, v: &n.v, a: self.a });
+        displace(workers, map, wide, start, (&mut self.to.state.x, &mut self.to.state.v));
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
-        let ends = Ends { f_n: &self.from.forces.total, f: &self.to.forces.total };
-        let inertia = Inertial { mass: self.mass, a_n: self.a, a: self.a_next };
-        let sizes = Sizes { stiffness: self.stiffness, largest: self.largest, v_n: &n.v };
-        unbalanced(map, inertia, ends, wide);
-        rounding(map, inertia, ends, sizes, floors);
-        for ((&dof, r), floor) in self.tangents.dof.iter().zip(r).zip(floor) {
-            (*r, *floor) = (wide[dof as usize], floors[dof as usize]);
-        }
+        let forces = Forces { f_n: &self.from.forces.total, f: &self.to.forces.total, mass: self.mass };
+        unbalanced(workers, map, start, forces, (self.a_next, wide));
+        let sizes = Sizes { stiffness: self.stiffness, largest: self.largest, a: self.a_next };
+        rounding(workers, map, start, forces, sizes, floors);
+        let (wide, floors, dof) = (&**wide, &**floors, &*self.tangents.dof);
+        workers.both((r, floor), |range, r, floor| {
+            for ((&dof, r), floor) in dof[range].iter().zip(r).zip(floor) {
+                (*r, *floor) = (wide[dof as usize], floors[dof as usize]);
+            }
+        });
     }
 
     fn retreat(&mut self, z: &mut [f64]) -> bool {
