@@ -22,8 +22,10 @@ impl NodeBlocks {
         let first = self.unknowns()[0].start;
         for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
             let own = inverse_root.transpose() * *v;
-            for u in self.unknowns_of(g) {
-                b[u - first] = f64::from(own[self.direction(u)]) * scale[u] * s;
+            let unknowns = self.unknowns_of(g);
+            for (i, u) in unknowns.clone().enumerate() {
+                let direction = if unknowns.len() == 3 { i } else { self.direction(u) };
+                b[u - first] = f64::from(own[direction]) * scale[u] * s;
             }
         }
     }
