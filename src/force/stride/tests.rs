@@ -117,8 +117,8 @@ fn in_a_stride<T: Terms>(
     Found { forces, state, told }
 }
 
-/// What is told of all nodes at the end of a step, strip after strip.
-fn told(sweep: &Sweep, from: &Point, to: &Point) -> NodeSums {
+/// What is told of all nodes at the end of a step, strip after strip; where it is the last, their bounds too.
+fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
     let [mass, _] = masses();
     let of = |strip: usize| {
         let nodes = sweep.tiling.nodes_of(strip..strip + 1);
@@ -131,6 +131,7 @@ fn told(sweep: &Sweep, from: &Point, to: &Point) -> NodeSums {
             stride::Work::of::<3>(forces.each_ref().map(Vec::as_slice), before, after)
         };
         let nodes = nodes.map(|i| [to.state.x[3 * i], to.state.x[3 * i + 1], to.state.x[3 * i + 2]]);
+        let nodes = nodes.filter(|_| last);
         let bounds = nodes.fold(Bounds::default(), |all, x| all.and(Bounds { low: x, high: x }));
         let (finite, work) = (true, half(&from.forces).and(half(&to.forces)).halved());
         NodeSums { kinetic, largest_square, bounds, finite, work }
@@ -140,7 +141,7 @@ fn told(sweep: &Sweep, from: &Point, to: &Point) -> NodeSums {
 
 fn one_by_one<T: Terms>((terms, sweep): &(T, Sweep), (kicks, present): (Kicks, [bool; 2]), steps: usize) -> Found {
     let (mut from, mut of_steps) = (start(present), Vec::new());
-    for _ in 0..steps {
+    for step in 1..=steps {
         let (scheme, mut to) = (Scheme::new(from, kicks), nowhere(&start(present)));
         let mut tallies = vec![Tally::default(); 2];
         let State { x, v, .. } = &mut to.state;
@@ -154,7 +155,7 @@ fn one_by_one<T: Terms>((terms, sweep): &(T, Sweep), (kicks, present): (Kicks, [
             sweep.pass((terms, at), &Threads::one(), out, &mut tallies);
             scheme.after(0..3 * NODES, v, &to.forces.total);
         }
-        of_steps.push((told(sweep, &scheme.from, &to), tallies));
+        of_steps.push((told(sweep, &scheme.from, &to, step == steps), tallies));
         from = to;
     }
     Found { forces: from.forces, state: from.state, told: of_steps }

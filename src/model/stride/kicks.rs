@@ -1,7 +1,7 @@
 //! What happens to nodes between the force passes of a stride, in one way through them.
 //!
 //! ```text
-//! v += l M^-1 f                       a step ends: kinetic energy, largest speed, bounds, and whether all is finite
+//! v += l M^-1 f                       a step ends: kinetic energy and largest speed; where none follows, bounds, and whether all is finite
 //! v += k M^-1 f,  x += h v            the next begins
 //! ```
 //! and where forces are first found at predicted velocities, with the second kick before the step ends,
@@ -199,9 +199,6 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
             between[i] = v_i;
             // All quads of records have the same coordinates in the same places.
             let place = if W == 4 { 0 } else { i };
-            self.low[place] = x_i.smaller(self.low[place]);
-            self.high[place] = x_i.larger(self.high[place]);
-            self.nothing = self.nothing + unit.splat(0.0) * f_i;
             if ANOTHER {
                 let u = v_i + k * a;
                 x[i] = (x_i + h * u).numbers();
@@ -214,6 +211,10 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
                 if W == 4 {
                     f[i] = [0.0; 4];
                 }
+            } else {
+                self.low[place] = x_i.smaller(self.low[place]);
+                self.high[place] = x_i.larger(self.high[place]);
+                self.nothing = self.nothing + unit.splat(0.0) * f_i;
             }
             if END || ANOTHER {
                 v[i] = v_i.numbers();
