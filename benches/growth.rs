@@ -3,17 +3,22 @@
 //! ```text
 //! cargo bench --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
 //! cargo bench --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
+//! cargo bench --bench growth -- --svg growth.svg            # the curves too
 //! ```
 //!
 //! Processor time of all threads, output and start-up apart. An exponent is that of the power law between a size and the one before it.
 //! Explicit steps are as short as the size demands, take two passes over the forces each (the dashpots), and are measured after a warm-up; implicit steps are the first ten of 1 ms, the first
 //! factorisation included, the median of as many such runs as fill a second.
 
+mod fixture;
+
 use canopy_fem::case::Case;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
 use canopy_fem::output::process::cpu_seconds;
+use canopy_fem::plot::chart::{Axis, Chart, Line, Marker, Stroke};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{bind, build_scene};
+use fixture::figure::{after, draw_if_wanted};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -33,12 +38,11 @@ struct Wishes {
 
 impl Wishes {
     fn read() -> Self {
-        let words: Vec<String> = std::env::args().collect();
-        let after = |flag: &str| {
-            let value = words.iter().position(|word| word == flag).and_then(|at| words.get(at + 1))?;
-            Some(value.parse().unwrap_or_else(|_| panic!("{flag} wants a number of nodes, not {value}")))
+        let number = |flag: &str| {
+            after(flag)
+                .map(|word| word.parse().unwrap_or_else(|_| panic!("{flag} wants a number of nodes, not {word}")))
         };
-        Wishes { most: after("--most").unwrap_or(usize::MAX), full: after("--full").unwrap_or(10_000) }
+        Wishes { most: number("--most").unwrap_or(usize::MAX), full: number("--full").unwrap_or(10_000) }
     }
 }
 
@@ -163,6 +167,37 @@ fn measure(nodes: usize, full: usize) -> Row {
     }
 }
 
+/// Time a step over the number of nodes.
+fn curves(rows: &[Row]) -> Chart {
+    let marks = [Marker::Dot, Marker::Square, Marker::Triangle, Marker::Diamond];
+    let kinds: [(&str, &dyn Fn(&Row) -> Option<f64>); 4] = [
+        ("newmark, full", &|row| row.full.map(|cost| cost.step)),
+        ("newmark, auto", &|row| Some(row.auto.step)),
+        ("velocity-verlet", &|row| Some(row.verlet.step)),
+        ("a force pass", &|row| Some(row.pass)),
+    ];
+    let lines = kinds.iter().zip(marks).flat_map(|(&(name, of), marker)| {
+        let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row.nodes as f64, of(row)?))).collect();
+        let guide = points.first().zip(points.last()).map(|(&(n, t), &(last, _))| Line {
+            points: vec![(n, t), (last, t * last / n)],
+            stroke: Stroke::Dashed,
+            ..Line::default()
+        });
+        let measured: Vec<&Row> = rows.iter().filter(|row| of(row).is_some()).collect();
+        let exponent = match measured[..] {
+            [first, .., last] => last.exponent_from(first, of).map_or_else(String::new, |e| format!(": n^{e:.2}")),
+            _ => String::new(),
+        };
+        [Line { marker, ..Line::new(format!("{name}{exponent}"), points) }].into_iter().chain(guide)
+    });
+    Chart {
+        x: Axis::log("nodes n (dashed: as n)"),
+        y: Axis::log("processor time a step [s]"),
+        lines: lines.collect(),
+        ..Chart::default()
+    }
+}
+
 fn main() {
     let wishes = Wishes::read();
     println!(
@@ -197,4 +232,5 @@ fn main() {
             total(&|r| Some(r.auto.step))
         );
     }
+    draw_if_wanted(|| curves(&rows));
 }

@@ -12,7 +12,8 @@
 //! ```
 //! A triangle of zero area has no normal: force and tangents are 0.
 
-use super::batch::{Batch, Elements, Kernel, Records, Wants};
+use super::batch::{Records, Wants};
+use super::faces::{FaceBatch, FaceKernel, Faces};
 use super::push::{Push, PushLaw, push};
 use super::series::interpolate;
 use super::triangle::{AreaVector, THIRD, mean};
@@ -25,7 +26,7 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// The air on a batch of triangles.
-pub type Air = Batch<AirData, 3>;
+pub type Air = FaceBatch<AirData>;
 
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
@@ -65,16 +66,16 @@ impl AirData {
     }
 }
 
-impl Kernel<3> for AirData {
+impl FaceKernel for AirData {
     const WANTS: Wants = Wants { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
+    fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally {
         let wind = interpolate(&self.wind, tile.t);
-        Tally { energy: 0.0, power: push(AirLaw { data: self, wind }, tile, f) }
+        Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &tile, f) }
     }
 }
 

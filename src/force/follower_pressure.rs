@@ -4,19 +4,21 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use super::batch::{Batch, Elements, Kernel, Records, Wants};
+use super::batch::{Records, Wants};
+use super::faces::{FaceBatch, FaceKernel, Faces};
+use super::push::{Push, PushLaw, push};
 use super::series::factor;
-use super::tile::vector;
-use super::triangle::{AreaVector, THIRD, mean};
+use super::triangle::{AreaVector, THIRD};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::VectorUnit;
 use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::DMat3;
 use std::sync::Arc;
 
 /// A follower pressure on a batch of triangles.
-pub type FollowerPressure = Batch<FollowerData, 3>;
+pub type FollowerPressure = FaceBatch<FollowerData>;
 
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
@@ -29,21 +31,29 @@ pub struct FollowerData {
     pub factor: Option<Series<f64>>,
 }
 
-impl Kernel<3> for FollowerData {
+impl FaceKernel for FollowerData {
     const WANTS: Wants = Wants { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    fn add(&self, tile: Elements<'_, 3>, f: &mut Records) -> Tally {
-        let p = self.pressure * factor(self.factor.as_ref(), tile.t);
-        let power = tile.each([1.0; 3], f, |_, places| {
-            let (x, v) = (places.map(|at| vector(tile.x, at)), places.map(|at| vector(tile.v, at)));
-            let force = p * AreaVector::new(&x, [0, 1, 2]).s;
-            (force * THIRD, force.dot(mean(&v, [0, 1, 2])))
-        });
-        Tally { energy: 0.0, power }
+    fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally {
+        let pressure = self.pressure * factor(self.factor.as_ref(), tile.t);
+        Tally { energy: 0.0, power: push(&PressureLaw { pressure }, &tile, f) }
+    }
+}
+
+struct PressureLaw {
+    /// [Pa]
+    pressure: f64,
+}
+
+impl PushLaw for PressureLaw {
+    #[inline(always)]
+    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
+        let share = unit.splat(THIRD * self.pressure);
+        Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
     }
 }
 

@@ -7,7 +7,8 @@
 //!    `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`] and [`ForceTerm`]. Either adds to one tile of the scene at a
 //!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
 //!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that pull
-//!    along a difference (`pull`, see `relative_dashpot`), a `PushLaw` for triangles (`push`, see `air`), or `phases` for other shapes.
+//!    along a difference (`pull`, see `relative_dashpot`), a `PushLaw` and a [`faces::FaceKernel`] for triangles that are pushed along their normal (`push`, see
+//!    `follower_pressure`), or `phases` for other shapes.
 //!    All read nodes in the tile's windows, and say which of them they want: in steps that are made several at once a scene has no state of its own.
 //!    Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one piece of them: see `nodal`.
 //! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
@@ -32,12 +33,14 @@ pub mod batch;
 pub(crate) mod between;
 pub mod coefficient;
 pub mod edges;
+pub mod faces;
 mod fans;
 pub mod follower_pressure;
 mod fronts;
 pub mod gravity;
 pub mod neighbours;
 pub mod nodal;
+mod pairs;
 mod phases;
 mod pull;
 mod push;
