@@ -129,7 +129,7 @@ struct Row {
 
 impl Row {
     /// Of the power law by which something has grown since a smaller size.
-    fn exponent_from(&self, smaller: &Row, of: &dyn Fn(&Row) -> Option<f64>) -> Option<f64> {
+    fn exponent_from(&self, smaller: &Row, of: &Of) -> Option<f64> {
         Some((of(self)? / of(smaller)?).ln() / (self.nodes as f64 / smaller.nodes as f64).ln())
     }
 }
@@ -167,10 +167,13 @@ fn measure(nodes: usize, full: usize) -> Row {
     }
 }
 
+/// What is told of a row, if it was measured.
+type Of = dyn Fn(&Row) -> Option<f64>;
+
 /// Time a step over the number of nodes.
 fn curves(rows: &[Row]) -> Chart {
     let marks = [Marker::Dot, Marker::Square, Marker::Triangle, Marker::Diamond];
-    let kinds: [(&str, &dyn Fn(&Row) -> Option<f64>); 4] = [
+    let kinds: [(&str, &Of); 4] = [
         ("newmark, full", &|row| row.full.map(|cost| cost.step)),
         ("newmark, auto", &|row| Some(row.auto.step)),
         ("velocity-verlet", &|row| Some(row.verlet.step)),
@@ -206,7 +209,7 @@ fn main() {
     let mut rows: Vec<Row> = Vec::new();
     for nodes in SIZES.into_iter().filter(|&nodes| nodes <= wishes.most) {
         let row = measure(nodes, wishes.full);
-        let exponent = |of: &dyn Fn(&Row) -> Option<f64>| {
+        let exponent = |of: &Of| {
             let found = rows.last().and_then(|before| row.exponent_from(before, of));
             found.map_or_else(|| "     ".to_owned(), |e| format!("^{e:<4.2}"))
         };
@@ -225,7 +228,7 @@ fn main() {
         rows.push(row);
     }
     if let [first, .., last] = rows.as_slice() {
-        let total = |of: &dyn Fn(&Row) -> Option<f64>| last.exponent_from(first, of).unwrap_or(f64::NAN);
+        let total = |of: &Of| last.exponent_from(first, of).unwrap_or(f64::NAN);
         println!(
             "from the first to the last: velocity-verlet ^{:.3}, newmark auto ^{:.3}",
             total(&|r| Some(r.verlet.step)),
