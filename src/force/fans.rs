@@ -144,7 +144,7 @@ fn add<U: VectorUnit>(unit: U, nodes: &Group, kept: &Kept, f: &mut Records) {
         for j in 0..FAN {
             let at = FANS * j + q;
             let force = unit.splat(kept.scale[j][q]) * unit.quad(kept.d[at]);
-            own = own + force;
+            own = if j == 0 { force } else { own + force };
             let other = nodes[at][1];
             set_record(f, other, (unit.quad(record(f, other)) - force).numbers());
         }

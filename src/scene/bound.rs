@@ -12,7 +12,13 @@ use glam::{DMat3, DVec3};
 
 /// Room for one block a node, kept between passes.
 #[derive(Clone, Debug, Default)]
-pub struct BoundRoom(Vec<DMat3>);
+pub struct BoundRoom(Vec<Block>);
+
+/// [-] A root that is not above another by more than this share is the same.
+const ROUNDING: f64 = 1e-14;
+
+/// The symmetric part of a 3 x 3 block: its diagonal, then xy, yz and zx.
+type Block = [f64; 6];
 
 impl Network {
     /// The bound [1/s^2 or 1/s, as the weights make it] and the degree of freedom whose node sets it; proved where K and C are
@@ -20,22 +26,19 @@ impl Network {
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
         let BoundRoom(blocks) = room;
         blocks.clear();
-        blocks.resize(self.fixed.len(), DMat3::ZERO);
-        let inverse = by_node(&self.inverse_mass);
-        let mut sink = Diagonal { blocks, inverse };
+        blocks.resize(self.fixed.len(), Block::default());
+        let mut sink = Diagonal { blocks, fixed: &self.fixed };
         for term in &self.terms {
             term.convex_tangent(node_state(at), w, &mut sink);
         }
         let (mut most, mut dof) = (0.0, 0);
-        for (i, (block, inverse)) in blocks.iter().zip(inverse).enumerate() {
-            let root = DVec3::new(inverse.x.sqrt(), inverse.y.sqrt(), inverse.z.sqrt());
-            let scaled = DMat3::from_diagonal(root) * *block * DMat3::from_diagonal(root);
-            // The sum of squares is never below the largest root, and cheaper.
-            let size = scaled.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-            if size.is_nan() || size > most {
-                let largest = largest_root(&scaled);
+        for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {
+            let block = scaled(block, *inverse);
+            // Far cheaper than the root, which is asked a few times in a net that is much the same everywhere.
+            if !lies_below(&block, (1.0 + ROUNDING) * most) {
+                let largest = largest_root(&block);
                 if largest.is_nan() || largest > most {
-                    (most, dof) = (largest, 3 * i + (0..3).max_by(|&a, &b| along(&scaled, a, b)).unwrap_or(0));
+                    (most, dof) = (largest, 3 * i + (0..3).max_by(|&a, &b| block[a].total_cmp(&block[b])).unwrap_or(0));
                 }
             }
         }
@@ -43,51 +46,76 @@ impl Network {
     }
 }
 
-fn along(block: &DMat3, a: usize, b: usize) -> std::cmp::Ordering {
-    block.col(a)[a].total_cmp(&block.col(b)[b])
+/// M^-1/2 A M^-1/2.
+fn scaled([xx, yy, zz, xy, yz, zx]: &Block, inverse: DVec3) -> Block {
+    let DVec3 { x, y, z } = inverse;
+    if x == y && y == z {
+        return [xx, yy, zz, xy, yz, zx].map(|a| x * a);
+    }
+    [x * xx, y * yy, z * zz, (x * y).sqrt() * xy, (y * z).sqrt() * yz, (z * x).sqrt() * zx]
 }
 
-/// Largest eigenvalue of the symmetric part of a 3 x 3 matrix (Smith 1961).
-fn largest_root(a: &DMat3) -> f64 {
-    let a = (*a + a.transpose()) * 0.5;
-    let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
-    let rest = a - DMat3::from_diagonal(DVec3::splat(mean));
-    let p = (rest.to_cols_array().iter().map(|x| x * x).sum::<f64>() / 6.0).sqrt();
+/// Whether all roots are below `most`: `most I - A` is positive definite (Sylvester's criterion). Not if some number is none.
+fn lies_below([xx, yy, zz, xy, yz, zx]: &Block, most: f64) -> bool {
+    let [x, y, z] = [most - xx, most - yy, most - zz];
+    let minor = x * y - xy * xy;
+    let determinant = z * minor - x * yz * yz - y * zx * zx - 2.0 * xy * yz * zx;
+    x > 0.0 && minor > 0.0 && determinant > 0.0
+}
+
+/// Largest eigenvalue (Smith 1961).
+fn largest_root([xx, yy, zz, xy, yz, zx]: &Block) -> f64 {
+    let mean = (xx + yy + zz) / 3.0;
+    let [x, y, z] = [xx - mean, yy - mean, zz - mean];
+    let p = ((x * x + y * y + z * z + 2.0 * (xy * xy + yz * yz + zx * zx)) / 6.0).sqrt();
     if p == 0.0 {
         return mean;
     }
-    let half = 0.5 * (rest * p.recip()).determinant();
+    let [x, y, z, xy, yz, zx] = [x, y, z, *xy, *yz, *zx].map(|a| a / p);
+    let half = 0.5 * (x * (y * z - yz * yz) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx));
     mean + 2.0 * p * (half.clamp(-1.0, 1.0).acos() / 3.0).cos()
 }
 
 /// Adds up element blocks on the diagonal, each as many times as its element has ends that move.
 struct Diagonal<'a> {
-    blocks: &'a mut [DMat3],
-    inverse: &'a [DVec3],
+    blocks: &'a mut [Block],
+    fixed: &'a [[bool; 3]],
 }
 
 impl Diagonal<'_> {
-    fn moves(&self, i: u32) -> bool {
-        self.inverse[i as usize].max_element() > 0.0
+    fn moving<const N: usize>(&self, nodes: [u32; N]) -> f64 {
+        nodes.iter().filter(|&&i| self.fixed[i as usize] != [true; 3]).count() as f64
     }
+
+    fn add(&mut self, i: u32, block: &Block) {
+        for (sum, added) in self.blocks[i as usize].iter_mut().zip(block) {
+            *sum += added;
+        }
+    }
+}
+
+/// The symmetric part of `times A`.
+fn symmetric(times: f64, DMat3 { x_axis: x, y_axis: y, z_axis: z }: &DMat3) -> Block {
+    let half = 0.5 * times;
+    [times * x.x, times * y.y, times * z.z, half * (x.y + y.x), half * (y.z + z.y), half * (z.x + x.z)]
 }
 
 impl TangentSink for Diagonal<'_> {
     fn node(&mut self, i: u32, block: DMat3) {
-        self.blocks[i as usize] += block;
+        self.add(i, &symmetric(1.0, &block));
     }
 
     fn edge(&mut self, nodes: [u32; 2], block: DMat3) {
-        let moving = nodes.iter().filter(|&&i| self.moves(i)).count() as f64;
+        let block = symmetric(self.moving(nodes), &block);
         for i in nodes {
-            self.blocks[i as usize] += block * moving;
+            self.add(i, &block);
         }
     }
 
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
-        let moving = nodes.iter().filter(|&&i| self.moves(i)).count() as f64;
+        let moving = self.moving(nodes);
         for (p, &i) in nodes.iter().enumerate() {
-            self.blocks[i as usize] += blocks[p][p] * moving;
+            self.add(i, &symmetric(moving, &blocks[p][p]));
         }
     }
 }
@@ -96,12 +124,39 @@ impl TangentSink for Diagonal<'_> {
 mod tests {
     use super::*;
 
+    fn block(a: &DMat3) -> Block {
+        [a.x_axis.x, a.y_axis.y, a.z_axis.z, a.x_axis.y, a.y_axis.z, a.z_axis.x]
+    }
+
     #[test]
     fn the_largest_root_of_known_matrices() {
         let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
         for roots in [[3.0, 2.0, 1.0], [5.0, 5.0, -2.0], [0.0, 0.0, 0.0], [-1.0, -4.0, -4.0], [7.0, 7.0, 7.0]] {
-            let a = rotation * DMat3::from_diagonal(DVec3::from_array(roots)) * rotation.transpose();
+            let a = block(&(rotation * DMat3::from_diagonal(DVec3::from_array(roots)) * rotation.transpose()));
             assert!((largest_root(&a) - roots[0]).abs() < 1e-12, "{roots:?}: {}", largest_root(&a));
+            assert!(lies_below(&a, roots[0] + 1e-6), "{roots:?}");
+            // Below the largest and above the others, below two, and below all of them.
+            for most in [roots[0] - 1e-6, roots[1] - 1e-6, roots[2] - 1e-6] {
+                assert!(!lies_below(&a, most), "{roots:?}, {most}");
+            }
+        }
+        for at in 0..6 {
+            let mut a: Block = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+            a[at] = f64::NAN;
+            assert!(!lies_below(&a, 10.0) && largest_root(&a).is_nan(), "{at}");
+        }
+    }
+
+    /// M^-1/2 A M^-1/2 has the roots of M^-1 A, whatever the masses.
+    #[test]
+    fn blocks_are_scaled_by_masses() {
+        let a = DMat3::from_cols_array(&[4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 5.0]);
+        for inverse in [DVec3::splat(0.7), DVec3::new(0.7, 0.2, 1.3), DVec3::new(0.0, 0.2, 1.3)] {
+            let root = DVec3::new(inverse.x.sqrt(), inverse.y.sqrt(), inverse.z.sqrt());
+            let expected = block(&(DMat3::from_diagonal(root) * a * DMat3::from_diagonal(root)));
+            for (found, expected) in scaled(&block(&a), inverse).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{found} for {expected}");
+            }
         }
     }
 }

@@ -7,6 +7,9 @@ use crate::scene::{BoundRoom, Scene};
 
 /// Looks at the scene in a run.
 const LOOKS: u64 = 64;
+/// [-] Measures that differ by no more than this share are the same. Of states with the same the last is kept: the start is known already, and what the measure cannot tell, such as a
+/// motion across springs that have come under tension, may be told by another.
+const ROUNDING: f64 = 1e-12;
 
 /// Now and then a measure of the critical step, from one pass over the elements.
 pub(super) struct Looks<'a> {
@@ -28,12 +31,12 @@ impl<'a> Looks<'a> {
     pub fn look(&mut self, at: StateRef<'_>) {
         let now = step_by_bounds(self.scene, at, &mut self.room);
         let [(least, stiffest), (largest, softest)] = &mut self.seen;
-        if now < *least {
-            *least = now;
+        if now < (1.0 + ROUNDING) * *least {
+            *least = least.min(now);
             stiffest.copy_from(at);
         }
-        if now > *largest {
-            *largest = now;
+        if now > (1.0 - ROUNDING) * *largest {
+            *largest = largest.max(now);
             softest.copy_from(at);
         }
     }
