@@ -18,7 +18,7 @@ use canopy_fem::output::process::cpu_seconds;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Marker, Stroke};
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{bind, build_scene};
-use fixture::figure::{after, draw_if_wanted};
+use fixture::figure::{after, draw, wanted};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -202,7 +202,7 @@ fn curves(rows: &[Row]) -> Chart {
 }
 
 fn main() {
-    let wishes = Wishes::read();
+    let (wishes, picture) = (Wishes::read(), wanted());
     println!(
         "     nodes   velocity-verlet        a force pass    newmark auto, iterations    newmark full, iterations"
     );
@@ -235,5 +235,5 @@ fn main() {
             total(&|r| Some(r.auto.step))
         );
     }
-    draw_if_wanted(|| curves(&rows));
+    draw(picture, || curves(&rows));
 }

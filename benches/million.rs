@@ -21,7 +21,7 @@ use canopy_fem::model::system::System;
 use canopy_fem::model::workers::Workers;
 use canopy_fem::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Stroke};
 use canopy_fem::scene::build_network;
-use fixture::figure::draw_if_wanted;
+use fixture::figure::{draw, wanted};
 use fixture::sheet::sheet;
 use fixture::steps::Steps;
 use std::hint::black_box;
@@ -117,6 +117,7 @@ fn roofline(reached: &[Reached]) -> Chart {
 }
 
 fn main() {
+    let picture = wanted();
     let build =
         |n| build_network(sheet(SIDE, 2e-6), Threads::with_caller(n).expect("threads")).expect("the fixture is sound");
     let (one, two) = (build(1), build(2));
@@ -163,7 +164,7 @@ fn main() {
         step_1 / step_2,
         stride_1 / stride_2
     );
-    draw_if_wanted(|| {
+    draw(picture, || {
         let (operations, bytes) = (operations(&one), 7.0 * vector + of_springs);
         let point = |step: f64, crossings: f64| (operations / (bytes * crossings), operations / step);
         let of = |threads, triad: f64, [step, stride]: [f64; 2]| Reached {

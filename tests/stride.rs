@@ -207,6 +207,47 @@ fn a_divergence_is_found_at_its_step() {
     }
 }
 
+/// A mass on a spring from the origin, some 1e-3 m long, with this speed [m/s]; the scene is half as large, and 1e4 times that is too far.
+fn thrown(speed: f64, spring: Value, step: f64) -> Case {
+    let mut spring = spring;
+    spring["on"] = json!("all");
+    case_of(
+        &json!({
+            "name": "thrown",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0,0,0],[2e-3,0,0]], "springs": [[0,1]]}},
+                "mass": {"nodal": 1.0},
+                "springs": [spring],
+                "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
+                "initial": {"velocity": [[0,0,0],[speed,0,0]]}
+            }},
+            "time": {"end": 12.0, "step": step, "method": "velocity-verlet"},
+            "output": {"frames": null}
+        }),
+        &[],
+    )
+}
+
+/// Also one that is back at the end of the stride in which it is away: it swings by 20.005 m, and is more than 20 m away from the 517th step on for 15 of them.
+#[test]
+fn who_leaves_the_scene_is_told_at_its_step() {
+    let swings = |speed| thrown(speed, json!({"stiffness": 1.0, "rest_length": 1e-3}), 3e-3);
+    let flies = thrown(100.0, json!({"stiffness": 1.0, "rest_length": 1e6, "slack": "tension-only"}), 1e-3);
+    for (case, step, left) in [(swings(20.005), 517, true), (flies, 200, true), (swings(19.9), 0, false)] {
+        for method in STRIDING {
+            let case = changed(&case, &[("time.method", method)]);
+            for keep_going in [false, true] {
+                let (outcome, in_strides) =
+                    assert_same(&case, How { threads: 1, keep_going }, &format!("{method}, {step}"));
+                assert!(in_strides >= 32, "{method}: {in_strides} of {} steps", outcome.steps);
+                assert_eq!(outcome.status == Status::Diverged, left, "{method}, {step}: {:?}", outcome.status);
+                let found = outcome.failure.map_or(0, |failure| failure.step);
+                assert!(found.abs_diff(step) <= 1, "{method}: {found} for {step}");
+            }
+        }
+    }
+}
+
 /// The same of steps by stages, which have other limits.
 #[test]
 fn a_divergence_of_stages_is_found_at_its_step() {

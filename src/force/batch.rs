@@ -1,5 +1,5 @@
 //! The interface of what a pass over the tiles sums into nodes ([`Summand`]), and an implementation for many elements of one kind ([`Batch`]; for springs
-//! and what acts as they do `edges`).
+//! and what acts as they do `edges`, for triangles that are pushed along their normal `faces`).
 
 pub use super::tile::Elements;
 use super::tile::Tile;
@@ -64,12 +64,6 @@ pub trait Kernel<const N: usize>: Send + Sync {
 
     /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power [W].
     fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
-
-    /// [-] Largest l^2/l0^2 of a tile's springs; -inf where elements have no rest length.
-    fn largest_stretch(&self, tile: Elements<'_, N>) -> f64 {
-        let _ = tile;
-        f64::NEG_INFINITY
-    }
 }
 
 /// A kernel, and its elements by tiles.
@@ -126,9 +120,5 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
 
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
         self.elements_of(tile).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
-    }
-
-    fn largest_stretch(&self, tile: &Tile<'_>) -> f64 {
-        self.elements_of(tile).map_or(f64::NEG_INFINITY, |elements| self.kernel.largest_stretch(elements))
     }
 }

@@ -1,7 +1,7 @@
 //! Batches of triangles that are pushed along their normal, in the order in which they are quickest: pairs first (`pairs`).
 
 use super::batch::{Summand, Wants};
-use super::pairs::{Group, arrange};
+use super::pairs::{Group, PAIRS, arrange};
 use super::tile::Tile;
 use super::window::Records;
 use crate::model::forces::Tally;
@@ -81,6 +81,8 @@ impl<K: FaceKernel> Summand for FaceBatch<K> {
             self.pairs.clear();
             self.others.clear();
             self.tiles.clear();
+            // Nearly all are in pairs.
+            self.pairs.reserve_exact(self.kernel.elements().len() / (2 * PAIRS));
         }
         let triangles: Vec<[u16; 3]> = self.kernel.elements()[elements].iter().map(|nodes| nodes.map(place)).collect();
         let (pairs, others) = arrange(&triangles);

@@ -7,8 +7,9 @@
 //! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or stores.
 
 use super::coefficient::Column;
+use super::incidence::Incidence;
 use super::pull::{Pull, PullLaw};
-use super::window::{Padded, RECORD, Records, record, set_record};
+use super::window::{Padded, Records, record, set_record};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 
 /// Elements of a fan, and fans side by side.
@@ -31,24 +32,13 @@ pub(super) struct Placed {
 /// The order of a tile's elements, by their ends: groups of fans first, of which there are so many, then all others as they were. Node after node takes what
 /// elements are left, three by three.
 pub(super) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
-    let number = |place: u16| usize::from(place) / RECORD;
-    let nodes = ends.as_flattened().iter().max().map_or(0, |&last| number(last) + 1);
-    // Node after node its elements, in one list.
-    let mut ends_before = vec![0; nodes + 1];
-    ends.as_flattened().iter().for_each(|&place| ends_before[number(place) + 1] += 1);
-    (0..nodes).for_each(|node| ends_before[node + 1] += ends_before[node]);
-    let (mut list, mut next) = (vec![Placed::default(); 2 * ends.len()], ends_before.clone());
-    for (element, pair) in ends.iter().enumerate() {
-        for (&place, turned) in pair.iter().zip([false, true]) {
-            list[next[number(place)]] = Placed { element, turned };
-            next[number(place)] += 1;
-        }
-    }
+    let around = Incidence::new(ends);
     let (mut fans, mut taken): (Vec<[Placed; FAN]>, _) = (Vec::new(), vec![false; ends.len()]);
     let mut free = Vec::new();
-    for of_node in ends_before.windows(2) {
+    for place in around.places() {
+        let placed = around.at(place).iter().map(|&element| Placed { element, turned: ends[element][0] != place });
         free.clear();
-        free.extend(list[of_node[0]..of_node[1]].iter().filter(|placed| !taken[placed.element]));
+        free.extend(placed.filter(|placed| !taken[placed.element]));
         // One between a node and itself is there twice.
         free.dedup_by_key(|placed: &mut Placed| placed.element);
         for fan in free.as_chunks().0 {

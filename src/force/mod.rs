@@ -38,6 +38,7 @@ mod fans;
 pub mod follower_pressure;
 mod fronts;
 pub mod gravity;
+mod incidence;
 pub mod neighbours;
 pub mod nodal;
 mod pairs;

@@ -5,8 +5,9 @@
 //!
 //! Measuring, the law, and adding follow each other one group apart, as in [`super::fans`].
 
+use super::incidence::Incidence;
 use super::push::{Push, PushLaw};
-use super::window::{Padded, RECORD, Records, record, set_record};
+use super::window::{Padded, Records, record, set_record};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 
 /// Pairs side by side.
@@ -17,14 +18,15 @@ pub(super) type Group = [[u16; 4]; PAIRS];
 
 /// A tile's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the first that is left and has one of its sides the other way round.
 pub(super) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
-    let around = Around::new(triangles);
+    let around = Incidence::new(triangles);
     let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
     for (number, &[i, j, k]) in triangles.iter().enumerate() {
         if taken[number] {
             continue;
         }
         let found = [[i, j, k], [j, k, i], [k, i, j]].into_iter().find_map(|[a, b, c]| {
-            let (other, d) = around.across([a, c]).find(|(other, _)| *other != number && !taken[*other])?;
+            let (other, d) =
+                across(triangles, &around, [a, c]).find(|(other, _)| *other != number && !taken[*other])?;
             Some((other, [a, b, c, d]))
         });
         if let Some((other, pair)) = found {
@@ -38,39 +40,17 @@ pub(super) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
     (groups.iter().map(|group| group.each_ref().map(|(_, pair)| *pair)).collect(), others.collect())
 }
 
-/// The triangles around every node.
-struct Around<'a> {
+/// Those of `triangles` with the side from `a` to `c`, and their third node.
+fn across<'a>(
     triangles: &'a [[u16; 3]],
-    /// by node: where its own begin
-    first: Vec<usize>,
-    numbers: Vec<usize>,
-}
-
-impl<'a> Around<'a> {
-    fn new(triangles: &'a [[u16; 3]]) -> Self {
-        let node = |place: u16| usize::from(place) / RECORD;
-        let nodes = triangles.as_flattened().iter().max().map_or(0, |&last| node(last) + 1);
-        let mut first = vec![0; nodes + 1];
-        triangles.as_flattened().iter().for_each(|&place| first[node(place) + 1] += 1);
-        (0..nodes).for_each(|node| first[node + 1] += first[node]);
-        let (mut numbers, mut next) = (vec![0; 3 * triangles.len()], first.clone());
-        for (number, place) in triangles.iter().enumerate().flat_map(|(number, nodes)| nodes.map(|node| (number, node)))
-        {
-            numbers[next[node(place)]] = number;
-            next[node(place)] += 1;
-        }
-        Around { triangles, first, numbers }
-    }
-
-    /// Triangles with the side from `a` to `c`, and their third node.
-    fn across(&self, [a, c]: [u16; 2]) -> impl Iterator<Item = (usize, u16)> {
-        let node = usize::from(a) / RECORD;
-        self.numbers[self.first[node]..self.first[node + 1]].iter().filter_map(move |&number| {
-            let [i, j, k] = self.triangles[number];
-            let turned = [[i, j, k], [j, k, i], [k, i, j]];
-            turned.into_iter().find_map(|[from, to, d]| ([from, to] == [a, c]).then_some((number, d)))
-        })
-    }
+    around: &'a Incidence,
+    [a, c]: [u16; 2],
+) -> impl Iterator<Item = (usize, u16)> {
+    around.at(a).iter().filter_map(move |&number| {
+        let [i, j, k] = triangles[number];
+        let turned = [[i, j, k], [j, k, i], [k, i, j]];
+        turned.into_iter().find_map(|[from, to, d]| ([from, to] == [a, c]).then_some((number, d)))
+    })
 }
 
 /// Adds the forces [N] of pairs to a window, and returns their energy or power; `x` and `v` are the positions [m] and velocities [m/s] of its nodes.

@@ -53,7 +53,7 @@ struct Kept {
 
 impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
     type Kept = Kept;
-    type Chunk = [Kept; 4];
+    type Chunk = [Kept; 1];
 
     #[inline(always)]
     fn measure<U: VectorUnit>(&self, unit: U, at: Place, nodes: &[[u16; 3]; LANES], kept: &mut Kept) -> U::Quad {

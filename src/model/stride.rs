@@ -40,10 +40,10 @@ pub struct NodeSums {
     pub kinetic: f64,
     /// [m^2/s^2] the largest speed, squared
     pub largest_square: f64,
-    /// the box they lie in, of a stride's last state; of those before that of no nodes: who has left the scene stays away as long as a stride takes
+    /// the box they lie in; told of a stride's last state, of others that of no nodes may stand here
     pub bounds: Bounds,
-    /// whether all forces are finite, those at fixed degrees of freedom too, in a stride's last state; in those before what is not finite shows in the kinetic energy, of the next state
-    /// at the latest
+    /// whether all forces are finite, those at fixed degrees of freedom too; told of a stride's last state: in those before what is not finite shows in the kinetic energy, of the next
+    /// state at the latest
     pub finite: bool,
     /// what was done in the step that ends here (within a stride, what was done of it so far, doubled)
     pub work: Work,

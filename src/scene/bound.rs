@@ -14,8 +14,9 @@ use glam::{DMat3, DVec3};
 #[derive(Clone, Debug, Default)]
 pub struct BoundRoom(Vec<Block>);
 
-/// [-] A root that is not above another by more than this share is the same.
-const ROUNDING: f64 = 1e-14;
+/// [-] Where roots of a block nearly meet, as in a net that is the same in all directions, rounding moves them by some 1e-8 of the largest: what is not above the largest so far by
+/// more than this share is the same, and the bound has it besides.
+const MARGIN: f64 = 1e-7;
 
 /// The symmetric part of a 3 x 3 block: its diagonal, then xy, yz and zx.
 type Block = [f64; 6];
@@ -35,14 +36,14 @@ impl Network {
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
             // Far cheaper than the root, which is asked a few times in a net that is much the same everywhere.
-            if !lies_below(&block, (1.0 + ROUNDING) * most) {
+            if !lies_below(&block, (1.0 + 0.5 * MARGIN) * most) {
                 let largest = largest_root(&block);
                 if largest.is_nan() || largest > most {
                     (most, dof) = (largest, 3 * i + (0..3).max_by(|&a, &b| block[a].total_cmp(&block[b])).unwrap_or(0));
                 }
             }
         }
-        (most, dof)
+        ((1.0 + MARGIN) * most, dof)
     }
 }
 
@@ -128,16 +129,24 @@ mod tests {
         [a.x_axis.x, a.y_axis.y, a.z_axis.z, a.x_axis.y, a.y_axis.z, a.z_axis.x]
     }
 
+    /// Within what rounding leaves where roots meet, in a hundred directions each.
     #[test]
     fn the_largest_root_of_known_matrices() {
-        let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
-        for roots in [[3.0, 2.0, 1.0], [5.0, 5.0, -2.0], [0.0, 0.0, 0.0], [-1.0, -4.0, -4.0], [7.0, 7.0, 7.0]] {
-            let a = block(&(rotation * DMat3::from_diagonal(DVec3::from_array(roots)) * rotation.transpose()));
-            assert!((largest_root(&a) - roots[0]).abs() < 1e-12, "{roots:?}: {}", largest_root(&a));
-            assert!(lies_below(&a, roots[0] + 1e-6), "{roots:?}");
-            // Below the largest and above the others, below two, and below all of them.
-            for most in [roots[0] - 1e-6, roots[1] - 1e-6, roots[2] - 1e-6] {
-                assert!(!lies_below(&a, most), "{roots:?}, {most}");
+        for roots in
+            [[3.0, 2.0, 1.0], [5.0, 5.0, -2.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0], [-1.0, -4.0, -4.0], [7.0, 7.0, 7.0]]
+        {
+            for turn in 0..100 {
+                let angle = f64::from(turn);
+                let axis = DVec3::new(angle.sin(), 2.0 + angle.cos(), (2.0 * angle).sin()).normalize();
+                let rotation = DMat3::from_axis_angle(axis, 0.7 * angle);
+                let a = block(&(rotation * DMat3::from_diagonal(DVec3::from_array(roots)) * rotation.transpose()));
+                let size = 1.0 + roots[0].abs();
+                assert!((largest_root(&a) - roots[0]).abs() < 0.4 * MARGIN * size, "{roots:?}: {}", largest_root(&a));
+                assert!(lies_below(&a, roots[0] + 1e-6), "{roots:?}");
+                // Below the largest and above the others, below two, and below all of them.
+                for most in [roots[0] - 1e-6, roots[1] - 1e-6, roots[2] - 1e-6] {
+                    assert!(!lies_below(&a, most), "{roots:?}, {most}");
+                }
             }
         }
         for at in 0..6 {

@@ -1,6 +1,6 @@
 //! Several steps in one go, where nobody needs to see the states on the way ([`crate::model::stride`]).
 //!
-//! Every step of a stride enters the account and is watched as a single step is. Where one looks wrong, the whole stride is dropped and its steps are made again
+//! Every step of a stride enters the account and is watched as a single step is, but for the size of the scene, which is told of the last state and bounded in those before. Where one looks wrong, the whole stride is dropped and its steps are made again
 //! one by one, so that what is reported is what the step itself shows.
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
@@ -81,11 +81,13 @@ impl Run<'_> {
 
     /// Whether all is well.
     fn account_for(&mut self, coming: &[Coming], strides: &mut Strides) -> bool {
-        let (mut before, mut t) = (self.row, self.from.state.t);
+        let (mut before, mut t, mut way) = (self.row, self.from.state.t, 0.0);
         let mut power_before = power_of(self.scene, &self.from.forces.tallies);
         for ((step, passed), row) in coming.iter().zip(&strides.passed).zip(&mut strides.rows) {
             let after = self.ledger.passed(self.scene, passed);
-            if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent()) {
+            // Where bounds are told, nodes were nowhere farther out before than they can have come from, with as much again for what speeds are between the ends of steps.
+            way += 2.0 * step.h * passed.max_speed();
+            if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent() + way) {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.from, &self.to);

@@ -3,12 +3,9 @@
 use super::*;
 use crate::force::phases::tests::{NODES, elements, random, vectors};
 use crate::force::pull::tests::{LESS, Law, blocks};
-use crate::force::window::{Window, rows};
+use crate::force::tile::place;
+use crate::force::window::{RECORD, Window, rows};
 use crate::model::quad::Portable;
-
-fn place(node: usize) -> u16 {
-    (RECORD * node) as u16
-}
 
 /// A strip of triangles, two nodes wide.
 fn strip(nodes: usize) -> Vec<[u16; 2]> {

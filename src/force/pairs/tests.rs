@@ -3,12 +3,9 @@
 use super::*;
 use crate::force::phases::tests::{NODES, elements, vectors};
 use crate::force::push::tests::{Law, one_by_one};
+use crate::force::tile::place;
 use crate::force::window::{Window, rows};
 use crate::model::quad::Portable;
-
-fn place(node: usize) -> u16 {
-    (RECORD * node) as u16
-}
 
 /// Rows of squares, each two triangles that are turned alike.
 fn net(columns: usize, lines: usize) -> Vec<[u16; 3]> {
