@@ -180,13 +180,13 @@ fn curves(rows: &[Row]) -> Chart {
         ("a force pass", &|row| Some(row.pass)),
     ];
     let lines = kinds.iter().zip(marks).flat_map(|(&(name, of), marker)| {
-        let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row.nodes as f64, of(row)?))).collect();
+        let measured: Vec<&Row> = rows.iter().filter(|row| of(row).is_some()).collect();
+        let points: Vec<(f64, f64)> = measured.iter().filter_map(|row| Some((row.nodes as f64, of(row)?))).collect();
         let guide = points.first().zip(points.last()).map(|(&(n, t), &(last, _))| Line {
             points: vec![(n, t), (last, t * last / n)],
             stroke: Stroke::Dashed,
             ..Line::default()
         });
-        let measured: Vec<&Row> = rows.iter().filter(|row| of(row).is_some()).collect();
         let exponent = match measured[..] {
             [first, .., last] => last.exponent_from(first, of).map_or_else(String::new, |e| format!(": n^{e:.2}")),
             _ => String::new(),

@@ -75,8 +75,8 @@ struct Reached {
     points: [(f64, f64); 2],
 }
 
-/// [1/s] Operations of steps whose scene stays in the caches.
-fn in_caches(threads: usize) -> f64 {
+/// [1/s] Operations of steps whose scene stays in the caches, on one thread.
+fn in_caches() -> f64 {
     let scene = build_network(sheet(CACHED, 2e-3), Threads::one()).expect("the fixture is sound");
     let mut steps = Steps::new(&scene, "velocity-verlet", 1e-5);
     let mut of_one = || {
@@ -84,8 +84,7 @@ fn in_caches(threads: usize) -> f64 {
         let time = seconds(|| made = (0..20).map(|_| steps.stride()).sum());
         made as f64 * operations(&scene) / time
     };
-    // Every thread could have a scene of its own.
-    threads as f64 * median((0..ROUNDS).map(|_| of_one()).collect())
+    median((0..ROUNDS).map(|_| of_one()).collect())
 }
 
 fn operations(scene: &canopy_fem::scene::Network) -> f64 {
@@ -165,12 +164,13 @@ fn main() {
         stride_1 / stride_2
     );
     draw(picture, || {
-        let (operations, bytes) = (operations(&one), 7.0 * vector + of_springs);
+        let (operations, bytes, in_caches) = (operations(&one), 7.0 * vector + of_springs, in_caches());
         let point = |step: f64, crossings: f64| (operations / (bytes * crossings), operations / step);
         let of = |threads, triad: f64, [step, stride]: [f64; 2]| Reached {
             threads,
             rate: (24 * n) as f64 / triad,
-            ceiling: in_caches(threads),
+            // Every thread could have a scene of its own.
+            ceiling: threads as f64 * in_caches,
             points: [point(step, 1.0), point(stride, 1.0 / longest as f64)],
         };
         roofline(&[of(1, triad_1, [step_1, stride_1]), of(2, triad_2, [step_2, stride_2])])

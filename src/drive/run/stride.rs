@@ -1,7 +1,8 @@
 //! Several steps in one go, where nobody needs to see the states on the way ([`crate::model::stride`]).
 //!
-//! Every step of a stride enters the account and is watched as a single step is, but for the size of the scene, which is told of the last state and bounded in those before. Where one looks wrong, the whole stride is dropped and its steps are made again
-//! one by one, so that what is reported is what the step itself shows.
+//! Every step of a stride enters the account and is watched as a single step is, but for the size of the scene, which is told of the last state and bounded
+//! in those before. Where one looks wrong, the whole stride is dropped and its steps are made again one by one, so that what is reported is what the step
+//! itself shows.
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::{Watched, power_of};
