@@ -2,7 +2,7 @@
 //! `cc -O3` (left out, with a message, where there is no C compiler).
 //!
 //! ```text
-//! cargo bench --bench force
+//! cargo bench -p canopy-fem-benches --bench force
 //! ```
 
 mod fixture;

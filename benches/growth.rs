@@ -1,9 +1,9 @@
 //! How the cost of a step grows with the number of nodes: the sagging annulus of `assets/cases/big` from 1,000 nodes up.
 //!
 //! ```text
-//! cargo bench --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
-//! cargo bench --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
-//! cargo bench --bench growth -- --svg growth.svg            # the curves too
+//! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
+//! cargo bench -p canopy-fem-benches --bench growth -- --most 10000 --full 10000   # true Newton too, up to so many nodes (default 10,000)
+//! cargo bench -p canopy-fem-benches --bench growth -- --svg growth.svg            # the curves too
 //! ```
 //!
 //! Processor time of all threads, output and start-up apart. An exponent is that of the power law between a size and the one before it.
@@ -135,7 +135,7 @@ impl Row {
 }
 
 fn measure(nodes: usize, full: usize) -> Row {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases/big/annulus-10k.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/cases/big/annulus-10k.json");
     let size = ("system.network.mesh.annulus.nodes".to_owned(), nodes.to_string());
     let case = Case::from_file(&path, &[size]).unwrap_or_else(|fault| panic!("{fault}"));
     let scene = build_scene(case.problem().system.clone(), 1).expect("the case is good");

@@ -1,7 +1,7 @@
 //! Live heap memory a node after start-up, without output, of a square cloth of 100,489 nodes.
 //!
 //! ```text
-//! cargo bench --bench memory
+//! cargo bench -p canopy-fem-benches --bench memory
 //! ```
 
 mod fixture;

@@ -2,8 +2,8 @@
 //! two, all in turn. Steps one by one, and in strides, with the account that a run takes of each.
 //!
 //! ```text
-//! cargo bench --bench million
-//! cargo bench --bench million -- --svg roofline.svg     # the roofline too
+//! cargo bench -p canopy-fem-benches --bench million
+//! cargo bench -p canopy-fem-benches --bench million -- --svg roofline.svg     # the roofline too
 //! ```
 //! The limits count what a step must move, as STREAM counts: each vector read or written once a pass, over the nodes in two passes or, as a step does
 //! it, in one.

@@ -2,7 +2,7 @@
 //! factorisation and solve alone; and whole implicit steps with and without the air.
 //!
 //! ```text
-//! cargo bench --bench newton
+//! cargo bench -p canopy-fem-benches --bench newton
 //! ```
 
 mod fixture;

@@ -1,5 +1,6 @@
 //! The rules of the house that a compiler does not keep: which folder may name which.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn sources(folder: &str) -> Vec<(PathBuf, String)> {
@@ -163,5 +164,26 @@ fn forces_are_known_by_what_they_say_and_not_by_name() {
                 assert!(!quoted, "{}:{number} knows a force by name: {}", path.display(), line.trim());
             }
         }
+    }
+}
+
+/// `cargo test` after `cargo build` compiles what is new for the tests and nothing again: a development dependency that turns a
+/// feature on in a crate that the program is built from would have that crate and all that use it compiled twice.
+#[test]
+fn dependencies_of_the_tests_change_no_features_of_the_program() {
+    let features = |edges: &str| -> BTreeMap<String, String> {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let args = ["tree", "--locked", "--offline", "--no-dedupe", "--prefix", "none", "--format", "{p}|{f}"];
+        let mut command = std::process::Command::new(cargo);
+        command.args(args).args(["--edges", edges]).current_dir(env!("CARGO_MANIFEST_DIR"));
+        let out = command.output().expect("cargo runs");
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        let text = String::from_utf8(out.stdout).expect("text");
+        text.lines().filter_map(|line| line.split_once('|')).map(|(p, f)| (p.to_owned(), f.to_owned())).collect()
+    };
+    let (program, tests) = (features("normal,build"), features("normal,build,dev"));
+    assert!(program.len() > 50 && tests.len() > program.len(), "{} and {}", program.len(), tests.len());
+    for (package, with) in &program {
+        assert_eq!(with, &tests[package], "the features of {package}");
     }
 }

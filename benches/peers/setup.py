@@ -105,9 +105,9 @@ def compile_cpp(name):
 def build_ours():
     """canopy-fem, as anybody builds it."""
     say("canopy-fem (cargo build --release)")
-    call(["cargo", "build", "--release", "--example", OURS], cwd=ROOT)
+    call(["cargo", "build", "--release", "--package", "canopy-fem-benches", "--bin", OURS], cwd=ROOT)
     folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    program = (ROOT / folder) / "release" / "examples" / OURS
+    program = (ROOT / folder) / "release" / OURS
     shutil.copy2(program, TARGET / OURS)
 
 
