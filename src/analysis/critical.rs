@@ -17,7 +17,7 @@ use super::linearised::Linearised;
 use super::motions::{Motion, Motions};
 use super::rates::Rates;
 use super::step_map::{LinearScene, Search};
-use crate::figures::two_digits;
+use crate::figures::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
@@ -34,6 +34,12 @@ const CLOSE: f64 = 1.003;
 const USEFUL: f64 = 1.15;
 /// Share by which rounding may lift an element bound.
 const ROUNDING: f64 = 1e-10;
+
+/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity
+/// Verlet makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
+const ADVISED: f64 = 0.5;
+/// [rad] w h up to which a step is advised for an implicit method that damps nothing
+const JUMPS: f64 = 3.0;
 
 /// How far a critical step can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +106,27 @@ impl CriticalStep {
         };
         if self.step.is_finite() { two_digits(share * self.step) } else { self.step }
     }
+}
+
+/// What to take in place of a step `h` [s] that is above a critical step, or of a method that has no stable step. Whoever
+/// finds this fault, before a run, in it or after it, gives this advice.
+pub fn remedy(limit: &CriticalStep, h: f64) -> String {
+    let implicit = implicit_for(limit.rates, h);
+    if limit.step > 0.0 {
+        return format!("take a step of {} s or smaller, or {implicit}", figures(ADVISED * limit.step, 2));
+    }
+    match MethodChoice::with_defaults("velocity-verlet").map(|verlet| critical_step(&verlet, limit.rates)) {
+        Ok(verlet) if verlet.is_finite() => {
+            let step = figures(ADVISED * verlet, 2);
+            format!("take --method velocity-verlet with a step of {step} s or smaller, or {implicit}")
+        }
+        _ => format!("take {implicit}"),
+    }
+}
+
+/// A method for which a step `h` [s] is not too long: Newmark's may make energy where a step jumps over motions.
+pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
+    if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
 }
 
 /// What an analysis may cost.

@@ -1,6 +1,6 @@
-//! Comments in a case file: `// to the end of the line` and `/* block */`, as editors know them from "JSON with
-//! comments". They are replaced by spaces of the same length in bytes, so that every line, column and byte offset of
-//! a later message is the one in the file.
+//! Comments in a case file, `// to the end of the line` and `/* block */`, and trailing commas, as editors know them from
+//! "JSON with comments". They are replaced by spaces of the same length in bytes, so that every line, column and byte
+//! offset of a later message is the one in the file.
 
 /// A block comment without end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,17 +18,15 @@ enum Inside {
     Block { start: usize },
 }
 
-/// Blanks the comments outside strings.
+/// Blanks the comments outside strings, and the comma behind the last entry of a list or an object.
 ///
 /// # Errors
 /// A block comment that is never closed.
 pub fn blank(text: &str) -> Result<String, OpenComment> {
-    if !text.contains("//") && !text.contains("/*") {
-        return Ok(text.to_owned());
-    }
     let bytes = text.as_bytes();
     let mut out = bytes.to_vec();
     let mut inside = Inside::Json;
+    let mut last = LastTwo::default();
     let mut i = 0;
     while i < bytes.len() {
         let pair = (bytes[i], bytes.get(i + 1).copied());
@@ -38,6 +36,8 @@ pub fn blank(text: &str) -> Result<String, OpenComment> {
             for byte in out.iter_mut().skip(i).take(used).filter(|byte| !matches!(**byte, b'\n' | b'\r')) {
                 *byte = b' ';
             }
+        } else if let Some(comma) = last.trailing_comma(i, if inside == Inside::Json { bytes[i] } else { b'"' }) {
+            out[comma] = b' ';
         }
         inside = next;
         i += used;
@@ -46,6 +46,31 @@ pub fn blank(text: &str) -> Result<String, OpenComment> {
         Inside::Block { start } => Err(OpenComment { offset: start }),
         // Whole comments were replaced by ASCII, so what is left is still UTF-8.
         _ => Ok(String::from_utf8_lossy(&out).into_owned()),
+    }
+}
+
+/// The last two bytes outside comments that are no white space.
+#[derive(Default)]
+struct LastTwo {
+    before: u8,
+    last: u8,
+    /// byte offset of the last
+    at: usize,
+}
+
+impl LastTwo {
+    /// Goes one byte further (a quote for every byte of a string); returns the place of a comma between the last entry and
+    /// this closing bracket.
+    fn trailing_comma(&mut self, at: usize, byte: u8) -> Option<usize> {
+        if byte.is_ascii_whitespace() {
+            return None;
+        }
+        // A comma without an entry before it stays, and is a fault.
+        let entry = !matches!(self.before, 0 | b'[' | b'{' | b',' | b':');
+        let trailing = matches!(byte, b']' | b'}') && self.last == b',' && entry;
+        let comma = trailing.then_some(self.at);
+        *self = LastTwo { before: if trailing { b' ' } else { self.last }, last: byte, at };
+        comma
     }
 }
 
@@ -78,6 +103,23 @@ mod tests {
         assert_eq!(clean.find("\"b\""), text.find("\"b\""));
         let value: serde_json::Value = serde_json::from_str(&clean).expect("JSON");
         assert_eq!(value, serde_json::json!({"a": "http://x /* no */ \" // ", "b": 1}));
+    }
+
+    /// A comma behind the last entry goes; one without an entry before it, or within a string, stays.
+    #[test]
+    fn trailing_commas_are_blanked() {
+        for (text, clean) in [
+            ("[1, 2, ]", "[1, 2  ]"),
+            ("{\"a\": [1,], /* b */ }", "{\"a\": [1 ]           }"),
+            ("[[1, // one\n],\n]", "[[1        \n] \n]"),
+            ("[\",]\", \"a,\",]", "[\",]\", \"a,\" ]"),
+            ("[,]", "[,]"),
+            ("{,}", "{,}"),
+            ("[1,,]", "[1,,]"),
+            ("{\"a\":,}", "{\"a\":,}"),
+        ] {
+            assert_eq!(blank(text).as_deref(), Ok(clean));
+        }
     }
 
     /// The start of the comment is what a reader of the message needs.

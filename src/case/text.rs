@@ -57,7 +57,7 @@ pub(crate) enum NoJson {
     },
 }
 
-/// Text to JSON: comments blanked, duplicate keys refused.
+/// Text to JSON: comments and trailing commas blanked, duplicate keys refused.
 ///
 /// # Errors
 /// The first thing that is not JSON.
@@ -88,7 +88,6 @@ const HINTS: &[(&str, &str)] = &[
     ("EOF while", "the rest: the file ends too early, a bracket, brace or quote is open, or the file was cut off"),
     ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
     ("recursion limit", "less depth: a case never nests as deeply as 128 levels"),
-    ("trailing comma", "no comma before a closing bracket or brace"),
     ("trailing characters", "one JSON object; nothing may follow it"),
     ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
     ("key must be a string", "keys in double quotes, and none missing after a comma"),

@@ -54,7 +54,7 @@ pub enum Command {
 /// A case with changes to it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CaseArgs {
-    /// Case file (JSON; // comments are allowed)
+    /// Case file (JSON; // comments and trailing commas are allowed)
     pub case: PathBuf,
     /// Method, with its default parameters, or as in the case file: '{"hht": {"alpha": -0.2}}'
     #[arg(long)]

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable};
+use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable, remedy};
 use crate::analysis::rates::Rates;
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
@@ -122,15 +122,15 @@ pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalSt
     if limit.step == 0.0 {
         return Some(format!(
             "{name} has no stable step on this scene, where nothing damps the fastest motion: its energy grows at every \
-             step; take another method, such as velocity-verlet"
+             step; {}",
+            remedy(&limit, step)
         ));
     }
     (step > limit.step).then(|| {
         let Rates { frequency, damping, .. } = limit.rates;
         format!(
             "the step of {} s is {} the critical step of {name} on this scene, about {} s at the start \
-             ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: take --step {} or \
-             --method newmark",
+             ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: {}",
             figures(step, 4),
             excess(step / limit.step),
             figures(limit.step, 3),
@@ -138,7 +138,7 @@ pub(super) fn step_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalSt
             place_of(scene, limit.dof),
             figures(frequency, 4),
             figures(damping, 4),
-            figures(limit.safe(), 2)
+            remedy(&limit, step)
         )
     })
 }

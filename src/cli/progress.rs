@@ -270,6 +270,7 @@ mod tests {
             ledger: LedgerRow::default(),
             newton_iterations: 3,
             residual: 0.0,
+            credible: true,
         };
         let mut progress = Progress::new(1.0, Display::Quiet);
         let now = Instant::now();

@@ -96,6 +96,8 @@ struct Watch<'a> {
     limit: CriticalStep,
     least: Option<Least>,
     farthest: Farthest<'a>,
+    /// [s] time of the last frame
+    last_frame: Option<f64>,
 }
 
 impl<'a> Job<'a> {
@@ -146,16 +148,14 @@ impl<'a> Job<'a> {
             folder.remove_checkpoint()?;
         }
         let least = stiffening.and_then(|stiffening| stiffening.least());
-        Ok((outcome, summary, Watch { limit, least, farthest }))
+        Ok((outcome, summary, Watch { limit, least, farthest, last_frame: recorder.shown() }))
     }
 }
 
 /// A word on a run that reached its end on energy its scheme made itself.
 fn energy_doubt(outcome: &Outcome) -> Option<String> {
     let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
-    Some(format!(
-        "warning: {made}; do not trust this run: use a smaller step, some damping, or a method that damps, such as backward-euler"
-    ))
+    Some(format!("warning: {made}; do not trust this run"))
 }
 
 fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
@@ -183,16 +183,18 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     if summary.startup.wall_seconds > LONG_START {
         let _ = writeln!(text, "  start-up        {}", summary.startup.text());
     }
-    let cg = match c.cg_iterations {
-        0 => String::new(),
-        made => format!(", {made} of conjugate gradients"),
-    };
-    let _ = writeln!(
-        text,
-        "  work            {} force passes, {} factorisations, {} Newton iterations{cg}",
-        c.force_evaluations, c.factorizations, c.newton_iterations
-    );
-    let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
+    let work = [
+        (c.force_evaluations, "force passes"),
+        (c.factorizations, "factorisations"),
+        (c.newton_iterations, "Newton iterations"),
+        (c.cg_iterations, "iterations of conjugate gradients"),
+    ];
+    let work: Vec<String> = work.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let _ = writeln!(text, "  work            {}", work.join(", "));
+    let failed = outcome.failure.is_some();
+    if !failed {
+        let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
+    }
     // Of adaptive steps, what they came to on average.
     let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
@@ -205,6 +207,15 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
             step,
             outcome.rejected_steps
         );
+    }
+    let results = folder.dir().join(format!("{}.pvd", folder.stem()));
+    if failed {
+        // Error, displacement and share of the critical step would be those of a state that is wrong.
+        if let Some(t) = seen.last_frame {
+            let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
+        }
+        let _ = writeln!(text, "  results         {}", results.display());
+        return text;
     }
     if summary.critical_step == Some(0.0) {
         let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
@@ -221,7 +232,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
         "  displacement    {:.6} m at most at the end, node {}",
         seen.farthest.distance, seen.farthest.node
     );
-    let _ = writeln!(text, "  results         {}", folder.dir().join(format!("{}.pvd", folder.stem())).display());
+    let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
         let path = folder.file(CHECKPOINT);
         let _ =

@@ -4,7 +4,7 @@
 
 use super::complain;
 use super::doubts::worth;
-use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::analysis::critical::{CriticalStep, Effort, Spectrum, remedy};
 use crate::analysis::rates::step_by_bounds;
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::figures::figures;
@@ -159,14 +159,14 @@ impl<'a> Stiffening<'a> {
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
         complain(&format!(
             "{clear}warning: at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
-             expect it to diverge: take --step {} or --method newmark",
+             expect it to diverge: {}",
             figures(t, 4),
             method.info.name,
             figures(found.step, 3),
             worth(found),
             place_of(scene, found.dof),
             figures(h, 4),
-            figures(found.safe(), 2)
+            remedy(&found, h)
         ));
     }
 }

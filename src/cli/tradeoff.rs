@@ -30,7 +30,7 @@ const FOR_REFERENCES: f64 = 0.5;
 /// `tradeoff`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct TradeoffArgs {
-    /// Case file (JSON; // comments are allowed); not needed where --out holds a plan
+    /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
     /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]

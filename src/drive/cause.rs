@@ -1,6 +1,6 @@
 //! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
 
-use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit};
+use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::figures::figures;
@@ -14,13 +14,10 @@ mod held;
 mod units;
 mod unsolved;
 
-/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity Verlet
-/// makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
+/// Share of the limit of forces outside Kang's filter that is advised.
 const SAFE: f64 = 0.5;
 /// [rad] w h of a step that resolves an oscillation well
 const RESOLVED: f64 = 0.3;
-/// [rad] w h from which a step is called long for methods that damp nothing
-const JUMPS: f64 = 3.0;
 /// A step above this share of the critical one is near enough to be the cause.
 const NEAR: f64 = 0.9;
 
@@ -53,8 +50,6 @@ pub(super) struct Answer {
 #[derive(Clone, Copy)]
 struct Limit {
     critical: CriticalStep,
-    /// [s] velocity Verlet's limit there
-    verlet: f64,
     when: &'static str,
 }
 
@@ -116,10 +111,10 @@ impl Question<'_> {
         }
         let first = self.limit(method, start, "at the start");
         let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
-        let later = self.limit(method, self.last, "in the last good state").filter(over);
-        let found = first.filter(over).or(later)?;
-        let least = later.map_or(found.critical.step, |later| later.critical.step.min(found.critical.step));
-        Some(if found.critical.step > 0.0 { self.too_long(&found, least) } else { self.always_grows(method, &found) })
+        // The start first: it is sane, and the warning before the run spoke of it.
+        let found =
+            first.filter(over).or_else(|| self.limit(method, self.last, "in the last good state").filter(over))?;
+        Some(if found.critical.step > 0.0 { self.too_long(&found) } else { self.always_grows(method, &found) })
     }
 
     fn limit(&self, method: &MethodChoice, at: &State, when: &'static str) -> Option<Limit> {
@@ -129,8 +124,7 @@ impl Question<'_> {
         if !(critical.step.is_finite() && (frequency > 0.0 || damping > 0.0)) {
             critical = self.row_sums(method)?;
         }
-        let verlet = MethodChoice::with_defaults("velocity-verlet").ok()?;
-        Some(Limit { critical, verlet: critical_step(&verlet, critical.rates), when })
+        Some(Limit { critical, when })
     }
 
     /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
@@ -142,7 +136,7 @@ impl Question<'_> {
         found.then_some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates })
     }
 
-    fn too_long(&self, found: &Limit, least: f64) -> Answer {
+    fn too_long(&self, found: &Limit) -> Answer {
         let &Limit { critical: CriticalStep { step, confidence, dof, rates }, when, .. } = found;
         let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
         let motion = self.motion(dof, rates);
@@ -153,13 +147,7 @@ impl Question<'_> {
             self.method.info.name,
             figures(step, 3),
         );
-        let advice = format!("take a step of {} s or smaller, or {}", figures(SAFE * least, 2), self.implicit(rates));
-        Answer { why, advice, critical: Some(step), dof: Some(dof) }
-    }
-
-    /// A method for which the step is not too long: Newmark's may make energy where a step jumps over motions.
-    fn implicit(&self, rates: Rates) -> &'static str {
-        if self.h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
+        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
     }
 
     /// An oscillation, or a force that follows a velocity at once.
@@ -224,12 +212,7 @@ impl Question<'_> {
             self.method.info.name,
             self.motion(dof, rates)
         );
-        let advice = format!(
-            "take --method velocity-verlet with a step of {} s or smaller, or {}",
-            figures(SAFE * found.verlet, 2),
-            self.implicit(rates)
-        );
-        Answer { why, advice, critical: Some(0.0), dof: Some(dof) }
+        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
     }
 
     /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not tell.
@@ -252,7 +235,7 @@ impl Question<'_> {
             self.place(dof)
         );
         let step = (SAFE * critical).min(RESOLVED / rates.frequency);
-        let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), self.implicit(rates));
+        let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), implicit_for(rates, self.h));
         Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
     }
 

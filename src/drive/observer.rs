@@ -45,6 +45,9 @@ pub struct StepView<'a> {
     pub newton_iterations: u32,
     /// [-] final residual over its scale, 0 for explicit schemes
     pub residual: f64,
+    /// whether the state at `to` can be right: the scheme has made no more energy than there was, and no node moved
+    /// farther than the scene's size; steps made in strides are
+    pub credible: bool,
 }
 
 /// A step that may be made in a [stride](crate::model::stride).
@@ -144,7 +147,16 @@ pub trait Observer {
     /// Once, when the scheme has made energy worth a warning; the run goes on.
     fn doubted(&mut self, _warning: &str) {}
 
-    /// After the last step, however the run ended; `last` is the last good point.
+    /// Before [`Observer::finished`] where the run has failed: states that are not [credible](StepView::credible) right before
+    /// the end are not worth showing.
+    ///
+    /// # Errors
+    /// When results cannot be written.
+    fn failed(&mut self) -> Result<(), ObserveError> {
+        Ok(())
+    }
+
+    /// After the last step, however the run ended; `last` is the last accepted point.
     ///
     /// # Errors
     /// When results cannot be written.

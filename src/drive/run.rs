@@ -1,6 +1,7 @@
 //! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go (`stride`).
 
 mod attempt;
+mod reach;
 mod stride;
 mod take;
 
@@ -19,6 +20,7 @@ use crate::model::point::Point;
 use crate::model::state::State;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
+use reach::Reach;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How many times its size a scene may spread before it counts as blown up.
@@ -108,6 +110,9 @@ fn go_on(
         }
     }
     for o in observers.iter_mut() {
+        if matches!(status, Status::Diverged | Status::NotConverged) {
+            o.failed()?;
+        }
         o.finished(&run.from)?;
     }
     if run.failure.is_some() && status == Status::Completed {
@@ -131,6 +136,7 @@ struct Run<'a> {
     steps: u64,
     /// [m] extent beyond which the scene counts as blown up
     limit: f64,
+    reach: Reach,
     failure: Option<Failure>,
     new_doubt: Option<String>,
     doubt: Option<String>,
@@ -204,6 +210,7 @@ impl<'a> Run<'a> {
             row,
             steps: 0,
             limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
+            reach: Reach::of(scene),
             failure: None,
             new_doubt: None,
             doubt: None,

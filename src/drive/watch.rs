@@ -33,6 +33,8 @@ const DIVERGED: f64 = 10.0;
 pub const DOUBTFUL: f64 = 0.1;
 /// [-] The warning waits until the gain is this many times `push`, which a scheme of first order makes in the first step of a load.
 const BEYOND_PUSH: f64 = 10.0;
+/// [-] A state is not credible where springs hold more than this many times the energy supplied: as much again may be the scheme's.
+const CREDIBLE: f64 = 2.0;
 /// [-] Roundings of a position or a force in a step.
 const ROUNDINGS: f64 = 8.0;
 /// [-] Share of the energies in the account that sums of many numbers lose.
@@ -140,6 +142,7 @@ pub struct Gain {
 #[derive(Clone, Copy)]
 struct Bounds {
     doubtful: f64,
+    credible: f64,
     impossible: f64,
 }
 
@@ -244,14 +247,26 @@ impl Watch {
     fn bounds(&self, supplied: f64) -> Bounds {
         let push = self.push * self.account.longest.powi(2) + self.account.late_push;
         let doubtful = DOUBTFUL * supplied + BEYOND_PUSH * push;
-        Bounds { doubtful, impossible: DIVERGED * (supplied + push) }
+        let credible = doubtful.max(supplied + push);
+        Bounds { doubtful, credible, impossible: DIVERGED * (supplied + push) }
     }
 
     /// Whether there is nothing to say even if nothing is rounded.
     fn is_calm(&self, after: &LedgerRow) -> bool {
         let Gain { made, supplied, .. } = self.gain();
-        let Bounds { doubtful, impossible } = self.bounds(supplied);
-        made <= (if self.account.doubted { impossible } else { doubtful }) && after.elastic <= DIVERGED * supplied
+        let Bounds { doubtful, credible, .. } = self.bounds(supplied);
+        made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * supplied
+    }
+
+    /// Whether a state that was entered can be right: the scheme has made no more energy than there was or was put in, rounding
+    /// apart.
+    pub fn credible(&self, at: &Point, row: &LedgerRow, steps: u64) -> bool {
+        if self.is_calm(row) {
+            return true;
+        }
+        let (gain, rounding) = (self.gain(), self.rounding(at, row, steps));
+        gain.made <= self.bounds(gain.supplied).credible + rounding
+            && row.elastic <= CREDIBLE * gain.supplied + rounding
     }
 
     fn judge(&mut self, step: Watched<'_>, calm: bool) -> Sight {
@@ -259,7 +274,7 @@ impl Watch {
             return Sight::Calm;
         }
         let (gain, elastic) = (self.gain(), step.after.elastic);
-        let Bounds { doubtful, impossible } = self.bounds(gain.supplied);
+        let Bounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
         if elastic > DIVERGED * gain.supplied + rounding {
             return Sight::Trouble(Trouble::Strain { elastic, gain });

@@ -68,6 +68,8 @@ pub struct ResultFiles {
     checkpoint: PathBuf,
     /// the checkpoint's bytes, kept from one to the next
     encoded: Vec<u8>,
+    /// frames that the checkpoint counts
+    frames_kept: u64,
 }
 
 impl ResultFiles {
@@ -86,6 +88,7 @@ impl ResultFiles {
             probes,
             checkpoint: path(CHECKPOINT),
             encoded: Vec::new(),
+            frames_kept: 0,
         })
     }
 
@@ -112,7 +115,8 @@ impl ResultFiles {
         collection.write(Durability::Visible)?;
         let frames = FrameFiles::reopen(spec, mark.collection.frames)?;
         let probes = mark.probes.map(|mark| Probes::reopen(&probes, spec.probes, mark)).transpose()?;
-        Ok(Self { frames, collection, history, probes, checkpoint: path(CHECKPOINT), encoded: Vec::new() })
+        let frames_kept = mark.collection.frames;
+        Ok(Self { frames, collection, history, probes, checkpoint: path(CHECKPOINT), encoded: Vec::new(), frames_kept })
     }
 
     /// Makes all results durable, and then the checkpoint that counts them.
@@ -126,6 +130,7 @@ impl ResultFiles {
         if self.collection.frames() > 0 {
             self.collection.write(Durability::Synced)?;
         }
+        self.frames_kept = self.collection.frames();
         checkpoint.files = FilesMark { collection: self.collection.mark(), history, probes };
         let path = &self.checkpoint;
         checkpoint.encode(&mut self.encoded).map_err(|e| write_fault(path, e))?;
@@ -143,6 +148,29 @@ impl ResultFiles {
         }
         self.collection.push(frame.time, &file);
         self.collection.write_if_due()
+    }
+
+    /// Takes away the frames after a time [s], and a checkpoint that counts one of them. Rows of probes stay, as those of the
+    /// history do, and no more are written.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
+        let before = self.collection.frames();
+        let left = self.collection.withdraw_after(t);
+        // The collection first: it never lists a frame that is not there.
+        self.collection.write(Durability::Visible)?;
+        if self.frames_kept > left {
+            match fs::remove_file(&self.checkpoint) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(write_fault(&self.checkpoint, e)),
+                _ => {}
+            }
+        }
+        self.frames.remove(left..before)?;
+        if let Some(mut probes) = self.probes.take() {
+            probes.file().flush()?;
+        }
+        Ok(())
     }
 
     /// Appends a row to the history.

@@ -2,6 +2,7 @@
 
 use std::fs::{self, OpenOptions};
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::atomic::{Durability, replace_by, sync_folder};
@@ -130,6 +131,22 @@ impl FrameFiles {
         replace_by(&path, Durability::Visible, |file| vtu.write(&picture, file).map_err(vtu_error))
             .map_err(|e| write_fault(&path, e))?;
         Ok(format!("{FRAMES}/{name}"))
+    }
+
+    /// Removes frames by their numbers.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn remove(&mut self, frames: Range<u64>) -> Result<(), ObserveError> {
+        self.unsynced = self.unsynced.min(frames.start);
+        for number in frames {
+            let path = self.folder.join(name_of(&self.stem, number));
+            match fs::remove_file(&path) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(write_fault(&path, e)),
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Makes the frames up to (not including) `frames` durable.

@@ -93,6 +93,23 @@ impl Collection {
         self.frames += 1;
     }
 
+    /// Takes the frames after a time [s] out again, which are the last; returns how many are left.
+    pub fn withdraw_after(&mut self, t: f64) -> u64 {
+        while let Some((head, time)) = self.text.trim_end().rsplit_once("<DataSet timestep=\"") {
+            let later = time.split('"').next().and_then(|time| time.parse::<f64>().ok()).is_some_and(|time| time > t);
+            if !later {
+                break;
+            }
+            let end = head.len();
+            self.text.truncate(end);
+            self.frames -= 1;
+        }
+        self.shown = self.shown.min(self.frames);
+        self.tally = Tally::default();
+        self.tally.add(self.text.as_bytes());
+        self.frames
+    }
+
     /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a second
     /// where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
     ///

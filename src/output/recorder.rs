@@ -36,7 +36,8 @@ pub struct RecorderMark {
 ///
 /// Frames show t = 0, every multiple of `frames_every`, and the end. One that lies within 1e-9 of a step from the
 /// step's end is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and
-/// tensions evaluated there. A state that is not finite is never shown.
+/// tensions evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
+/// [credible](StepView::credible) are taken away again, and the last state that is becomes the last frame.
 pub struct Recorder<'a> {
     picture: &'a dyn Picture,
     fields: Fields,
@@ -52,6 +53,16 @@ pub struct Recorder<'a> {
     forces: Forces,
     writer: ResultWriter,
     keeper: Option<Keeper>,
+    /// what came before the newest states, where these are not credible
+    last_good: Option<LastGood>,
+    failed: bool,
+}
+
+/// The last credible state.
+struct LastGood {
+    point: Point,
+    /// [s] time of the newest frame then
+    shown: Option<f64>,
 }
 
 impl<'a> Recorder<'a> {
@@ -95,7 +106,14 @@ impl<'a> Recorder<'a> {
             forces: picture.new_forces(),
             writer,
             keeper: None,
+            last_good: None,
+            failed: false,
         }
+    }
+
+    /// [s] time of the newest frame.
+    pub fn shown(&self) -> Option<f64> {
+        self.shown
     }
 
     /// Also keeps `checkpoint.bin`; a recorder does not unless it is told what the case is.
@@ -180,6 +198,11 @@ impl Observer for Recorder<'_> {
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
         let (from, to) = (step.from.state.t, step.to.state.as_ref());
+        if step.credible {
+            self.last_good = None;
+        } else if self.last_good.is_none() {
+            self.last_good = Some(LastGood { point: step.from.clone(), shown: self.shown });
+        }
         while let Some(due) = self.schedule.next_in(from, to.t) {
             match due {
                 Due::End => self.show(to, &step.to.forces)?,
@@ -211,6 +234,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+        self.last_good = None;
         if let Some(end) = step.at {
             while let Some(due) = self.schedule.next_in(step.from, step.t) {
                 if due == Due::End {
@@ -239,11 +263,25 @@ impl Observer for Recorder<'_> {
         }
     }
 
+    fn failed(&mut self) -> Result<(), ObserveError> {
+        self.failed = true;
+        Ok(())
+    }
+
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
         let state = last.state.as_ref();
         if let Some(row) = self.waiting.take().filter(|row| row.t == state.t) {
             self.write_row(row, state)?;
         }
+        let good = self.last_good.take().filter(|_| self.failed);
+        if let Some(LastGood { point, shown }) = &good {
+            if self.shown != *shown {
+                self.writer.withdraw_after(point.state.t)?;
+            }
+            self.shown = *shown;
+        }
+        let last = good.as_ref().map_or(last, |good| &good.point);
+        let state = last.state.as_ref();
         let same = |shown: f64| (shown - state.t).abs() <= tolerance(state.t, state.t);
         if !self.shown.is_some_and(same) {
             self.show(state, &last.forces)?;

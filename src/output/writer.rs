@@ -35,6 +35,7 @@ pub fn most_frames(size: FrameSize) -> usize {
 enum Message {
     Frame(Frame),
     Row(HistoryRow),
+    WithdrawAfter(f64),
     Checkpoint(Box<Checkpoint>),
 }
 
@@ -134,6 +135,14 @@ impl ResultWriter {
         self.spare = Some(frame);
     }
 
+    /// Takes away the frames after a time [s].
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
+        self.send(Message::WithdrawAfter(t))
+    }
+
     /// Sends a row of the history.
     ///
     /// # Errors
@@ -231,6 +240,7 @@ fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> 
                 ends.written(frame);
             }
             Ok(Message::Row(row)) => files.row(&row)?,
+            Ok(Message::WithdrawAfter(t)) => files.withdraw_after(t)?,
             Ok(Message::Checkpoint(checkpoint)) => {
                 files.checkpoint(*checkpoint)?;
                 let _ = ends.kept.try_send(());

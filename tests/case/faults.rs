@@ -160,7 +160,7 @@ fn every_missing_key_is_told() {
 fn a_message_shows_all_faults_at_their_places() {
     let text = r#"{
   "name": "base", // a comment
-  "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81, "angel": 0.1, }},
+  "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81 "angel": 0.1, }},
 	"time": {"end": 0, "method": "newmrk", "step": "fast"}
 }"#;
     let shown = text_with(text, &[("output.frames.every", "0")]).expect_err("refused").to_string();
@@ -169,24 +169,24 @@ fn a_message_shows_all_faults_at_their_places() {
 /system/pendulum/length: -1
   --> base.json:3:37
   |
-3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81, "angel": 0.1, }},
+3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81 "angel": 0.1, }},
   |                                     ^^
   allowed: a number above 0
 
-/system/pendulum/angel: 0.1
-  --> base.json:3:69
+/system/pendulum: a missing comma
+  --> base.json:3:67
   |
-3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81, "angel": 0.1, }},
-  |                                                                     ^^^^^^^
+3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81 "angel": 0.1, }},
+  |                                                                   ^
+  allowed: a comma between two entries
+
+/system/pendulum/angel: 0.1
+  --> base.json:3:68
+  |
+3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81 "angel": 0.1, }},
+  |                                                                    ^^^^^^^
   allowed: known keys here: angle, damping, gravity, length, mass, rate
   hint: did you mean "angle"?
-
-/system/pendulum: a trailing comma
-  --> base.json:3:81
-  |
-3 |   "system": {"pendulum": {"length": -1, "mass": 1, "gravity": 9.81, "angel": 0.1, }},
-  |                                                                                 ^
-  allowed: no comma before a closing bracket or brace
 
 /time/end: 0
   --> base.json:4:18
@@ -239,14 +239,11 @@ fn places_of_what_is_not_in_the_text() {
 /// Syntax that can be read over hides nothing behind it; syntax that cannot is told with the first slip before it.
 #[test]
 fn slips_hide_nothing() {
-    let text = BASE.replace("\"fix\": \"xyz\"}]", "\"fix\": 'xyw',},]").replace("\"end\": 1.0", "\"end\": -1.0");
+    let text = BASE.replace("\"fix\": \"xyz\"}]", "\"fix\": 'xyw',}]").replace("\"end\": 1.0", "\"end\": -1.0");
     let list = faults(text_with(&text, &[]));
     let told: Vec<&str> = list.iter().map(|f| f.pointer.as_str()).collect();
     let at = "/system/network/supports";
-    assert_eq!(
-        told,
-        [format!("{at}/0/fix"), format!("{at}/0/fix"), format!("{at}/0"), at.to_owned(), "/time/end".to_owned()]
-    );
+    assert_eq!(told, [format!("{at}/0/fix"), format!("{at}/0/fix"), "/time/end".to_owned()]);
     let text = text.replace("\"step\": 0.01", "\"step\" 0.01");
     let list = faults(text_with(&text, &[]));
     let lines: Vec<usize> = list

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::RowEvery;
 use canopy_fem::case::{Case, CaseError};
 use proptest::prelude::*;
@@ -27,7 +28,8 @@ fn syntax_errors_name_place_and_remedy() {
     for (text, words) in [
         ("", "the file is empty"),
         (" // only a comment\n", "the file is empty"),
-        ("{\"a\": 1,}", "no comma before a closing"),
+        ("{\"a\": 1,,}", "keys in double quotes"),
+        ("[1,,]", "a number, \"text\""),
         ("{\"a\": 1", "ends too early"),
         ("{\"a\": NaN}", "NaN and Infinity are not JSON"),
         ("{\"a\": 1e999}", "at most 1.797e308"),
@@ -43,6 +45,20 @@ fn syntax_errors_name_place_and_remedy() {
     }
     assert!(message("{\n  \"a\": 1,\n  \"a\": 2\n}").contains(" --> base.json:3:3\n"), "the second key");
     assert!(message("{\n\n /* x").contains(" --> base.json:3:2\n"), "line and column of the comment");
+}
+
+/// What editors write into JSON with comments: the place of a schema, and commas behind the last entry. Neither changes a run.
+#[test]
+fn a_schema_and_trailing_commas_are_read() {
+    let plain = text_with(BASE, &[]).expect("good");
+    let rest = BASE.trim().strip_prefix('{').and_then(|rest| rest.strip_suffix('}')).expect("an object");
+    let text = format!("{{\"$schema\": \"./case.schema.json\", {rest},\n}}");
+    let case = text_with(&text, &[]).expect("good");
+    assert_eq!(case.file().schema.as_deref(), Some("./case.schema.json"));
+    let print = |case: &Case| Fingerprint::of(case.problem()).expect("numbers");
+    assert_eq!(print(&case).digest(), print(&plain).digest());
+    let message = message(&text.replace("\"./case.schema.json\"", "3"));
+    assert!(message.contains("/$schema: 3"), "{message}");
 }
 
 /// A case that is JSON but no object is a fault of the root.

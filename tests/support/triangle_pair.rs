@@ -119,7 +119,7 @@ pub fn ledger(t: f64) -> LedgerRow {
 }
 
 pub fn view<'a>(from: &'a Point, to: &'a Point, step: u64) -> StepView<'a> {
-    StepView { step, from, to, ledger: ledger(to.state.t), newton_iterations: 3, residual: 1e-9 }
+    StepView { step, from, to, ledger: ledger(to.state.t), newton_iterations: 3, residual: 1e-9, credible: true }
 }
 
 /// A fixed-step run from t = 0.

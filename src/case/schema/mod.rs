@@ -34,11 +34,14 @@ pub use study::Study;
 pub use time::{Time, Tolerance};
 pub use vectors::Vectors;
 
-/// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) are allowed.
+/// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "canopy-fem case")]
 pub struct CaseFile {
+    /// Where the JSON Schema of this file is, by which an editor finds it; used by nothing else.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// Name of the case; result files and the default output folder carry it. 1 to 200 characters.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,

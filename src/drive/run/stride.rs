@@ -97,7 +97,7 @@ impl Run<'_> {
             let (by_stages, step_number) = (false, step.step);
             let watched =
                 Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };
-            if !self.watch.unseen_step(watched) {
+            if !self.watch.unseen_step(watched) || !self.reach.allows(passed.max_speed(), h) {
                 return false;
             }
             (*row, before, t, power_before) = (after, after, step.t, power[1]);

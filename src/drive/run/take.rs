@@ -59,6 +59,8 @@ impl Run<'_> {
                 }
             }
         }
+        let credible = self.watch.credible(&self.to, &row, self.steps + 1)
+            && self.reach.holds(&self.from.state, &self.to.state, row.kinetic);
         if part == Part::Last {
             stepper.accept();
         }
@@ -72,6 +74,7 @@ impl Run<'_> {
             ledger: row,
             newton_iterations: report.newton_iterations,
             residual: report.residual,
+            credible,
         };
         let doubt = self.new_doubt.take();
         for o in observers.iter_mut() {
