@@ -9,7 +9,7 @@
 
 use canopy_fem::drive::clock::Step;
 use canopy_fem::drive::observer::LedgerRow;
-use canopy_fem::drive::{RunSpec, run};
+use canopy_fem::drive::{Explain, RunSpec, run};
 use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;
@@ -55,7 +55,7 @@ pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
         step: Step::Fixed(2e-4),
         frames_every: None,
         keep_going: false,
-        explain_doubts: true,
+        explain: Explain::All,
         method: &method,
     };
     let outcome = run(&scene, &mut stepper, spec, &mut [], &AtomicBool::new(false))?;

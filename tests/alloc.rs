@@ -6,7 +6,7 @@ mod common;
 
 use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::drive::observer::{ObserveError, Observer, StepView};
-use canopy_fem::drive::{RunSpec, run};
+use canopy_fem::drive::{Explain, RunSpec, run};
 use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
@@ -136,8 +136,14 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let stop = AtomicBool::new(false);
     let mut marks = Marks { blocks: [0; 2], stop: &stop };
-    let spec =
-        RunSpec { end: 100.0, step, frames_every: None, keep_going: false, explain_doubts: false, method: &choice };
+    let spec = RunSpec {
+        end: 100.0,
+        step,
+        frames_every: None,
+        keep_going: false,
+        explain: Explain::Failures,
+        method: &choice,
+    };
     run(scene, &mut stepper, spec, &mut [&mut marks], &stop).expect("it starts");
     let [first, last] = marks.blocks;
     assert!(last > 0, "{method} makes 120 steps");

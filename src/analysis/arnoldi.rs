@@ -1,57 +1,55 @@
 //! Outer eigenvalues of a real operator that is not symmetric (Arnoldi 1951), reorthogonalised in full. Estimates: a
 //! small residual does not bound the error where eigenvectors are nearly parallel.
 
+use super::hessenberg::{Eigenvector, eigenvalues, eigenvector};
 use super::linearised::{LEAST_MOTIONS, add, affordable, norm, orthogonalise};
-use faer::Mat;
+use crate::model::stop::Stop;
+use faer::{Mat, c64};
 
 /// A remainder of this share of a product is rounding: the space is invariant.
 const NOTHING_LEFT: f64 = 1e-13;
 
-/// An eigenvalue of the operator on the Krylov space.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RitzValue {
-    pub re: f64,
-    pub im: f64,
-    /// [-] size of A u - value u for the unit vector u
-    pub residual: f64,
-    column: usize,
-}
-
 /// A Krylov space and what the operator does on it.
 pub(super) struct Krylov {
     basis: Vec<Vec<f64>>,
-    /// eigenvectors in the basis: real and imaginary parts
-    vectors: Vec<Vec<[f64; 2]>>,
-    pub values: Vec<RitzValue>,
+    /// the operator on the space, upper Hessenberg
+    h: Mat<f64>,
+    /// size of what the operator takes out of the space from its last vector
+    left: f64,
+    /// its eigenvalues on the space, a conjugate pair by the one with the positive imaginary part
+    pub values: Vec<c64>,
+}
+
+/// An eigenvector on the space.
+pub(super) struct RitzVector {
+    shares: Vec<c64>,
+    /// [-] size of A u - value u for the unit vector u
+    pub residual: f64,
 }
 
 impl Krylov {
-    /// At most `most` products; `None` where one is not finite.
-    pub fn of(start: Vec<f64>, most: usize, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
-        let (basis, h, left) = hessenberg(start, most, times)?;
-        let eigen = h.eigen().ok()?;
-        let m = basis.len();
-        let entry = |i: usize, j: usize| [eigen.U()[(i, j)].re, eigen.U()[(i, j)].im];
-        let vectors: Vec<Vec<[f64; 2]>> = (0..m).map(|j| (0..m).map(|i| entry(i, j)).collect()).collect();
-        let square = |z: &[f64; 2]| z[0] * z[0] + z[1] * z[1];
-        let values = vectors.iter().enumerate().map(|(column, u)| {
-            let value = eigen.S().column_vector()[column];
-            let size = u.iter().map(square).sum::<f64>();
-            let last = u.last().map_or(0.0, square);
-            RitzValue { re: value.re, im: value.im, residual: left * (last / size).sqrt(), column }
-        });
-        let values = values.collect();
-        Some(Krylov { basis, vectors, values })
+    /// At most `most` products; `None` where one is not finite, where it was asked to stop, or where eigenvalues were not found
+    /// within the bound of their iteration.
+    pub fn of(start: Vec<f64>, most: usize, stop: Stop<'_>, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
+        let (basis, h, left) = project(start, most, stop, times)?;
+        let values = eigenvalues(&h)?.into_iter().filter(|value| value.im >= 0.0).collect();
+        Some(Krylov { basis, h, left, values })
+    }
+
+    /// The eigenvector of one of the values.
+    pub fn ritz(&self, value: c64) -> RitzVector {
+        let Eigenvector { u, residual } = eigenvector(&self.h, value);
+        let last = u.last().map_or(0.0, |u| u.norm());
+        RitzVector { shares: u, residual: residual + self.left * last }
     }
 
     /// Real and imaginary parts of an eigenvector.
-    pub fn vector(&self, of: RitzValue) -> [Vec<f64>; 2] {
+    pub fn vector(&self, of: &RitzVector) -> [Vec<f64>; 2] {
         let n = self.basis.first().map_or(0, Vec::len);
         let mut parts = [vec![0.0; n], vec![0.0; n]];
-        for (v, u) in self.basis.iter().zip(&self.vectors[of.column]) {
-            for (part, factor) in parts.iter_mut().zip(u) {
-                add(part, *factor, v);
-            }
+        for (v, u) in self.basis.iter().zip(&of.shares) {
+            add(&mut parts[0], u.re, v);
+            add(&mut parts[1], u.im, v);
         }
         parts
     }
@@ -68,7 +66,12 @@ pub(super) fn place([re, im]: &[Vec<f64>; 2], root: &[f64]) -> usize {
 /// Basis, projected operator, size of what is left outside.
 type Projection = (Vec<Vec<f64>>, Mat<f64>, f64);
 
-fn hessenberg(start: Vec<f64>, most: usize, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Projection> {
+fn project(
+    start: Vec<f64>,
+    most: usize,
+    stop: Stop<'_>,
+    mut times: impl FnMut(&[f64], &mut [f64]),
+) -> Option<Projection> {
     let n = start.len();
     let most = affordable(n, [LEAST_MOTIONS, most]);
     let mut h = Mat::<f64>::zeros(most + 1, most);
@@ -76,6 +79,9 @@ fn hessenberg(start: Vec<f64>, most: usize, mut times: impl FnMut(&[f64], &mut [
     let mut q = start;
     let (mut left, mut scale) = (norm(&q), 0.0);
     while basis.len() < most && left > NOTHING_LEFT * scale && left > 0.0 {
+        if stop.asked() {
+            return None;
+        }
         let j = basis.len();
         q.iter_mut().for_each(|q| *q /= left);
         let mut y = vec![0.0; n];

@@ -3,6 +3,7 @@
 use super::lanczos;
 use super::linearised::Linearised;
 use crate::model::state::StateRef;
+use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
 
@@ -20,12 +21,12 @@ pub struct Buckling {
 
 /// The shape that grows fastest at a state, if the stiffness has a negative root there. Costs some tens to hundreds of tangent
 /// products (Lanczos); exact for symmetric scenes, of the others the symmetric part is looked at.
-pub fn fastest(scene: &dyn Scene, at: StateRef<'_>) -> Option<Buckling> {
-    let linear = Linearised::of(scene, at);
+pub fn fastest(scene: &dyn Scene, at: StateRef<'_>, stop: Stop<'_>) -> Option<Buckling> {
+    let linear = Linearised::of(scene, at, stop);
     let mut p = vec![0.0; linear.root.len()];
     let mut along = |sign: f64| {
         let w = Weights { m: 0.0, c: 0.0, k: sign };
-        lanczos::largest(linear.start(), |q, y| linear.times(w, q, &mut p, y))
+        lanczos::largest(linear.start(), stop, |q, y| linear.times(w, q, &mut p, y))
     };
     let (stiffest, softest) = (along(1.0)?, along(-1.0)?);
     if !(softest.value > ROUNDING * stiffest.value.abs() && softest.value.is_finite()) {

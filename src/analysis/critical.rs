@@ -21,6 +21,7 @@ use crate::figures::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
+use crate::model::stop::Stop;
 use crate::model::system::{TermInfo, Weights};
 use crate::scene::{BoundRoom, Scene};
 
@@ -131,20 +132,22 @@ pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
 
 /// What an analysis may cost.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct Effort<'a> {
     /// degrees of freedom up to which a proof may take factorisations
     pub factorise: usize,
     /// degrees of freedom up to which a step is made again and again
     pub step: usize,
     /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
     pub sharpen_below: f64,
+    /// looked at between two pieces of work; once it is asked for, what is found is not worth reading ([`Spectrum::stopped`])
+    pub stop: Stop<'a>,
 }
 
-impl Effort {
+impl Effort<'static> {
     /// Fit for a question of its own: seconds on the largest scenes.
-    pub const FULL: Effort = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY };
+    pub const FULL: Self = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
     /// Fit for the start of a run: a small part of it.
-    pub const START: Effort = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY };
+    pub const START: Self = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
 /// Degrees of freedom below which the spectrum is cheap enough to be asked always.
@@ -175,7 +178,7 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
 /// A scene linearised about a state; finds limits of methods, and keeps what several of them need.
 pub struct Spectrum<'a> {
     linear: Linearised<'a>,
-    effort: Effort,
+    effort: Effort<'a>,
     damped: bool,
     /// largest root of the symmetric part of K [1/s^2] and its shape
     stiffest: Ritz,
@@ -197,8 +200,8 @@ impl<'a> Spectrum<'a> {
     }
 
     /// The same within bounds of cost; what is not proved within them is told as an estimate.
-    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort) -> Self {
-        let linear = Linearised::of(scene, at);
+    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort<'a>) -> Self {
+        let linear = Linearised::of(scene, at, effort.stop);
         let stiffest = largest(&linear, STIFFNESS);
         let most_damped = if scene.velocity_dependent() { largest(&linear, DAMPING) } else { Ritz::default() };
         let damped = scene.velocity_dependent() && most_damped.value != 0.0;
@@ -208,6 +211,11 @@ impl<'a> Spectrum<'a> {
             spectrum.bound = spectrum.prove(spectrum.stiffest.value);
         }
         spectrum
+    }
+
+    /// Whether its search was cut short.
+    pub fn stopped(&self) -> bool {
+        self.effort.stop.asked()
     }
 
     fn symmetric(&self) -> bool {
@@ -277,6 +285,9 @@ impl<'a> Spectrum<'a> {
     /// Whether m M + c C + k K is positive definite; false where it is not, or cannot be told within the effort.
     fn definite(&mut self, w: Weights) -> bool {
         let (scene, at) = (self.linear.scene, self.linear.at);
+        if self.stopped() {
+            return false;
+        }
         if self.certifier.is_none() && scene.n_dof() <= self.effort.factorise {
             self.certifier = Certifier::of(scene);
         }
@@ -346,7 +357,7 @@ impl<'a> Spectrum<'a> {
         let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
         if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let most = self.fixed_velocity(method);
-            let search = Search { guess: step.min(most.0), unit };
+            let search = Search { guess: step.min(most.0), unit, stop: self.effort.stop };
             let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
             (step, dof) = stepped.unwrap_or((step, dof));
             if most.0 < step {
@@ -382,5 +393,5 @@ fn taken(pencil: Pencil, h: f64) -> Weights {
 fn largest(linear: &Linearised<'_>, w: Weights) -> Ritz {
     let mut p = vec![0.0; linear.root.len()];
     let times = |q: &[f64], y: &mut [f64]| linear.times(w, q, &mut p, y);
-    lanczos::largest(linear.start(), times).unwrap_or_default()
+    lanczos::largest(linear.start(), linear.stop, times).unwrap_or_default()
 }

@@ -1,6 +1,7 @@
 //! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in full where that is cheap.
 
 use super::linearised::{SHAPES, add, affordable, dot, norm, orthogonalise};
+use crate::model::stop::Stop;
 use faer::{Mat, Side};
 
 /// Residual over value at which no restart is made; the value is then wrong by about its square over the gap.
@@ -24,11 +25,11 @@ pub(super) struct Ritz {
     pub vector: Vec<f64>,
 }
 
-/// `None` where a product is not finite or there is nothing to iterate on.
-pub(super) fn largest(mut start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Ritz> {
+/// `None` where a product is not finite, there is nothing to iterate on, or it was asked to stop.
+pub(super) fn largest(mut start: Vec<f64>, stop: Stop<'_>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Ritz> {
     let mut best = None;
     for _ in 0..RESTARTS {
-        let (ritz, done) = cycle(start, &mut times)?;
+        let (ritz, done) = cycle(start, stop, &mut times)?;
         start = ritz.vector.clone();
         best = Some(ritz);
         if done {
@@ -38,7 +39,7 @@ pub(super) fn largest(mut start: Vec<f64>, mut times: impl FnMut(&[f64], &mut [f
     best
 }
 
-fn cycle(start: Vec<f64>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<(Ritz, bool)> {
+fn cycle(start: Vec<f64>, stop: Stop<'_>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<(Ritz, bool)> {
     let n = start.len();
     let most = affordable(n, SHAPES);
     let mut t = Tridiagonal::default();
@@ -47,6 +48,9 @@ fn cycle(start: Vec<f64>, times: &mut impl FnMut(&[f64], &mut [f64])) -> Option<
     let mut remainder = norm(&q);
     let (mut top, mut before, mut done) = (None, f64::NEG_INFINITY, false);
     while basis.len() < most && remainder > NOTHING_LEFT * scale && remainder > 0.0 {
+        if stop.asked() {
+            return None;
+        }
         if !basis.is_empty() {
             t.beta.push(remainder);
         }
@@ -104,6 +108,7 @@ impl Tridiagonal {
             1 => self.beta[i.min(j)],
             _ => 0.0,
         });
+        // Its QR iteration is bounded in the library, which says so where the bound is reached.
         let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
         let shares = (0..m).map(|i| eigen.U()[(i, top)]).collect();
         Some(Top { value: eigen.S().column_vector()[top], shares })

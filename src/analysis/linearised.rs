@@ -4,6 +4,7 @@ use super::critical::{DAMPING, STIFFNESS};
 use super::matrices::Matrices;
 use super::rates::Rates;
 use crate::model::state::StateRef;
+use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -19,14 +20,16 @@ pub(super) struct Linearised<'a> {
     pub root: Vec<f64>,
     /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are not.
     pub matrices: Option<Arc<Matrices>>,
+    /// looked at between two products of an iteration
+    pub stop: Stop<'a>,
 }
 
 impl<'a> Linearised<'a> {
-    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
+    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>, stop: Stop<'a>) -> Self {
         let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
         let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
         let matrices = if worth { Matrices::of(scene, at).map(Arc::new) } else { None };
-        Linearised { scene, at, root, matrices }
+        Linearised { scene, at, root, matrices, stop }
     }
 
     /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.

@@ -4,6 +4,7 @@ mod arnoldi;
 pub mod buckling;
 mod certificate;
 pub mod critical;
+mod hessenberg;
 mod lanczos;
 pub mod limit;
 pub(crate) mod linearised;

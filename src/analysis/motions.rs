@@ -61,8 +61,12 @@ impl Motions {
     }
 
     fn take(&mut self, krylov: &Krylov, root: &[f64], unit: f64) {
-        for value in krylov.values.iter().filter(|v| v.residual <= CONVERGED * unit && v.im >= 0.0) {
-            let dof = place(&krylov.vector(*value), root);
+        for value in &krylov.values {
+            let ritz = krylov.ritz(*value);
+            if ritz.residual > CONVERGED * unit {
+                continue;
+            }
+            let dof = place(&krylov.vector(&ritz), root);
             if value.im > 0.0 {
                 let (frequency, damping) = (value.re.hypot(value.im), (-2.0 * value.re).max(0.0));
                 self.list.push(Motion { frequency, damping, dof, grows: value.re > 0.0 });
@@ -101,7 +105,7 @@ fn krylov(linear: &Linearised<'_>, unit: f64) -> Option<Krylov> {
     let start = [linear.start(), linear.start().into_iter().rev().collect()].concat();
     let held = linear.root.iter().cycle().map(|root| f64::from(u8::from(*root > 0.0)));
     let start: Vec<f64> = start.iter().zip(held).map(|(start, free)| start * free).collect();
-    Krylov::of(start, PRODUCTS, |from, to| {
+    Krylov::of(start, PRODUCTS, linear.stop, |from, to| {
         let (q, rate) = from.split_at(n);
         let (to_q, to_rate) = to.split_at_mut(n);
         linear.times(STIFFNESS, q, &mut p, &mut stiff);

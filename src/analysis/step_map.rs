@@ -3,7 +3,7 @@
 //! For schemes that treat positions and velocities differently the map is no function of the scene's roots alone once
 //! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
 
-use super::arnoldi::{Krylov, RitzValue, place};
+use super::arnoldi::{Krylov, place};
 use super::linearised::{Linearised, norm, rough};
 use super::matrices::Matrices;
 use super::shape::Shape;
@@ -15,7 +15,9 @@ use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
+use crate::model::stop::Stop;
 use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+use faer::c64;
 use std::sync::Arc;
 
 /// K x and C v together.
@@ -42,11 +44,12 @@ const FIRST: f64 = 0.97;
 
 /// Where to look for a limit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
+pub(super) struct Search<'a> {
     /// [s]
     pub guess: f64,
     /// [1/s] makes positions and velocities comparable
     pub unit: f64,
+    pub stop: Stop<'a>,
 }
 
 /// M a = -K x - C v.
@@ -72,9 +75,9 @@ impl LinearScene {
 
     /// [s] The largest step whose map grows only where the scene itself does, about a guess, and the degree of freedom that moves most
     /// beyond it.
-    pub fn limit(&self, method: &MethodChoice, search: Search) -> Option<(f64, usize)> {
-        let Search { guess, unit } = search;
-        let grows = |h: f64| self.grows(method, h, unit);
+    pub fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
+        let guess = search.guess;
+        let grows = |h: f64| self.grows(method, h, search);
         let (mut stable, mut unstable) = (0.0, guess);
         let mut culprit = grows(unstable)?;
         // Outwards from the guess until it lies between a stable and a growing step.
@@ -110,22 +113,23 @@ impl LinearScene {
 
     /// Whether the step map has an eigenvalue beyond the unit circle whose motion does not grow by itself, and the degree of freedom that
     /// then moves most.
-    fn grows(&self, method: &MethodChoice, h: f64, unit: f64) -> Option<Option<usize>> {
-        let size = |z: &RitzValue| z.re.hypot(z.im);
+    fn grows(&self, method: &MethodChoice, h: f64, search: Search<'_>) -> Option<Option<usize>> {
+        let unit = search.unit;
+        let size = |z: &c64| z.norm();
         for products in PRODUCTS {
-            let krylov = self.krylov(method, h, unit, products)?;
-            let mut beyond: Vec<RitzValue> =
-                krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH && z.im >= 0.0).copied().collect();
+            let krylov = self.krylov(method, h, search, products)?;
+            let mut beyond: Vec<c64> = krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH).copied().collect();
             beyond.sort_by(|a, b| size(b).total_cmp(&size(a)));
             let mut settled = true;
             for z in beyond {
-                let vector = krylov.vector(z);
-                let close = z.residual <= (CONVERGED * size(&z)).min(CLOSE * (size(&z) - 1.0));
+                let ritz = krylov.ritz(z);
+                let vector = krylov.vector(&ritz);
+                let close = ritz.residual <= (CONVERGED * size(&z)).min(CLOSE * (size(&z) - 1.0));
                 let own = || Shape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
                 if close && own() {
                     continue;
                 }
-                if close && self.grows_when_stepped(method, h, unit, &vector[0])? {
+                if close && self.grows_when_stepped(method, h, search, &vector[0])? {
                     return Some(Some(place(&vector, &self.root)));
                 }
                 settled = false;
@@ -139,8 +143,8 @@ impl LinearScene {
 
     /// Whether repeated steps from a Ritz vector grow: where eigenvectors are nearly parallel a small residual proves nothing. Second differences from step
     /// to step leave out what drifts, as a net without stiffness across itself does.
-    fn grows_when_stepped(&self, method: &MethodChoice, h: f64, unit: f64, from: &[f64]) -> Option<bool> {
-        let mut step = self.step_map(method, h, unit)?;
+    fn grows_when_stepped(&self, method: &MethodChoice, h: f64, search: Search<'_>, from: &[f64]) -> Option<bool> {
+        let mut step = self.step_map(method, h, search.unit)?;
         let mut q = [from.to_vec(), vec![], vec![]];
         let n = q[0].len();
         (q[1], q[2]) = (vec![0.0; n], vec![0.0; n]);
@@ -148,6 +152,9 @@ impl LinearScene {
         step(before, now);
         let mut largest = [0.0_f64; 4];
         for k in 0..STEPPED {
+            if search.stop.asked() {
+                return None;
+            }
             step(now, after);
             let squares = before.iter().zip(&*now).zip(&*after).map(|((a, b), c)| (a - 2.0 * b + c).powi(2));
             let size = squares.sum::<f64>().sqrt();
@@ -164,11 +171,11 @@ impl LinearScene {
     }
 
     /// The step map on a Krylov space; `unit` [1/s] makes positions and velocities comparable.
-    fn krylov(&self, method: &MethodChoice, h: f64, unit: f64, products: usize) -> Option<Krylov> {
+    fn krylov(&self, method: &MethodChoice, h: f64, search: Search<'_>, products: usize) -> Option<Krylov> {
         let (root, n) = (&self.root, self.root.len());
-        let mut step = self.step_map(method, h, unit)?;
+        let mut step = self.step_map(method, h, search.unit)?;
         let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
-        Krylov::of(start, products, |q, y| step(q, y))
+        Krylov::of(start, products, search.stop, |q, y| step(q, y))
     }
 
     /// One step of the method as a linear map; what cannot be stepped is no number.

@@ -1,7 +1,7 @@
 //! A case as a run needs it: every default filled in, nothing left to look up.
 
-use crate::drive::RunSpec;
 use crate::drive::clock::{FixedSteps, Step};
+use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
@@ -40,7 +40,7 @@ impl Problem {
             step: self.time.step,
             frames_every: self.output.frames_every,
             keep_going,
-            explain_doubts: true,
+            explain: Explain::All,
             method: &self.method,
         }
     }

@@ -12,6 +12,7 @@ use crate::drive::clock::{Step, Tolerance};
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::spec::NetworkSpec;
+use crate::model::stop::Stop;
 use crate::output::names::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
@@ -45,8 +46,11 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     let limit = spectrum.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
-    let doubts =
-        [step_doubt(&problem, scene, limit), slack_doubt(&problem, scene, limit), disk_doubt(&problem, scene, &out)];
+    let doubts = [
+        step_doubt(&problem, scene, limit),
+        slack_doubt(&problem, scene, limit, Stop::NEVER),
+        disk_doubt(&problem, scene, &out),
+    ];
     let warnings: Vec<String> = problem.warnings.iter().cloned().chain(doubts.into_iter().flatten()).collect();
     if args.json {
         return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings }.to_json();

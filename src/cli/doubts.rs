@@ -11,6 +11,7 @@ use crate::figures::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::model::state::{State, StateRef};
+use crate::model::stop::Stop;
 use crate::output::space::{frame_bytes, free_bytes};
 use crate::scene::{Scene, place_of};
 use crate::solve::{LinearChoice, LinearError};
@@ -44,25 +45,29 @@ fn unfit(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option
 
 /// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only
 /// those whose step is near it.
-pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene) -> CriticalStep {
-    limit_at(problem, scene, scene.initial_state().as_ref())
+pub(super) fn limit_at_start(problem: &Problem, scene: &dyn Scene, stop: Stop<'_>) -> CriticalStep {
+    limit_at(problem, scene, scene.initial_state().as_ref(), stop)
 }
 
-fn limit_at(problem: &Problem, scene: &dyn Scene, at: StateRef<'_>) -> CriticalStep {
+fn limit_at(problem: &Problem, scene: &dyn Scene, at: StateRef<'_>, stop: Stop<'_>) -> CriticalStep {
     if !has_limit(&problem.method) {
         return CriticalStep::none();
     }
     // Adaptive steps find the limit themselves; it is still a figure of the scene.
     let step = problem.time.step.fixed().unwrap_or(0.0);
     let plain = problem.time.step.fixed().and_then(|h| plainly_stable(scene, at, &problem.method, h));
-    let effort = Effort { sharpen_below: 2.0 * step, ..Effort::START };
-    plain.unwrap_or_else(|| Spectrum::with(scene, at, effort).critical_step(&problem.method))
+    let effort = Effort { sharpen_below: 2.0 * step, stop, ..Effort::START };
+    plain.unwrap_or_else(|| {
+        let found = Spectrum::with(scene, at, effort).critical_step(&problem.method);
+        // What a search that was cut short has found is no limit.
+        if stop.asked() { CriticalStep::none() } else { found }
+    })
 }
 
 /// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that the limit
 /// at the start is not of the springs at all.
-pub(super) fn slack_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalStep) -> Option<String> {
-    if !has_limit(&problem.method) {
+pub(super) fn slack_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalStep, stop: Stop<'_>) -> Option<String> {
+    if stop.asked() || !has_limit(&problem.method) {
         return None;
     }
     let step = problem.time.step.fixed()?.min(problem.time.end);
@@ -71,7 +76,7 @@ pub(super) fn slack_doubt(problem: &Problem, scene: &dyn Scene, limit: CriticalS
     // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a little across.
     let longer = |x: &f64| x * slack.stretch;
     let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
-    let taut = limit_at(problem, scene, taut.as_ref()).step;
+    let taut = limit_at(problem, scene, taut.as_ref(), stop).step;
     let name = problem.method.info.name;
     let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
     hidden.then(|| {

@@ -1,46 +1,62 @@
-//! Ctrl-C: the first asks, the second ends the program at once. `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job, ask too.
+//! Ctrl-C, and `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job. A command that has nothing to save ends at once; one that
+//! has is asked, and ends at once when it is asked again.
 
 use super::complain;
-use std::sync::Arc;
+use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Interrupts closer than this are one.
+/// Signals closer than this are one: a terminal and a batch system may both send one.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
+/// Exit status of an interrupted command.
+pub(super) const STATUS: i32 = 130;
 
-/// A flag that Ctrl-C, `SIGTERM` and `SIGXCPU` set.
+/// What a signal does; one for the process, as signals are.
+static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+/// When the first came to a command that is asked.
+static FIRST: Mutex<Option<Instant>> = Mutex::new(None);
+
+/// From now on a signal asks: it sets this flag.
 pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    let mut first: Option<Instant> = None;
-    let handler = move || {
-        flag.store(true, Ordering::Relaxed);
-        if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
-            std::process::exit(130);
-        }
-    };
-    // Without a handler Ctrl-C still ends the program, only without a summary.
-    if let Err(e) = ctrlc::set_handler(handler) {
+    Arc::clone(ASKED.get_or_init(Arc::default))
+}
+
+/// Catches signals, which end the program until it says that it has something to save.
+pub(super) fn catch_interrupts() {
+    // Without a handler a signal still ends the program, only without a summary.
+    if let Err(e) = ctrlc::set_handler(interrupted) {
         complain(&format!("warning: Ctrl-C will not be caught: {e}"));
     }
     // Not by ctrlc, which would catch SIGHUP as well, and so end what was started with nohup.
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGTERM, SIGXCPU};
-        [SIGTERM, SIGXCPU].into_iter().for_each(|signal| catch(signal, &stop));
+        match signal_hook::iterator::Signals::new([SIGTERM, SIGXCPU]) {
+            Ok(mut signals) => {
+                std::thread::spawn(move || signals.forever().for_each(|_| interrupted()));
+            }
+            Err(e) => complain(&format!("warning: signals will not be caught: {e}")),
+        }
     }
-    stop
+}
+
+fn interrupted() {
+    let Some(asked) = ASKED.get() else {
+        complain("interrupted");
+        exit(STATUS)
+    };
+    asked.store(true, Ordering::Relaxed);
+    let mut first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
+    if first.get_or_insert_with(Instant::now).elapsed() > SAME_INTERRUPT {
+        exit(STATUS);
+    }
 }
 
 /// Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program without one.
 pub(super) fn outlive_full_files() {
     #[cfg(unix)]
-    catch(signal_hook::consts::SIGXFSZ, &Arc::default());
-}
-
-#[cfg(unix)]
-fn catch(signal: i32, flag: &Arc<AtomicBool>) {
-    if let Err(e) = signal_hook::flag::register(signal, Arc::clone(flag)) {
-        complain(&format!("warning: signal {signal} will not be caught: {e}"));
+    if let Err(e) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()) {
+        complain(&format!("warning: signal SIGXFSZ will not be caught: {e}"));
     }
 }

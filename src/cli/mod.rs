@@ -33,6 +33,7 @@ use std::process::ExitCode;
 /// internal failure, 2 bad usage or bad case, 3 diverged or not solvable, 130 interrupted.
 pub fn main() -> ExitCode {
     interrupt::outlive_full_files();
+    interrupt::catch_interrupts();
     let args = Args::parse();
     match dispatch(&args.command) {
         Ok(Finished { text, code }) => {

@@ -16,6 +16,7 @@ use crate::drive::observer::Observer;
 use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
+use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::names::file_stem;
@@ -52,10 +53,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
         _ => (timed(Phase::Files, || ResultFolder::prepare(&out, &problem.name, args.force))?, None),
     };
-    let limit = timed(Phase::CriticalStep, || limit_at_start(&problem, &*scene));
+    let limit = timed(Phase::CriticalStep, || limit_at_start(&problem, &*scene, Stop::on(&stop)));
     if !args.quiet {
         let doubts = timed(Phase::CriticalStep, || {
-            let of_step = [step_doubt(&problem, &*scene, limit), slack_doubt(&problem, &*scene, limit)];
+            let of_step =
+                [step_doubt(&problem, &*scene, limit), slack_doubt(&problem, &*scene, limit, Stop::on(&stop))];
             of_step.into_iter().chain([disk_doubt(&problem, &*scene, &out)])
         });
         doubts.flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
@@ -129,7 +131,8 @@ impl<'a> Job<'a> {
         let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
         // Adaptive steps shrink by themselves where a scene stiffens.
         let mut stiffening = spec.step.fixed().and_then(|step| {
-            let watched = Watched { scene, method: &problem.method, start: limit, step, quiet: args.quiet };
+            let watched =
+                Watched { scene, method: &problem.method, start: limit, step, quiet: args.quiet, stop: Stop::on(stop) };
             Stiffening::of(watched, has_limit(&problem.method))
         });
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];

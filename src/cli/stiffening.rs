@@ -10,6 +10,7 @@ use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing,
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
+use crate::model::stop::Stop;
 use crate::scene::{BoundRoom, Scene, place_of};
 use std::io::IsTerminal;
 
@@ -39,6 +40,8 @@ pub(super) struct Watched<'a> {
     pub step: f64,
     /// whether nothing is to be said
     pub quiet: bool,
+    /// ends a search for the critical step
+    pub stop: Stop<'a>,
 }
 
 /// The least critical step a run has met.
@@ -130,7 +133,12 @@ impl<'a> Stiffening<'a> {
         if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
             self.asked += 1;
             self.ask_below = FALLEN * now;
-            let found = Spectrum::with(self.watched.scene, at, Effort::START).critical_step(self.watched.method);
+            let effort = Effort { stop: self.watched.stop, ..Effort::START };
+            let mut spectrum = Spectrum::with(self.watched.scene, at, effort);
+            let found = spectrum.critical_step(self.watched.method);
+            if spectrum.stopped() {
+                return;
+            }
             if found.step.is_finite() && found.step > 0.0 {
                 self.ratio = Some(found.step / now);
                 self.remember(at.t, found.step);

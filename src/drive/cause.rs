@@ -1,12 +1,13 @@
 //! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
 
-use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, has_limit, implicit_for, remedy};
+use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::forces::Role;
 use crate::model::state::State;
+use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
 
@@ -32,6 +33,8 @@ pub(super) struct Question<'a> {
     pub h: f64,
     /// [s] end of the run
     pub end: f64,
+    /// whether the search is to be cut short
+    pub stop: Stop<'a>,
 }
 
 /// What was found, and what to do about it.
@@ -46,6 +49,20 @@ pub(super) struct Answer {
     pub dof: Option<usize>,
 }
 
+impl Answer {
+    /// Of a search that whoever waits for it has ended; `h` [s] is the step.
+    fn cut_short(h: f64) -> Self {
+        Answer {
+            why: "the search for the cause was cut short by a signal".to_owned(),
+            advice: format!(
+                "take a step of {} s or smaller, or run it again and let the search end",
+                figures(0.1 * h, 2)
+            ),
+            ..Answer::default()
+        }
+    }
+}
+
 /// The limit of a method at a state.
 #[derive(Clone, Copy)]
 struct Limit {
@@ -57,7 +74,11 @@ impl Question<'_> {
     /// Why the scheme has made energy.
     pub fn gain(&self) -> Answer {
         let start = self.scene.initial_state();
-        let mut answer = self.explicit(&start).or_else(|| self.unresolved(&start)).unwrap_or_default();
+        let found = self.explicit(&start).or_else(|| self.unresolved(&start));
+        if self.stop.asked() {
+            return Answer::cut_short(self.h);
+        }
+        let mut answer = found.unwrap_or_default();
         if answer.advice.is_empty() {
             answer.advice = format!(
                 "take a step of {} s or smaller, some damping, or a method that damps: --method backward-euler",
@@ -80,7 +101,11 @@ impl Question<'_> {
 
     /// Why nodes have left the scene although no energy was made: `error` is that of the account.
     pub fn flight(&self, error: f64) -> Answer {
-        if let Some(answer) = self.explicit(&self.scene.initial_state()) {
+        let found = self.explicit(&self.scene.initial_state());
+        if self.stop.asked() {
+            return Answer::cut_short(self.h);
+        }
+        if let Some(answer) = found {
             return self.with_units(answer);
         }
         if error > 0.1 {
@@ -118,13 +143,17 @@ impl Question<'_> {
     }
 
     fn limit(&self, method: &MethodChoice, at: &State, when: &'static str) -> Option<Limit> {
-        let mut spectrum = Spectrum::of(self.scene, at.as_ref());
+        let mut spectrum = self.spectrum(at);
         let mut critical = spectrum.critical_step(method);
         let Rates { frequency, damping, .. } = spectrum.rates();
         if !(critical.step.is_finite() && (frequency > 0.0 || damping > 0.0)) {
             critical = self.row_sums(method)?;
         }
         Some(Limit { critical, when })
+    }
+
+    fn spectrum<'a>(&'a self, at: &'a State) -> Spectrum<'a> {
+        Spectrum::with(self.scene, at.as_ref(), Effort { stop: self.stop, ..Effort::FULL })
     }
 
     /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
@@ -219,7 +248,7 @@ impl Question<'_> {
     fn outside_filter(&self, at: &State) -> Option<Answer> {
         let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
         let loaded = self.scene.terms().iter().any(outside);
-        let rates = Spectrum::of(self.scene, at.as_ref()).rates();
+        let rates = self.spectrum(at).rates();
         // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that resolves.
         let critical = 2.0 / rates.damping;
         if !loaded || self.h <= NEAR * critical {
@@ -241,7 +270,7 @@ impl Question<'_> {
 
     /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
     fn unresolved(&self, start: &State) -> Option<Answer> {
-        let rates = |at: &State| Spectrum::of(self.scene, at.as_ref()).rates();
+        let rates = |at: &State| self.spectrum(at).rates();
         let (first, last) = (rates(start), rates(self.last));
         let found = if last.frequency > first.frequency { last } else { first };
         let wh = self.h * found.frequency;

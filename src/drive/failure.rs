@@ -2,12 +2,14 @@
 
 use super::cause::{Answer, Question};
 use super::observer::LedgerRow;
+use super::outcome::Explain;
 use super::watch::{Gain, Trouble};
 use crate::figures::figures;
 use crate::integrate::StepError;
 use crate::integrate::registry::MethodChoice;
 use crate::model::forces::Role;
 use crate::model::point::Point;
+use crate::model::stop::Stop;
 use crate::scene::{Scene, Suspect};
 use crate::solve::newton::NewtonFailure;
 
@@ -53,6 +55,10 @@ pub(super) struct Scenery<'a> {
     pub t: f64,
     /// [s] end of the run
     pub end: f64,
+    /// of what the cause is looked for
+    pub explain: Explain,
+    /// whether the search is to be cut short
+    pub stop: Stop<'a>,
 }
 
 /// The state that is wrong, and its account.
@@ -76,13 +82,16 @@ impl Scenery<'_> {
         if let Some((spring, _)) = fullest {
             suspect.spring = Some(spring);
         }
+        let how = self.how(wreck, worst, &suspect);
+        let looked_for = self.explain != Explain::Nothing;
         let answer = match wreck.trouble {
+            _ if !looked_for => Answer::default(),
             // Less than everything that was supplied: the motion is real.
             Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
             _ => self.question().gain(),
         };
-        let how = self.how(wreck, worst, &suspect);
         let cause = match &*answer.why {
+            "" if !looked_for => how,
             "" => format!("{how}; no limit of the step is seen in the tangent"),
             why => format!("{how}; {why}"),
         };
@@ -93,7 +102,7 @@ impl Scenery<'_> {
     }
 
     /// A warning about energy that the scheme has made.
-    pub(super) fn doubt(&self, gain: Gain, explained: bool) -> String {
+    pub(super) fn doubt(&self, gain: Gain) -> String {
         let made = format!(
             "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in",
             figures(self.t, 4),
@@ -102,7 +111,7 @@ impl Scenery<'_> {
             figures(gain.made, 3),
             figures(gain.supplied, 3),
         );
-        if !explained {
+        if self.explain != Explain::All {
             return made;
         }
         let Answer { why, advice, .. } = self.question().gain();
@@ -127,7 +136,10 @@ impl Scenery<'_> {
                           must stay far below the forces that move the scene";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
-        let (why, step) = self.question().unsolved(worst);
+        let (why, step) = match self.explain {
+            Explain::Nothing => (String::new(), 0.5 * self.h),
+            Explain::Failures | Explain::All => self.question().unsolved(worst),
+        };
         let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(
             "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
@@ -138,7 +150,14 @@ impl Scenery<'_> {
     }
 
     fn question(&self) -> Question<'_> {
-        Question { scene: self.scene, method: self.method, last: &self.from.state, h: self.h, end: self.end }
+        Question {
+            scene: self.scene,
+            method: self.method,
+            last: &self.from.state,
+            h: self.h,
+            end: self.end,
+            stop: self.stop,
+        }
     }
 
     pub(super) fn report(&self, suspect: Suspect, cause: String, advice: String) -> Failure {

@@ -18,6 +18,6 @@ pub mod watch;
 
 pub use error::RunError;
 pub use failure::Failure;
-pub use outcome::{Outcome, RunSpec, Status};
+pub use outcome::{Explain, Outcome, RunSpec, Status};
 pub use run::{resume, run, run_from};
 pub use snapshot::Snapshot;

@@ -10,6 +10,18 @@ use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::solve::LinearStats;
 
+/// What a run looks for the cause of, by an analysis of the scene that takes as long as some hundred steps of a small one. Without it a report still says
+/// what happened and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Explain {
+    /// nothing
+    Nothing,
+    /// a run that fails
+    Failures,
+    /// that, and energy that the scheme makes
+    All,
+}
+
 /// What to run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunSpec<'a> {
@@ -22,9 +34,8 @@ pub struct RunSpec<'a> {
     pub frames_every: Option<f64>,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,
-    /// look for the cause of energy that the scheme makes, which takes as long as some hundred steps of a small scene; without it the warning names
-    /// the energy only. Where a run's cost is measured
-    pub explain_doubts: bool,
+    /// of what the cause is looked for; where a run's cost is measured, of nothing
+    pub explain: Explain,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
 }

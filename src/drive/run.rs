@@ -18,10 +18,11 @@ use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
+use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
 use reach::Reach;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// How many times its size a scene may spread before it counts as blown up.
 const BLOW_UP: f64 = 1e4;
@@ -53,11 +54,12 @@ pub fn run_from(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let run = Run::start(scene, stepper, spec, state)?;
+    let mut run = Run::start(scene, stepper, spec, state)?;
+    run.stop = Stop::on(stop);
     for o in observers.iter_mut() {
         o.started(&run.from, run.row)?;
     }
-    go_on(run, stepper, observers, stop)
+    go_on(run, stepper, observers)
 }
 
 /// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a run
@@ -73,22 +75,22 @@ pub fn resume(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let run = Run::restore(scene, stepper, spec, snapshot)?;
+    let mut run = Run::restore(scene, stepper, spec, snapshot)?;
+    run.stop = Stop::on(stop);
     for o in observers.iter_mut() {
         o.resumed(&run.from, run.row)?;
     }
-    go_on(run, stepper, observers, stop)
+    go_on(run, stepper, observers)
 }
 
 fn go_on(
     mut run: Run<'_>,
     stepper: &mut Stepper<'_>,
     observers: &mut [&mut dyn Observer],
-    stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
     let mut status = Status::Completed;
     while let Some(next) = run.next() {
-        let stopped = stop.load(Ordering::Relaxed);
+        let stopped = run.stop.asked();
         let occasion = match stopped {
             true => Occasion::Interrupted,
             false if next.t >= run.spec.end => Occasion::LastStep,
@@ -141,6 +143,8 @@ struct Run<'a> {
     new_doubt: Option<String>,
     doubt: Option<String>,
     strides: stride::Strides,
+    /// whether it is to end before its end
+    stop: Stop<'a>,
 }
 
 /// What a run begins with.
@@ -215,6 +219,7 @@ impl<'a> Run<'a> {
             new_doubt: None,
             doubt: None,
             strides: stride::Strides::default(),
+            stop: Stop::NEVER,
         }
     }
 

@@ -10,6 +10,7 @@ pub mod point;
 pub mod quad;
 pub mod spec;
 pub mod state;
+pub mod stop;
 pub mod stride;
 pub mod system;
 pub mod workers;

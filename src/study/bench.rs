@@ -9,7 +9,7 @@ use crate::case::schema::Method;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::drive::observer::Observer;
-use crate::drive::{self, Outcome, RunError, RunSpec, Snapshot};
+use crate::drive::{self, Explain, Outcome, RunError, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
@@ -115,7 +115,7 @@ impl Bench {
             step,
             frames_every: Some(self.every),
             keep_going: false,
-            explain_doubts: false,
+            explain: Explain::Failures,
             method,
         };
         Ok(match what.from {

@@ -13,12 +13,13 @@ use super::ladder::Scales;
 use super::reference::{Account, Reference, Workshop};
 use super::row::{Job, Pace, label};
 use super::wishes::Wishes;
-use crate::analysis::critical::Spectrum;
+use crate::analysis::critical::{Effort, Spectrum};
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::Method;
 use crate::drive::clock::Step;
 use crate::integrate::registry::{MethodChoice, methods};
+use crate::model::stop::Stop;
 use crate::output::names::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
@@ -172,7 +173,8 @@ impl Planner<'_> {
         variant: usize,
     ) -> Result<(BTreeMap<String, f64>, Vec<Job>), StudyError> {
         let state = bench.scene.initial_state();
-        let mut spectrum = Spectrum::of(&*bench.scene, state.as_ref());
+        let effort = Effort { stop: Stop::on(self.stop), ..Effort::FULL };
+        let mut spectrum = Spectrum::with(&*bench.scene, state.as_ref(), effort);
         let scales = Scales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
         let mut limits = BTreeMap::new();
         let mut paces: Vec<Tried> = Vec::new();
@@ -194,6 +196,9 @@ impl Planner<'_> {
             let steps = steps.into_iter().map(Pace::Step);
             let list = steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect();
             paces.push(Tried { step_seconds: bench.nominal_step(&choice), order: choice.order(), limit, method, list });
+        }
+        if spectrum.stopped() {
+            return Err(StudyError::Interrupted);
         }
         self.add_own(bench, &mut paces);
         Ok((limits, by_cost(paces, &scales, variant)))

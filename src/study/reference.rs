@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::bench::{Bench, Try, reference_tolerance};
 use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
-use crate::analysis::critical::Spectrum;
+use crate::analysis::critical::{Effort, Spectrum};
 use crate::drive::clock::Step;
 use crate::drive::observer::{ObserveError, Observer, StepView};
 use crate::drive::{Outcome, Status};
@@ -24,6 +24,7 @@ use crate::figures::figures;
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
+use crate::model::stop::Stop;
 use crate::output::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
@@ -205,7 +206,8 @@ impl Workshop<'_> {
     fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
         let scene = &*self.bench.scene;
         let state = scene.initial_state();
-        let limit = Spectrum::of(scene, state.as_ref()).critical_step(method).step;
+        let effort = Effort { stop: Stop::on(self.stop), ..Effort::FULL };
+        let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
         let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
         self.bench.end() / longest * self.bench.nominal_step(method)
     }

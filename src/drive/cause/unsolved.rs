@@ -11,7 +11,7 @@ impl Question<'_> {
     /// Words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest residual.
     pub(in crate::drive) fn unsolved(&self, worst: usize) -> (String, f64) {
         let (mut words, mut step) = (Vec::new(), 0.5 * self.h);
-        if let Some(leaves) = buckling::fastest(self.scene, self.last.as_ref()) {
+        if let Some(leaves) = buckling::fastest(self.scene, self.last.as_ref(), self.stop) {
             let turning = self.turning().join(", ");
             let what = match (self.compressed(), turning.is_empty()) {
                 (true, _) => "compressed springs buckle in the last good state".to_owned(),
@@ -22,6 +22,9 @@ impl Question<'_> {
             };
             words.push(format!("{what}, at a rate of {} 1/s {}", figures(leaves.rate, 3), self.place(leaves.dof)));
             step = step.min(1.0 / leaves.rate);
+        }
+        if self.stop.asked() {
+            words.push("the search for the cause was cut short by a signal".to_owned());
         }
         words.extend(self.unheld(worst));
         (words.join("; "), step)

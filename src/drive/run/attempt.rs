@@ -11,13 +11,16 @@ use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
 
 impl Run<'_> {
-    /// Goes on to the next accepted state, which may take several attempts.
+    /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end before.
     pub(super) fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<Result<(), Status>, RunError> {
         while let Some(tick) = self.next() {
+            if self.stop.asked() {
+                return Ok(Ok(()));
+            }
             let kept = match &mut self.pace {
                 Pace::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
                 Pace::Adaptive(_) => match self.adaptive_step(stepper) {

@@ -3,7 +3,7 @@
 use super::super::clock::Tick;
 use super::super::failure::{Scenery, Wreck};
 use super::super::observer::{LedgerRow, Observer, StepView};
-use super::super::outcome::Status;
+use super::super::outcome::{RunSpec, Status};
 use super::super::pace::Pace;
 use super::super::watch::{Sight, Trouble, Watched, power_of};
 use super::{BLOW_UP, Run, RunError};
@@ -41,7 +41,7 @@ impl Run<'_> {
         match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
             Sight::Calm => {}
             Sight::Doubt(gain) => {
-                self.new_doubt = Some(self.scenery(tick).doubt(gain, self.spec.explain_doubts));
+                self.new_doubt = Some(self.scenery(tick).doubt(gain));
             }
             Sight::Trouble(trouble) => {
                 let adaptive = matches!(self.pace, Pace::Adaptive(_));
@@ -115,7 +115,8 @@ impl Run<'_> {
     }
 
     pub(super) fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
-        let Run { scene, from, .. } = self;
-        Scenery { scene: *scene, method: self.spec.method, from, step: self.steps + 1, h, t, end: self.spec.end }
+        let &Run { scene, ref from, spec, stop, .. } = self;
+        let RunSpec { method, end, explain, .. } = spec;
+        Scenery { scene, method, from, step: self.steps + 1, h, t, end, explain, stop }
     }
 }

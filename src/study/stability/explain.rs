@@ -185,7 +185,8 @@ fn because(row: &Row) -> String {
 /// The critical step where the run at step `h` [s] was stiffest (0) or softest (1).
 fn along(bench: &Bench<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)> {
     let state: &State = bench.trial(h)?.extremes.get(which)?;
-    let critical = Spectrum::with(bench.scene(), state.as_ref(), Effort::START).critical_step(bench.method);
+    let effort = Effort { stop: bench.stop(), ..Effort::START };
+    let critical = Spectrum::with(bench.scene(), state.as_ref(), effort).critical_step(bench.method);
     Some((state.t, critical))
 }
 

@@ -13,10 +13,11 @@ use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::analysis::limit::{growth, swing};
 use crate::analysis::rates::step_by_bounds;
 use crate::drive::clock::Step;
-use crate::drive::{self, Failure, Outcome, RunSpec, Status};
+use crate::drive::{self, Explain, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::state::State;
+use crate::model::stop::Stop;
 use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -110,6 +111,10 @@ impl<'a> Bench<'a> {
         let swing = step.and_then(|h| swing(method, critical.rates, h));
         let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
         Bench { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
+    }
+
+    pub fn stop(&self) -> Stop<'a> {
+        Stop::on(self.interrupt)
     }
 
     pub fn scene(&self) -> &'a dyn Scene {
@@ -244,7 +249,7 @@ impl<'a> Bench<'a> {
             step: Step::Fixed(h),
             frames_every: None,
             keep_going,
-            explain_doubts: false,
+            explain: Explain::Failures,
             method: self.method,
         };
         let mut judge = Judge::new(self, steps, self.interrupt);

@@ -30,10 +30,11 @@ pub use row::{AsGiven, Row, RunRow, Stability, Status};
 pub use start::Start;
 pub use verdict::Verdict;
 
-use crate::analysis::critical::{CriticalStep, Spectrum};
+use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;
+use crate::model::stop::Stop;
 use crate::scene::Scene;
 use measure::{Bench, From, Halt};
 use std::cell::OnceCell;
@@ -73,7 +74,8 @@ pub struct Beginning<'a> {
 pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), stop: &AtomicBool) -> Vec<Row> {
     let started = Instant::now();
     let state = spec.scene.initial_state();
-    let mut spectrum = Spectrum::of(spec.scene, state.as_ref());
+    let effort = Effort { stop: Stop::on(stop), ..Effort::FULL };
+    let mut spectrum = Spectrum::with(spec.scene, state.as_ref(), effort);
     let reference = measure::reference(spec, &mut spectrum);
     let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
     let common = Common {
@@ -87,7 +89,14 @@ pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), st
     let mut rows = Vec::with_capacity(spec.methods.len());
     for (index, method) in spec.methods.iter().enumerate() {
         let critical = spectrum.critical_step(method);
+        // What a search that was cut short has found is no prediction.
+        let critical = if spectrum.stopped() { CriticalStep::none() } else { critical };
         let mut row = Row::new(method, Prediction::of(spec.scene, method, critical));
+        if spectrum.stopped() {
+            row.halted(Halt::Interrupted, None);
+            rows.push(row);
+            continue;
+        }
         let name = row.method.clone();
         let mut run = 0;
         let mut before = |step: f64, steps: u64| {

@@ -39,7 +39,9 @@ pub(super) struct Scenery<'a> {
 /// The picture as SVG: a panel for every method with a limit; `None` if there is none.
 pub(super) fn regions(shown: &Scenery<'_>) -> Result<Option<String>, PlotError> {
     let state = shown.scene.initial_state();
-    let motions = Spectrum::of(shown.scene, state.as_ref()).outer_motions();
+    // Whoever has asked for the end does not wait for another search.
+    let interrupted = shown.study.methods.iter().any(|row| row.status == Status::Interrupted);
+    let motions = if interrupted { Vec::new() } else { Spectrum::of(shown.scene, state.as_ref()).outer_motions() };
     let rows = || shown.methods.iter().zip(&shown.study.methods).filter(|(_, row)| row.status != Status::Refused);
     let mut charts: Vec<Chart> =
         rows().filter(|(method, _)| has_limit(method)).map(|(method, row)| panel(method, row, &motions)).collect();

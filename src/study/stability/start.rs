@@ -15,7 +15,7 @@ use super::measure::PASSES;
 use crate::analysis::rough;
 use crate::drive::clock::Step;
 use crate::drive::observer::{ObserveError, Observer, Point, StepView};
-use crate::drive::{self, RunSpec, Status};
+use crate::drive::{self, Explain, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
@@ -131,7 +131,7 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
         step: Step::Fixed(h),
         frames_every: None,
         keep_going: false,
-        explain_doubts: false,
+        explain: Explain::Nothing,
         method: &method,
     };
     let left = AtomicBool::new(false);

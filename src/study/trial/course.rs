@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::timing::Clock;
 use crate::drive::clock::{Step, Tolerance};
 use crate::drive::observer::{ObserveError, Observer, Resumable, StepView};
-use crate::drive::{self, RunSpec, Snapshot};
+use crate::drive::{self, Explain, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
@@ -58,7 +58,7 @@ impl Course {
             step,
             frames_every: None,
             keep_going: false,
-            explain_doubts: false,
+            explain: Explain::Nothing,
             method: pilot.method,
         };
         let stop = AtomicBool::new(false);

@@ -8,7 +8,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Resumable, StepView};
 use crate::drive::watch::Watch;
-use crate::drive::{self, RunError, RunSpec, Snapshot, Status};
+use crate::drive::{self, Explain, RunError, RunSpec, Snapshot, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
@@ -45,7 +45,7 @@ impl<'a> Attempted<'a> {
     /// Its run.
     pub(super) fn spec(self) -> RunSpec<'a> {
         let Attempted { method, step, end, frames_every, .. } = self;
-        RunSpec { end, step, frames_every, keep_going: false, explain_doubts: false, method }
+        RunSpec { end, step, frames_every, keep_going: false, explain: Explain::Nothing, method }
     }
 }
 

@@ -12,7 +12,7 @@ use super::units::Units;
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
-use crate::drive::{self, Outcome, RunSpec, Status};
+use crate::drive::{self, Explain, Outcome, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -95,6 +95,9 @@ impl<'a> Yardstick<'a> {
         let cost = nominal_step(scene, method);
         let needed = SLOWER * whole / frames.min(limit) * cost;
         let span = whole * (REFERENCE / needed).min(1.0);
+        if span < FEW * whole {
+            return None;
+        }
         let every = if span < whole { frames.min(span / FRAMES) } else { frames };
         let relative = (FINER * accuracy).clamp(TOLERANCES[0], TOLERANCES[1]);
         let mut yardstick = Yardstick::blank(scene, problem, (span, every));
@@ -180,7 +183,7 @@ impl<'a> Yardstick<'a> {
             step,
             frames_every: Some(self.every),
             keep_going: false,
-            explain_doubts: false,
+            explain: Explain::Nothing,
             method,
         };
         drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()
