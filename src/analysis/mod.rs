@@ -13,5 +13,6 @@ mod oscillator;
 pub mod rates;
 mod shape;
 mod step_map;
+pub mod warnings;
 
 pub(crate) use linearised::rough;

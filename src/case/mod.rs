@@ -42,6 +42,7 @@ pub use source::Source;
 pub use spec::Problem;
 
 use build::geometry::Geometry;
+use crate::warning::Warning;
 use schema::CaseFile;
 
 /// A case that was read and found good.
@@ -127,8 +128,8 @@ impl Case {
         &self.file
     }
 
-    /// What is doubtful but runs.
-    pub fn warnings(&self) -> &[String] {
+    /// What is doubtful but runs, and is not acknowledged.
+    pub fn warnings(&self) -> &[Warning] {
         &self.problem.warnings
     }
 }
