@@ -26,6 +26,13 @@ pub fn two_digits(step: f64) -> f64 {
     format!("{rounded:.1e}").parse().unwrap_or(step)
 }
 
+/// Some items for a message: the first few and how many there are.
+pub fn first_few(items: &[u32]) -> String {
+    let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();
+    let rest = if items.len() > 5 { format!(", … ({} in all)", items.len()) } else { String::new() };
+    format!("{}{rest}", shown.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

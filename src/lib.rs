@@ -39,9 +39,11 @@ pub mod mesh;
 pub mod model;
 pub mod output;
 pub mod plot;
+pub mod preflight;
 pub mod scene;
 pub mod simulation;
 
 pub mod solve;
 pub mod startup;
 pub mod study;
+pub mod warning;

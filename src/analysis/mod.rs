@@ -14,5 +14,6 @@ mod oscillator;
 pub mod rates;
 mod shape;
 mod step_map;
+pub mod warnings;
 
 pub(crate) use linearised::rough;

@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::findings::{Findings, Told};
 use super::place::Place;
 use super::pointer::Pointer;
+use crate::warning::{Warning, WarningCode};
 
 /// Longest excerpt of a value in a message, in characters.
 const EXCERPT: usize = 80;
@@ -111,7 +112,7 @@ pub(crate) struct Faults<'a> {
     found: Findings,
     /// faults kept back as consequences of others
     kept_back: usize,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
 impl<'a> Faults<'a> {
@@ -161,8 +162,13 @@ impl<'a> Faults<'a> {
     }
 
     /// Notes something doubtful that does not stop a run.
-    pub fn warn(&mut self, text: impl Into<String>) {
-        self.warnings.push(text.into());
+    pub fn warn(&mut self, code: WarningCode, text: impl Into<String>) {
+        self.pass_on(Warning::new(code, text));
+    }
+
+    /// The same for a warning that was made elsewhere.
+    pub fn pass_on(&mut self, warning: Warning) {
+        self.warnings.push(warning);
     }
 
     /// Whether what stands at `at`, above it and below it is what the file says. Where an earlier pass found a fault a
@@ -182,7 +188,7 @@ impl<'a> Faults<'a> {
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(self) -> Result<Vec<String>, Told> {
+    pub fn finish(self) -> Result<Vec<Warning>, Told> {
         if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
     }
 

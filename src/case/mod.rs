@@ -41,6 +41,7 @@ pub use schema::json_schema;
 pub use source::Source;
 pub use spec::Problem;
 
+use crate::warning::Warning;
 use build::geometry::Geometry;
 use schema::CaseFile;
 
@@ -127,8 +128,8 @@ impl Case {
         &self.file
     }
 
-    /// What is doubtful but runs.
-    pub fn warnings(&self) -> &[String] {
+    /// What is doubtful but runs, and is not acknowledged.
+    pub fn warnings(&self) -> &[Warning] {
         &self.problem.warnings
     }
 }

@@ -146,7 +146,7 @@ impl Source {
         let warnings = faults.finish()?;
         match built {
             Some((mut problem, geometry)) => {
-                problem.warnings = warnings;
+                (problem.acknowledged, problem.warnings) = problem.sort_out(warnings);
                 Ok((problem, geometry))
             }
             None => {

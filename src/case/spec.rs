@@ -6,6 +6,7 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::output::encode::VtuFormat;
+use crate::warning::{Warning, WarningCode};
 
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +27,12 @@ pub struct Problem {
     pub solver: SolverSpec,
     /// what is written
     pub output: OutputSpec,
-    /// what is doubtful but runs
-    pub warnings: Vec<String>,
+    /// what is doubtful but runs, and is not acknowledged
+    pub warnings: Vec<Warning>,
+    /// the same, acknowledged
+    pub acknowledged: Vec<Warning>,
+    /// kinds of warnings that the case acknowledges
+    pub acknowledge: Vec<WarningCode>,
     /// the case as it is run, `--set` included
     pub case_json: serde_json::Value,
 }
@@ -43,6 +48,16 @@ impl Problem {
             explain: Explain::All,
             method: &self.method,
         }
+    }
+
+    /// Whether the case acknowledges warnings of a kind.
+    pub fn acknowledges(&self, code: WarningCode) -> bool {
+        self.acknowledge.contains(&code)
+    }
+
+    /// Warnings that the case acknowledges, and the others.
+    pub fn sort_out(&self, warnings: impl IntoIterator<Item = Warning>) -> (Vec<Warning>, Vec<Warning>) {
+        warnings.into_iter().partition(|warning| self.acknowledges(warning.code))
     }
 
     /// Takes the system out; an empty network stays. A large mesh is then not kept twice.

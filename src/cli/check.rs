@@ -3,7 +3,7 @@
 
 use super::check_cost::describe_forecast;
 use super::check_json::Report;
-use super::doubts::{check_solver, disk_doubt, slack_doubt, step_doubt};
+use super::doubts::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, outside_filter};
 use crate::case::Case;
@@ -18,6 +18,7 @@ use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
 use crate::study::trial::memory::Baseline;
 use crate::study::trial::{Candidate, ForecastSpec, forecast};
+use crate::warning::Warning;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -46,20 +47,19 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let forecast = forecast(&spec);
     let limit = spectrum.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
-    let doubts = [
-        step_doubt(&problem, scene, limit),
-        slack_doubt(&problem, scene, limit, Stop::NEVER),
-        disk_doubt(&problem, scene, &out),
-    ];
-    let warnings: Vec<String> = problem.warnings.iter().cloned().chain(doubts.into_iter().flatten()).collect();
+    let (acknowledged, warnings) =
+        problem.sort_out(of_scene(planned(&problem, scene, Stop::NEVER), &problem, limit, &out));
+    let words = |early: &[Warning], late: &[Warning]| early.iter().chain(late).map(Warning::to_string).collect();
+    let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
+    let warnings: Vec<String> = words(&problem.warnings, &warnings);
     if args.json {
-        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings }.to_json();
+        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }
+            .to_json();
     }
     describe_forecast(&mut text, &problem, &forecast);
     describe_limits(&mut text, &problem, scene, &mut spectrum, &candidates);
-    for warning in warnings {
-        let _ = writeln!(text, "warning: {warning}");
-    }
+    acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
+    warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     Ok(text)
 }
 

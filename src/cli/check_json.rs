@@ -16,12 +16,13 @@ pub(super) struct Report<'a> {
     pub candidates: &'a [Candidate],
     pub forecast: Forecast,
     pub warnings: Vec<String>,
+    pub acknowledged: Vec<String>,
 }
 
 impl Report<'_> {
     /// JSON text that ends with a line's end.
     pub fn to_json(&self) -> Result<String, CliError> {
-        let Report { problem, scene, candidates, forecast, warnings } = self;
+        let Report { problem, scene, candidates, forecast, warnings, acknowledged } = self;
         let tolerance = problem.time.step.tolerance();
         let unknowns = scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
         let mut report = json!({
@@ -35,6 +36,7 @@ impl Report<'_> {
             "symmetric": scene.symmetric(),
             "critical_steps": candidates.iter().map(|c| limit(c, *scene)).collect::<Vec<_>>(),
             "warnings": warnings,
+            "acknowledged": acknowledged,
             "version": env!("CARGO_PKG_VERSION"),
         });
         let write = |e: serde_json::Error| ObserveError::Write { path: "standard output".to_owned(), source: e.into() };

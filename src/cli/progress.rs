@@ -7,6 +7,7 @@ use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use crate::warning::{Warning, WarningCode};
 
 /// Between two updates of the line.
 const REDRAW: Duration = Duration::from_millis(100);
@@ -40,6 +41,8 @@ pub struct Progress {
     countdown: u64,
     every: u64,
     since: Since,
+    /// whether energy that the scheme makes is acknowledged, so that nothing is said of it
+    acknowledged: bool,
 }
 
 /// Counted since the line was drawn last.
@@ -90,7 +93,14 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, display, end, clock: None, countdown: 1, every: 1, since: Since::default() }
+        Self { bar, display, end, clock: None, countdown: 1, every: 1, since: Since::default(), acknowledged: false }
+    }
+
+    /// The same, silent about energy that the scheme makes where that is acknowledged.
+    #[must_use]
+    pub fn acknowledging(mut self, acknowledged: bool) -> Self {
+        self.acknowledged = acknowledged;
+        self
     }
 
     /// After a step to `t` [s].
@@ -174,7 +184,8 @@ impl Observer for Progress {
     }
 
     fn doubted(&mut self, warning: &str) {
-        if self.display != Display::Quiet {
+        if self.display != Display::Quiet && !self.acknowledged {
+            let warning = Warning::new(WarningCode::EnergyMade, warning);
             self.bar.suspend(|| complain(&format!("warning: {warning}")));
         }
     }

@@ -1,6 +1,6 @@
 //! `canopy-fem solve`: the main job.
 
-use super::doubts::{check_solver, disk_doubt, limit_at_start, slack_doubt, step_doubt, worth};
+use super::doubts::{check_solver, of_scene, planned};
 use super::farthest::Farthest;
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
@@ -8,11 +8,12 @@ use super::resume::{self, Earlier};
 use super::stiffening::{Least, Stiffening, Watched};
 use super::{CliError, Finished, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
+use crate::analysis::warnings::{limit_at_start, worth};
 use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
-use crate::drive::observer::Observer;
+use crate::drive::observer::{LedgerRow, Observer};
 use crate::drive::{self, Failure, Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::stepper::Stepper;
@@ -26,9 +27,13 @@ use crate::output::summary::Summary;
 use crate::scene::Scene;
 use crate::simulation::{bind, build_scene};
 use crate::startup::{Account, Phase, timed};
+use crate::warning::{Warning, WarningCode};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+
+/// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
+const LOST: f64 = 0.8;
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let account = Account::open();
@@ -53,14 +58,12 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
         _ => (timed(Phase::Files, || ResultFolder::prepare(&out, &problem.name, args.force))?, None),
     };
-    let limit = timed(Phase::CriticalStep, || limit_at_start(&problem, &*scene, Stop::on(&stop)));
+    let plan = planned(&problem, &*scene, Stop::on(&stop));
+    let limit = timed(Phase::CriticalStep, || limit_at_start(plan));
     if !args.quiet {
-        let doubts = timed(Phase::CriticalStep, || {
-            let of_step =
-                [step_doubt(&problem, &*scene, limit), slack_doubt(&problem, &*scene, limit, Stop::on(&stop))];
-            of_step.into_iter().chain([disk_doubt(&problem, &*scene, &out)])
-        });
-        doubts.flatten().for_each(|doubt| complain(&format!("warning: {doubt}")));
+        let found = timed(Phase::CriticalStep, || of_scene(plan, &problem, limit, &out));
+        let (_, warnings) = problem.sort_out(found);
+        warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(dir) = &args.dump_matrices {
         let state = scene.initial_state();
@@ -68,8 +71,10 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     }
     let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit, account };
     let (outcome, summary, seen) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
-    if let Some(doubt) = energy_doubt(&outcome).filter(|_| !args.quiet) {
-        complain(&doubt);
+    if !args.quiet {
+        let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
+        let (_, warnings) = problem.sort_out(found);
+        warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     }
     if let Some(failure) = &outcome.failure {
         complain(&describe(failure, outcome.status));
@@ -128,11 +133,15 @@ impl<'a> Job<'a> {
         let case_digest = case.digest();
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
         let display = if args.quiet { Display::Quiet } else { Display::Terminal };
-        let (mut progress, mut farthest) = (Progress::new(spec.end, display), Farthest::new(scene));
+        let unwatched = args.quiet || problem.acknowledges(WarningCode::StepAboveCritical);
+        let (mut progress, mut farthest) = (
+            Progress::new(spec.end, display).acknowledging(problem.acknowledges(WarningCode::EnergyMade)),
+            Farthest::new(scene),
+        );
         // Adaptive steps shrink by themselves where a scene stiffens.
         let mut stiffening = spec.step.fixed().and_then(|step| {
             let watched =
-                Watched { scene, method: &problem.method, start: limit, step, quiet: args.quiet, stop: Stop::on(stop) };
+                Watched { scene, method: &problem.method, start: limit, step, quiet: unwatched, stop: Stop::on(stop) };
             Stiffening::of(watched, has_limit(&problem.method))
         });
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];
@@ -156,9 +165,28 @@ impl<'a> Job<'a> {
 }
 
 /// A word on a run that reached its end on energy its scheme made itself.
-fn energy_doubt(outcome: &Outcome) -> Option<String> {
+fn energy_made(outcome: &Outcome) -> Option<Warning> {
     let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
-    Some(format!("warning: {made}; do not trust this run"))
+    Some(Warning::new(WarningCode::EnergyMade, format!("{made}; do not trust this run")))
+}
+
+/// A word on a run in which damping that brakes the rotation of a free body has taken nearly all energy.
+fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
+    let mut found = problem.warnings.iter().chain(&problem.acknowledged);
+    let lost = found.any(|w| w.code == WarningCode::BrakedRotation).then(|| dissipated_share(&outcome.ledger))?;
+    (lost > LOST).then(|| {
+        let text = format!(
+            "damping has taken {} % of the energy of motion and springs, and brakes the rotation of a body that nothing holds: what is \
+             left may be its work rather than the body's motion; take \"axial\" dashpots",
+            figures(100.0 * lost, 3)
+        );
+        Warning::new(WarningCode::EnergyDissipated, text)
+    })
+}
+
+/// [-] What was dissipated over all that was in motion and springs, or would still be.
+fn dissipated_share(at: &LedgerRow) -> f64 {
+    at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
 fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {

@@ -3,15 +3,16 @@
 //! the critical step does; only where that comes close to the step is the spectrum itself asked, and only then is anything said.
 
 use super::complain;
-use super::doubts::worth;
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum, remedy};
 use crate::analysis::rates::step_by_bounds;
+use crate::analysis::warnings::worth;
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::scene::{BoundRoom, Scene, place_of};
+use crate::warning::WarningCode;
 use std::io::IsTerminal;
 
 /// Force passes that a pass over the elements is worth.
@@ -167,14 +168,15 @@ impl<'a> Stiffening<'a> {
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
         complain(&format!(
             "{clear}warning: at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
-             expect it to diverge: {}",
+             expect it to diverge: {} [{}]",
             figures(t, 4),
             method.info.name,
             figures(found.step, 3),
             worth(found),
             place_of(scene, found.dof),
             figures(h, 4),
-            remedy(&found, h)
+            remedy(&found, h),
+            WarningCode::StepAboveCritical
         ));
     }
 }

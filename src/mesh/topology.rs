@@ -161,6 +161,12 @@ impl Topology {
         self.euler
     }
 
+    /// Edges of more than two triangles, the smaller node first, with their triangles, both ascending.
+    pub fn branching_edges(&self) -> impl Iterator<Item = ([u32; 2], &[u32])> {
+        let sides = self.sides.nodes.iter().enumerate().map(|(side, nodes)| (*nodes, self.sides.at(side)));
+        sides.filter(|(_, triangles)| triangles.len() > 2)
+    }
+
     /// Checks that no edge has more than two triangles.
     ///
     /// # Errors

@@ -37,7 +37,7 @@ pub enum Precision {
     /// All sixteen.
     #[default]
     F64,
-    /// Seven, in half the room: enough for pictures.
+    /// Seven, in half the room: enough for pictures. Positions keep sixteen.
     F32,
 }
 
@@ -48,7 +48,7 @@ pub struct VtuFormat {
     pub encoding: Encoding,
     /// none or zlib
     pub compression: Compression,
-    /// of positions and fields; times and ledgers keep all digits
+    /// of fields; positions, times and ledgers keep all digits
     pub precision: Precision,
 }
 

@@ -19,8 +19,8 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) 
     let vertices = if triangles + edges == 0 { points } else { 0 };
     let cells = triangles + edges + vertices;
     let corners = 3 * triangles + 2 * edges + vertices;
-    // Positions, displacements and velocities are always there.
-    let vectors = 3 + u64::from(fields.force) + u64::from(fields.reaction);
+    // Displacements and velocities are always there, and positions, of eight bytes a number.
+    let vectors = 2 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain);
     // Corners and offsets, UInt8 types.
     let width = count(Width::of(points as usize, corners as usize).bytes());
@@ -28,7 +28,7 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) 
         Precision::F64 => 8,
         Precision::F32 => 4,
     };
-    HEAD + 3 * number * vectors * points + (number * scalars + width + 1) * cells + width * corners
+    HEAD + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
 }
 
 /// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not tell.

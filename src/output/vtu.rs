@@ -151,7 +151,8 @@ impl VtuWriter {
         }
         self.head.push_str("</CellData>\n<Points>\n");
         let points = Array { name: "Points", values: Values::Vectors(picture.points) };
-        self.array(&points, self.points, &mut appended)?;
+        // Far from the origin seven digits would let neighbours fall together, so positions keep all of theirs.
+        self.array_as(&points, self.points, Precision::F64, &mut appended)?;
         self.head.push_str("</Points>\n");
         self.end();
         let tail = b"\n</AppendedData>\n</VTKFile>\n";
@@ -178,7 +179,18 @@ impl VtuWriter {
         Ok(())
     }
 
+    /// An array in the precision of the format.
     fn array<'a>(&mut self, array: &Array<'a>, expected: usize, to: &mut Appended<'a>) -> Result<(), VtuError> {
+        self.array_as(array, expected, self.appender.format().precision, to)
+    }
+
+    fn array_as<'a>(
+        &mut self,
+        array: &Array<'a>,
+        expected: usize,
+        precision: Precision,
+        to: &mut Appended<'a>,
+    ) -> Result<(), VtuError> {
         let (values, found, components) = match array.values {
             Values::Scalars(s) => (s, s.len(), 1),
             Values::Vectors(v) => (v.as_flattened(), v.len(), 3),
@@ -188,7 +200,7 @@ impl VtuWriter {
         }
         let (offset, begin) = (to.len(), self.body.len());
         let mut as_they_are = None;
-        let kind = match self.appender.format().precision {
+        let kind = match precision {
             Precision::F64 => {
                 match little_endian(values) {
                     Cow::Borrowed(bytes) if self.appender.leaves_as_is() => {

@@ -5,6 +5,7 @@ use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::figures::figures;
 use crate::model::spec::NetworkSpec;
+use crate::warning::WarningCode;
 
 /// [-] Rounding of a coordinate over the shortest spring from which on a scene cannot be computed: fewer than three digits of its
 /// length are left, and motions smaller than that are lost without a trace.
@@ -48,7 +49,8 @@ fn lengths(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut F
         let allowed = format!("coordinates that leave {LOST:e} of the shortest spring's length");
         faults.add_value(&at.key("mesh"), numbers(), allowed, Some(advice.to_owned()));
     } else if share > DOUBTFUL {
-        faults.warn(format!("{}: {}; {advice}", at.key("mesh"), numbers()));
+        let text = format!("{}: {}; {advice}", at.key("mesh"), numbers());
+        faults.warn(WarningCode::RoundedCoordinates, text);
     }
 }
 
@@ -66,11 +68,12 @@ fn motion(at: &Pointer, spec: &NetworkSpec, step: f64, faults: &mut Faults<'_>) 
     let lost = 0.5 * rounding / moved;
     if speed > 0.0 && lost > LOST_MOTION {
         let [speed, moved, step, x, rounding] = [speed, moved, step, x, rounding].map(|x| figures(x, 3));
-        faults.warn(format!(
+        let text = format!(
             "{}: node {node} has {speed} m/s, which is {moved} m in a step of {step} s, but its coordinate of {x} m is rounded to \
              {rounding} m: up to {} % of its motion will be lost; take longer steps, or move the mesh to the origin",
             at.key("initial").key("velocity"),
             figures(100.0 * lost.min(1.0), 2)
-        ));
+        );
+        faults.warn(WarningCode::LostMotion, text);
     }
 }

@@ -11,6 +11,7 @@ use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;
 use crate::mesh::{Mesh, MeshError, Topology};
 use crate::startup::{Phase, timed};
+use crate::warning::WarningCode;
 
 /// A mesh and its topology.
 #[derive(Debug)]
@@ -97,7 +98,7 @@ pub(super) fn geometry(
 
 fn tell_notes(at: &Pointer, geometry: &Geometry, faults: &mut Faults<'_>) {
     for note in &geometry.notes {
-        faults.warn(format!("{}: {note}", at.key("file")));
+        faults.warn(WarningCode::MeshFile, format!("{}: {note}", at.key("file")));
     }
 }
 

@@ -27,6 +27,7 @@ use super::fault::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{Problem, SystemSpec};
+use crate::preflight;
 use geometry::Geometry;
 
 /// What was built, and the geometry for the next build of a study.
@@ -49,7 +50,10 @@ pub(crate) fn build(
         // A stand-in: which system was meant is not known.
         _ if faults.unread(&at) => (None, None),
         System::Pendulum(pendulum) => {
-            (Some(SystemSpec::Pendulum(pendulum::pendulum(&at.key("pendulum"), pendulum, faults))), None)
+            let spec = pendulum::pendulum(&at.key("pendulum"), pendulum, faults);
+            let step = timing.as_ref().and_then(|t| t.spec.step.fixed());
+            preflight::pendulum(&spec, step).into_iter().for_each(|warning| faults.pass_on(warning));
+            (Some(SystemSpec::Pendulum(spec)), None)
         }
         System::Network(network) => {
             let at = at.key("network");
@@ -73,6 +77,8 @@ pub(crate) fn build(
         solver,
         output: output?,
         warnings: Vec::new(),
+        acknowledged: Vec::new(),
+        acknowledge: file.acknowledge.clone(),
         case_json: serde_json::Value::Null,
     };
     Some((problem, geometry))

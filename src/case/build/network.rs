@@ -2,13 +2,16 @@
 
 use super::geometry::Geometry;
 use super::initial::{self, initial};
-use super::numbers::{first_few, not_negative};
+use super::numbers::not_negative;
 use super::{air, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
 use crate::drive::clock::Step;
+use crate::figures::first_few;
 use crate::model::spec::{NetworkSpec, RayleighSpec};
+use crate::preflight;
+use crate::warning::WarningCode;
 
 /// Checks and builds a network. Without a mesh the checks that need none still run.
 pub(super) fn network(
@@ -67,6 +70,13 @@ pub(super) fn network(
         energy::network(at, &spec, geometry, faults);
     }
     plausible::network(at, &spec, geometry, faults);
+    if let Some(aero) = network.aero.as_ref().filter(|_| faults.count() == before) {
+        plausible::pressure(&at.key("aero").key("law"), &aero.law, &spec, faults);
+    }
+    if faults.count() == before {
+        let step = step.and_then(Step::fixed);
+        preflight::network(&spec, &geometry.topology, step).into_iter().for_each(|warning| faults.pass_on(warning));
+    }
     Some(spec)
 }
 
@@ -136,6 +146,6 @@ fn warn_loose(edges: &[u32], fixed: &[[bool; 3]], geometry: &Geometry, faults: &
     }
     let loose: Vec<u32> = loose.iter().zip(0_u32..).filter(|(loose, _)| **loose).map(|(_, i)| i).collect();
     if !loose.is_empty() {
-        faults.warn(format!("no spring holds the free nodes {}", first_few(&loose)));
+        faults.warn(WarningCode::LooseNodes, format!("no spring holds the free nodes {}", first_few(&loose)));
     }
 }

@@ -29,10 +29,3 @@ pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     }
     good && faults.readable(at)
 }
-
-/// Some items for a message: the first few and how many there are.
-pub(super) fn first_few(items: &[u32]) -> String {
-    let shown: Vec<String> = items.iter().take(5).map(u32::to_string).collect();
-    let rest = if items.len() > 5 { format!(", … ({} in all)", items.len()) } else { String::new() };
-    format!("{}{rest}", shown.join(", "))
-}

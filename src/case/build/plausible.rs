@@ -5,8 +5,11 @@ use glam::DVec3;
 use super::geometry::Geometry;
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
+use crate::case::schema::PorousLaw;
 use crate::figures::figures;
-use crate::model::spec::{NetworkSpec, PendulumSpec};
+use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec};
+use crate::preflight::air::{Stream, excess_pressure};
+use crate::warning::WarningCode;
 
 /// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here know nothing of compression.
 const SOUND: f64 = 340.0;
@@ -16,6 +19,12 @@ const STRAIN: f64 = 0.5;
 
 /// [kg/m^2] Areal densities from the lightest canopy cloth (PIA-C-44378: 0.038) to heavy canvas, with some room.
 const CLOTH: [f64; 2] = [0.03, 0.6];
+
+/// [kg/m^3] Air at sea level and 15 degrees Celsius.
+const SEA_LEVEL: f64 = 1.225;
+
+/// [-] Grams in a kilogram.
+const GRAMS: f64 = 1e3;
 
 /// Warns about a network that runs but is seldom meant.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
@@ -31,6 +40,25 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
     areal_density(at, spec, geometry, faults);
 }
 
+/// Warns about a pressure of the air on cloth across the fastest wind, beyond what a free stream has.
+pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults: &mut Faults<'_>) {
+    let Some(AirSpec { linear, quadratic, wind }) = &spec.air else { return };
+    let (density, coefficient) = match law {
+        PorousLaw::Ergun(ergun) => (ergun.air_density, false),
+        // The law has no density of its own.
+        PorousLaw::Permeable(_) => (SEA_LEVEL, false),
+        PorousLaw::PressureCoefficient(law) => (law.air_density, true),
+    };
+    let winds = || wind.value.iter().map(|w| DVec3::from_array(*w));
+    let first = winds().next().unwrap_or_default();
+    let against = spec.velocity.iter().map(|v| (first - DVec3::from_array(*v)).length());
+    let speed = winds().map(DVec3::length).chain(against).fold(0.0, f64::max);
+    let stream = Stream { linear: *linear, quadratic: *quadratic, density, speed, coefficient };
+    if let Some(excess) = excess_pressure(stream) {
+        faults.warn(WarningCode::AirPressure, format!("{at}: {excess}"));
+    }
+}
+
 /// Warns about a pendulum that starts too fast.
 pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_>) {
     speed(&at.key("rate"), "the bob", (spec.rate * spec.length).abs(), faults);
@@ -38,11 +66,12 @@ pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_
 
 fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
     if speed > SOUND {
-        faults.warn(format!(
+        let text = format!(
             "{at}: {what} has {} m/s, {} times the speed of sound ({SOUND} m/s); no force here knows compressible flow",
             figures(speed, 4),
             figures(speed / SOUND, 3)
-        ));
+        );
+        faults.warn(WarningCode::SupersonicSpeed, text);
     }
 }
 
@@ -57,14 +86,15 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
     let worst = strained.inspect(|_| count += 1).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     if let Some((strain, edge, length, rest)) = worst {
         let others = if count > 1 { format!(", as do {count} springs in all") } else { String::new() };
-        faults.warn(format!(
+        let text = format!(
             "{}: the spring on edge {edge} starts with a strain of {} (length {} m, rest length {} m), beyond {STRAIN} in \
              size{others}; are all lengths in metres?",
             at.key("springs"),
             figures(strain, 3),
             figures(length, 4),
             figures(rest, 4)
-        ));
+        );
+        faults.warn(WarningCode::InitialStrain, text);
     }
 }
 
@@ -81,12 +111,15 @@ fn areal_density(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: 
     let density = mass / area;
     let [light, heavy] = CLOTH;
     if density.is_finite() && !(light..=heavy).contains(&density) {
-        faults.warn(format!(
-            "{}: {} kg on {} m^2 of triangles are {} kg/m^2; cloth has {light} to {heavy}",
+        let grams = (light..=heavy).contains(&(density / GRAMS));
+        let text = format!(
+            "{}: {} kg on {} m^2 of triangles are {} kg/m^2; cloth has {light} to {heavy}{}",
             at.key("mass"),
             figures(mass, 4),
             figures(area, 4),
-            figures(density, 3)
-        ));
+            figures(density, 3),
+            if grams { "; is the mass in grams?" } else { "" }
+        );
+        faults.warn(WarningCode::ArealDensity, text);
     }
 }

@@ -2,14 +2,16 @@
 
 use super::geometry::Geometry;
 use super::mass;
-use super::numbers::{first_few, not_negative};
+use super::numbers::not_negative;
 use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{SlackRule, SpringRule};
 use crate::drive::clock::Step;
+use crate::figures::first_few;
 use crate::model::spec::{Slack, SpringGroup};
+use crate::warning::WarningCode;
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to the nodes.
 pub(super) fn springs(
@@ -92,9 +94,8 @@ fn claim(
         }
     }
     if edges.is_empty() {
-        faults.warn(format!(
-            "{at}: earlier rules take all the edges it selects, so it has no effect; order the special rules first"
-        ));
+        let text = "earlier rules take all the edges it selects, so it has no effect; order the special rules first";
+        faults.warn(WarningCode::UnusedRule, format!("{at}: {text}"));
     }
     Some(edges)
 }
@@ -137,6 +138,7 @@ fn add_mass(density: f64, edges: &[u32], geometry: &Geometry, total: &mut [f64])
 fn warn_bare(taken: &[bool], faults: &mut Faults<'_>) {
     let bare: Vec<u32> = taken.iter().zip(0_u32..).filter(|(taken, _)| !**taken).map(|(_, e)| e).collect();
     if !bare.is_empty() {
-        faults.warn(format!("no spring rule selects the edges {}: they carry no spring", first_few(&bare)));
+        let text = format!("no spring rule selects the edges {}: they carry no spring", first_few(&bare));
+        faults.warn(WarningCode::UnselectedEdges, text);
     }
 }

@@ -1,12 +1,14 @@
 //! Rest length, stiffness and dashpot coefficient of single edges.
 
 use super::geometry::{Geometry, Needs, triangles};
-use super::numbers::{first_few, not_negative, positive};
+use super::numbers::{not_negative, positive};
 use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, SpringRule};
 use crate::drive::clock::Step;
+use crate::figures::first_few;
 use crate::model::spec::{DashpotKind, DashpotSpec};
+use crate::warning::WarningCode;
 
 /// Checked values of a rule, resolved for its edges one by one.
 #[derive(Clone, Copy, Debug)]
@@ -161,10 +163,11 @@ pub(super) fn dashpot(
                 faults.add_hint(&at, "not a \"step\" dashpot with adaptive steps", hint);
                 return None;
             };
-            faults.warn(format!(
+            let text = format!(
                 "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the \
                  thesis, else {{\"time\": {h:e}}} means the same at this step and keeps its meaning at others"
-            ));
+            );
+            faults.warn(WarningCode::StepDashpot, text);
             stiffness.iter().map(|k| k * h).collect()
         }
     };

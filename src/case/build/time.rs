@@ -10,6 +10,7 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
 use crate::solve::LinearChoice;
 use crate::solve::newton::{NewtonSpec, Strategy};
+use crate::warning::WarningCode;
 
 /// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
 const MOST_STEPS: f64 = 1e15;
@@ -58,7 +59,8 @@ fn fixed(at: &Pointer, step: f64, end: f64, faults: &mut Faults<'_>) -> Option<S
         return None;
     }
     if step > end {
-        faults.warn(format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s"));
+        let text = format!("/time/step: {step:e} s is longer than the run, so there is one step of {end:e} s");
+        faults.warn(WarningCode::StepBeyondEnd, text);
     }
     Some(Step::Fixed(step))
 }

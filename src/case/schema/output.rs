@@ -28,7 +28,7 @@ pub struct Output {
     /// Whether the arrays of frames are compressed; `none` if not given.
     #[serde(default, skip_serializing_if = "is_default")]
     pub compression: Compression,
-    /// Digits of the numbers in frames; `f64` if not given.
+    /// Digits of the fields in frames; `f64` if not given. Positions are always `f64`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub precision: Precision,
 }

@@ -1,0 +1,135 @@
+//! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs are taut.
+
+use super::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable, remedy};
+use super::rates::Rates;
+use crate::figures::figures;
+use crate::integrate::registry::MethodChoice;
+use crate::model::state::{State, StateRef};
+use crate::model::stop::Stop;
+use crate::scene::{Scene, place_of};
+use crate::warning::{Warning, WarningCode};
+
+/// [-] strain that rounding of coordinates makes
+const ROUNDING: f64 = 1e-9;
+
+/// A method on a scene, with the step it is to take.
+#[derive(Clone, Copy)]
+pub struct Planned<'a> {
+    /// the scene
+    pub scene: &'a dyn Scene,
+    /// the method
+    pub method: &'a MethodChoice,
+    /// [s] the fixed step, no longer than the run; `None` for adaptive steps, which find the limit themselves
+    pub step: Option<f64>,
+    /// whether the searches are to be cut short
+    pub stop: Stop<'a>,
+}
+
+/// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only
+/// those whose step is near it.
+pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
+    limit_at(planned, planned.scene.initial_state().as_ref())
+}
+
+fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>) -> CriticalStep {
+    if !has_limit(method) {
+        return CriticalStep::none();
+    }
+    let plain = step.and_then(|h| plainly_stable(scene, at, method, h));
+    // Of adaptive steps it is still a figure of the scene.
+    let effort = Effort { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..Effort::START };
+    plain.unwrap_or_else(|| {
+        let found = Spectrum::with(scene, at, effort).critical_step(method);
+        // What a search that was cut short has found is no limit.
+        if stop.asked() { CriticalStep::none() } else { found }
+    })
+}
+
+/// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that the limit
+/// at the start is not of the springs at all.
+pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
+    let Planned { scene, method, step, stop } = planned;
+    let step = step.filter(|_| has_limit(method) && !stop.asked())?;
+    let start = scene.initial_state();
+    let slack = slack(scene, start.as_ref())?;
+    // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a little across.
+    let longer = |x: &f64| x * slack.stretch;
+    let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
+    let taut = limit_at(planned, taut.as_ref()).step;
+    let name = method.info.name;
+    let hidden = taut < limit.step && (step > taut || slack.count == slack.of);
+    hidden.then(|| {
+        let text = format!(
+            "{} springs are slack at the start, so the critical step of {name} there, {} s, holds only until they go taut; with all of them \
+             taut it is about {} s, and the step is {} s",
+            if slack.count == slack.of { format!("all {}", slack.of) } else { format!("{} of {}", slack.count, slack.of) },
+            figures(limit.step, 3),
+            figures(taut, 3),
+            figures(step, 4)
+        );
+        Warning::new(WarningCode::SlackSprings, text)
+    })
+}
+
+/// Springs that are shorter than at rest and do not push back.
+struct Slack {
+    count: usize,
+    of: usize,
+    /// [-] what the slackest must be lengthened by to be taut
+    stretch: f64,
+}
+
+/// `None` where none is slack.
+fn slack(scene: &dyn Scene, at: StateRef<'_>) -> Option<Slack> {
+    let n = scene.edges().len();
+    let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
+    scene.edge_tension(at, &mut tension, &mut strain);
+    // An edge without a spring has no tension, not even 0.
+    let of = tension.iter().filter(|tension| !tension.is_nan()).count();
+    let strains = tension.iter().zip(&strain).filter(|(tension, strain)| **tension == 0.0 && **strain < -ROUNDING);
+    let (count, least) = strains.fold((0, 0.0_f64), |(n, least), (_, strain)| (n + 1, least.min(*strain)));
+    (count > 0 && least > -1.0).then(|| Slack { count, of, stretch: (1.0 + ROUNDING) / (1.0 + least) })
+}
+
+/// What a critical step is worth in a word.
+pub fn worth(limit: CriticalStep) -> &'static str {
+    match limit.confidence {
+        Confidence::Certified { .. } => "certified",
+        Confidence::Estimate | Confidence::NoLimit => "an estimate",
+    }
+}
+
+/// A warning for a step that is too large, with both numbers.
+pub fn step_warning(Planned { scene, method, step, .. }: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
+    let name = method.info.name;
+    let step = step?;
+    if limit.step == 0.0 {
+        let text = format!(
+            "{name} has no stable step on this scene, where nothing damps the fastest motion: its energy grows at every \
+             step; {}",
+            remedy(&limit, step)
+        );
+        return Some(Warning::new(WarningCode::StepAboveCritical, text));
+    }
+    (step > limit.step).then(|| {
+        let Rates { frequency, damping, .. } = limit.rates;
+        let text = format!(
+            "the step of {} s is {} the critical step of {name} on this scene, about {} s at the start \
+             ({}; set around {}, where w = {} rad/s, damping rate {} 1/s); expect it to diverge: {}",
+            figures(step, 4),
+            excess(step / limit.step),
+            figures(limit.step, 3),
+            worth(limit),
+            place_of(scene, limit.dof),
+            figures(frequency, 4),
+            figures(damping, 4),
+            remedy(&limit, step)
+        );
+        Warning::new(WarningCode::StepAboveCritical, text)
+    })
+}
+
+/// How far a step is above its limit.
+fn excess(ratio: f64) -> String {
+    if ratio < 1.005 { "just above".to_owned() } else { format!("{} times", figures(ratio, 3)) }
+}

@@ -1,0 +1,183 @@
+//! Air that cannot do what is expected of it.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::figures::figures;
+use crate::mesh::components::components;
+use crate::model::spec::{NetworkSpec, PressureKind};
+use crate::warning::{Warning, WarningCode};
+
+/// [-] Sine of the angle between wind and triangle below which the wind lies in its plane: a pressure that goes with the square of the
+/// normal velocity is then below 1e-8 of that of a triangle across the wind.
+const IN_PLANE: f64 = 1e-4;
+
+/// [-] Share of the wind's velocity that a row of its table adds to the directions of earlier rows for it to count as another one.
+const ANOTHER: f64 = 1e-6;
+
+/// Triangles on which the air cannot act, because the wind relative to them lies in their plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InPlane {
+    /// the first of them
+    pub first: u32,
+    /// [-] their number
+    pub triangles: usize,
+    /// [-] number of all triangles
+    pub of: usize,
+}
+
+/// Finds whether the wind lies in the plane of most triangles, on the mesh as given and at the start, at all times of its table.
+pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
+    let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| DVec3::from_array(*w)));
+    let of = spec.mesh.triangles.len();
+    let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(DVec3::ZERO, |v| DVec3::from_array(*v));
+    let in_plane = |corners: &[u32; 3]| {
+        let v = corners.iter().map(|node| vector(&spec.velocity, *node)).sum::<DVec3>() / 3.0;
+        let x = corners.map(|node| vector(&spec.mesh.nodes, node));
+        let displaced = corners.map(|node| vector(&spec.mesh.nodes, node) + vector(&spec.displacement, node));
+        let mut blown = winds.iter().map(|wind| *wind - v).filter(|u| *u != DVec3::ZERO).peekable();
+        blown.peek().is_some() && blown.all(|u| along(x, u) && along(displaced, u))
+    };
+    let mut found = spec.mesh.triangles.iter().zip(0_u32..).filter(|(corners, _)| in_plane(corners)).map(|(_, t)| t);
+    let first = found.next()?;
+    let triangles = 1 + found.count();
+    (2 * triangles > of).then_some(InPlane { first, triangles, of })
+}
+
+/// Whether a wind lies in the plane of a triangle.
+fn along([a, b, c]: [DVec3; 3], wind: DVec3) -> bool {
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    normal.dot(wind).abs() <= IN_PLANE * wind.length()
+}
+
+/// Winds whose directions span those of all: one to three, or a single zero of a calm.
+fn directions(winds: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let mut kept: Vec<DVec3> = Vec::new();
+    let mut basis: Vec<DVec3> = Vec::new();
+    for wind in winds {
+        let rest = basis.iter().fold(wind, |rest, e| rest - e.dot(rest) * *e);
+        if rest.length() > ANOTHER * wind.length() && basis.len() < 3 {
+            basis.push(rest.normalize_or_zero());
+            kept.push(wind);
+        }
+    }
+    if kept.is_empty() { vec![DVec3::ZERO] } else { kept }
+}
+
+impl fmt::Display for InPlane {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let InPlane { first, triangles, of } = self;
+        let which = if triangles == of { format!("all {of}") } else { format!("{triangles} of {of}") };
+        write!(
+            f,
+            "the wind lies in the plane of {which} triangles (triangle {first} first), so the air exerts no force on them: turn the \
+             wind or the mesh, or displace the start a little across the wind"
+        )
+    }
+}
+
+impl From<InPlane> for Warning {
+    fn from(found: InPlane) -> Self {
+        Warning::new(WarningCode::WindInPlane, found.to_string())
+    }
+}
+
+/// A sheet in the air that no support holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Closing {
+    /// its first triangle
+    pub first: u32,
+    /// [-] number of triangles of all such sheets
+    pub triangles: usize,
+}
+
+/// Finds sheets of triangles none of whose nodes is held: they hang on lines, or on nothing. A pressure along the normals of one of
+/// their triangles keeps a sheet open.
+pub fn closing(spec: &NetworkSpec) -> Option<Closing> {
+    spec.air.as_ref()?;
+    let triangles = &spec.mesh.triangles;
+    let sheet = components(spec.mesh.nodes.len(), triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]));
+    let sheet_of = |triangle: u32| Some(*sheet.get(triangles.get(triangle as usize)?[0] as usize)? as usize);
+    let mut open = vec![false; sheet.len()];
+    for (name, fixed) in sheet.iter().zip(&spec.fixed) {
+        open[*name as usize] |= fixed.contains(&true);
+    }
+    let follower = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);
+    follower.flat_map(|load| &load.triangles).filter_map(|t| sheet_of(*t)).for_each(|name| open[name] = true);
+    let mut free = (0..triangles.len() as u32).filter(|t| sheet_of(*t).is_some_and(|name| !open[name]));
+    let first = free.next()?;
+    Some(Closing { first, triangles: 1 + free.count() })
+}
+
+impl fmt::Display for Closing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "this air law has no pressure inside: a canopy that is not held open will close, and no support holds the cloth of {} \
+             triangles (triangle {} first); hold its skirt, or give it a follower pressure",
+            self.triangles, self.first
+        )
+    }
+}
+
+impl From<Closing> for Warning {
+    fn from(found: Closing) -> Self {
+        Warning::new(WarningCode::ClosingCanopy, found.to_string())
+    }
+}
+
+/// [-] Pressure over dynamic pressure from which on a free stream cannot have it: blunt bodies reach 1.4.
+const MOST: f64 = 1.5;
+
+/// A pressure beyond what the flow has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Excess {
+    /// [Pa] pressure on cloth across the wind
+    pub pressure: f64,
+    /// [m/s] at this speed
+    pub speed: f64,
+    /// [-] pressure over dynamic pressure
+    pub factor: f64,
+    /// whether the law is a pressure coefficient already
+    pub coefficient: bool,
+}
+
+/// What a law does in a free stream.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream {
+    /// [Pa s/m] viscous coefficient
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient
+    pub quadratic: f64,
+    /// [kg/m^3] of the air
+    pub density: f64,
+    /// [m/s] fastest wind
+    pub speed: f64,
+    /// whether the law is a pressure coefficient
+    pub coefficient: bool,
+}
+
+/// Compares the pressure jump dp = a V + b V^2 of a law with the dynamic pressure rho V^2/2 of the stream.
+pub fn excess_pressure(stream: Stream) -> Option<Excess> {
+    let Stream { linear, quadratic, density, speed, coefficient } = stream;
+    let pressure = speed * (linear + quadratic * speed);
+    let factor = pressure / (0.5 * density * speed * speed);
+    (factor.is_finite() && factor > MOST).then_some(Excess { pressure, speed, factor, coefficient })
+}
+
+impl fmt::Display for Excess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [pressure, speed, factor] = [self.pressure, self.speed, self.factor].map(|x| figures(x, 3));
+        let cure = if self.coefficient {
+            "take a cp of at most 1.5"
+        } else {
+            "take \"pressure_coefficient\", or keep this law for cloth that is held across a duct, where the air must pass"
+        };
+        write!(
+            f,
+            "the law has {pressure} Pa at {speed} m/s, {factor} times the dynamic pressure; a free stream flows around such cloth and \
+             exerts no more than about {MOST} times: {cure}"
+        )
+    }
+}

@@ -1,0 +1,93 @@
+//! Nodes at the same place that no spring joins: a seam that was not merged.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use glam::DVec3;
+
+use super::parts::joined;
+use crate::figures::figures;
+use crate::model::spec::NetworkSpec;
+use crate::warning::{Warning, WarningCode};
+
+/// [-] Distance over the extent of the mesh within which two nodes are taken for one.
+const WITHIN: f64 = 1e-6;
+
+/// [-] Nodes that a node is compared with: those that follow it along the line of the search. Of a million nodes about one follows
+/// within the distance.
+const LOOKS: usize = 64;
+
+/// Direction of the search, along which neither regular nets nor flat sheets have many nodes at the same place.
+const LINE: DVec3 = DVec3::new(0.571_896_1, 0.656_281_9, 0.492_167_3);
+
+/// Coincident nodes that are not joined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coincident {
+    /// the pair with the smallest numbers
+    pub first: [u32; 2],
+    /// [-] number of pairs of neighbours
+    pub pairs: usize,
+    /// [m] the distance within which they were taken for one
+    pub within: f64,
+}
+
+/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not count.
+///
+/// Nodes are sorted along a line in a direction of no meaning, and each is compared with those that follow it there:
+/// O(n log n).
+pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
+    let nodes: Vec<DVec3> = spec.mesh.nodes.iter().map(|x| DVec3::from_array(*x)).collect();
+    let low = nodes.iter().copied().reduce(DVec3::min)?;
+    let high = nodes.iter().copied().reduce(DVec3::max)?;
+    let within = WITHIN * (high - low).max_element();
+    let mut order: Vec<(f64, u32)> = nodes.iter().map(|x| (*x - low).dot(LINE)).zip(0..).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let held = |node: u32| spec.fixed.get(node as usize) == Some(&[true; 3]);
+    let mut pairs = BTreeSet::new();
+    for (i, &(along, a)) in order.iter().enumerate() {
+        // The component of a distance along a unit vector is no longer than the distance.
+        let close = order.iter().skip(i + 1).take(LOOKS).take_while(|(other, _)| other - along <= within);
+        for &(_, b) in close {
+            let apart = nodes[a as usize].distance(nodes[b as usize]);
+            if apart <= within && !(held(a) && held(b)) {
+                pairs.insert([a.min(b), a.max(b)]);
+            }
+        }
+    }
+    if !pairs.is_empty() {
+        joined(spec).for_each(|[a, b]| {
+            pairs.remove(&[a.min(b), a.max(b)]);
+        });
+    }
+    let first = pairs.first().copied()?;
+    Some(Coincident { first, pairs: pairs.len(), within })
+}
+
+impl fmt::Display for Coincident {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.first;
+        let more = if self.pairs > 1 { format!(", as do {} pairs in all,", self.pairs) } else { String::new() };
+        write!(
+            f,
+            "nodes {a} and {b} coincide{more} (within {} m), and no spring joins them: give the parts they belong to one node \
+             there, or a spring between the two",
+            figures(self.within, 2)
+        )
+    }
+}
+
+impl From<Coincident> for Warning {
+    fn from(found: Coincident) -> Self {
+        Warning::new(WarningCode::CoincidentNodes, found.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_is_a_unit_vector() {
+        assert!((LINE.length() - 1.0).abs() < 1e-6 && LINE.length() <= 1.0, "{}", LINE.length());
+    }
+}

@@ -1,0 +1,75 @@
+//! Damping that brakes the rotation of a body that nothing holds.
+//!
+//! A relative dashpot acts on all of v_b - v_a, and Rayleigh's K0 keeps the directions of the mesh as given: both do work in a rigid
+//! rotation, and take angular momentum that nothing outside has taken. Two masses m turning on a spring with a relative dashpot c lose
+//! L = L0 exp(-2 c t/m).
+
+use std::fmt;
+
+use super::parts::Parts;
+use crate::figures::first_few;
+use crate::model::spec::{DashpotKind, NetworkSpec};
+use crate::warning::{Warning, WarningCode};
+
+/// What brakes the rotation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Brakes {
+    /// relative dashpots
+    pub relative: bool,
+    /// Rayleigh damping with the stiffness
+    pub rayleigh_stiffness: bool,
+    /// Rayleigh damping with the mass, which brakes translation too
+    pub rayleigh_mass: bool,
+}
+
+/// A free body with such damping.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Braked {
+    /// nodes at the springs concerned, ascending
+    pub nodes: Vec<u32>,
+    /// what brakes them
+    pub brakes: Brakes,
+}
+
+/// Finds parts that nothing holds whose rotation is braked.
+pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<Braked> {
+    let rayleigh = spec.rayleigh.unwrap_or(crate::model::spec::RayleighSpec { mass: 0.0, stiffness: 0.0 });
+    let mut brakes = Brakes { relative: false, rayleigh_stiffness: false, rayleigh_mass: false };
+    let mut nodes = Vec::new();
+    for group in &spec.springs {
+        let relative = group.dashpot.as_ref().filter(|dashpot| dashpot.kind == DashpotKind::Relative);
+        for (i, edge) in group.edges.iter().enumerate() {
+            let Some(ends) = spec.mesh.edges.get(*edge as usize).filter(|[a, _]| parts.is_free(*a)) else { continue };
+            let dashpot = relative.and_then(|dashpot| dashpot.coefficient.get(i)).is_some_and(|c| *c > 0.0);
+            brakes.relative |= dashpot;
+            brakes.rayleigh_stiffness |= rayleigh.stiffness > 0.0;
+            brakes.rayleigh_mass |= rayleigh.mass > 0.0;
+            if dashpot || rayleigh.stiffness > 0.0 || rayleigh.mass > 0.0 {
+                nodes.extend(ends);
+            }
+        }
+    }
+    nodes.sort_unstable();
+    nodes.dedup();
+    (!nodes.is_empty()).then_some(Braked { nodes, brakes })
+}
+
+impl fmt::Display for Braked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Brakes { relative, rayleigh_stiffness, rayleigh_mass } = self.brakes;
+        let causes = [
+            (relative, "relative dashpots brake the rotation"),
+            (rayleigh_stiffness, "Rayleigh damping with the stiffness brakes the rotation"),
+            (rayleigh_mass, "Rayleigh damping with the mass brakes rotation and translation"),
+        ];
+        let causes: Vec<&str> = causes.into_iter().filter(|(there, _)| *there).map(|(_, words)| words).collect();
+        let cure = if relative { "\"axial\" dashpots do not" } else { "\"axial\" dashpots in its place do not" };
+        write!(f, "no support holds nodes {}, and {}; {cure}", first_few(&self.nodes), causes.join(", "))
+    }
+}
+
+impl From<Braked> for Warning {
+    fn from(found: Braked) -> Self {
+        Warning::new(WarningCode::BrakedRotation, found.to_string())
+    }
+}

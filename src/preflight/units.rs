@@ -1,0 +1,143 @@
+//! Numbers that suggest a wrong unit.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::figures::figures;
+use crate::model::spec::{NetworkSpec, PendulumSpec};
+use crate::warning::{Warning, WarningCode};
+
+/// [m] Extent of a cloth from which on millimetres are likely. The largest canopies are some 60 m across, roofs some 300 m.
+const EXTENT: f64 = 500.0;
+
+/// [kg] Mass of a scene with cloth from which on grams are likely. The heaviest loads under parachutes weigh some 90 t.
+const MASS: f64 = 1e5;
+
+/// [m/s^2] Gravity from which on mm/s^2 are likely. The sun's is 274.
+const GRAVITY: f64 = 300.0;
+
+/// [s] A step from which on it is compared with the motion it passes over.
+const STEP: f64 = 1.0;
+
+/// [-] Share of a pendulum's period from which on a step is long.
+const OF_PERIOD: f64 = 0.25;
+
+/// A number that suggests a wrong unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt {
+    /// cloth so many metres across
+    Extent(f64),
+    /// a mass of so many kilograms
+    Mass(f64),
+    /// gravity of so many m/s^2
+    Gravity(f64),
+    /// a step in which something moves farther than the scene is across
+    Step {
+        /// [s]
+        step: f64,
+        /// [m] way in a step
+        way: f64,
+        /// [m] extent of the scene
+        extent: f64,
+        /// what moves so
+        what: &'static str,
+    },
+    /// a step that is long against a pendulum's period
+    OfPeriod {
+        /// [s]
+        step: f64,
+        /// [s] period of small swings
+        period: f64,
+    },
+}
+
+/// Doubts about the units of a network; `step` [s] is the fixed step, if there is one.
+pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
+    let cloth = !spec.mesh.triangles.is_empty();
+    let extent = extent(&spec.mesh.nodes);
+    let mass: f64 = spec.mass.iter().sum();
+    let gravity = spec.gravity.map_or(0.0, |g| DVec3::from_array(g).length());
+    let mut doubts = Vec::new();
+    doubts.extend((cloth && extent > EXTENT).then_some(Doubt::Extent(extent)));
+    doubts.extend((cloth && mass > MASS).then_some(Doubt::Mass(mass)));
+    doubts.extend((gravity > GRAVITY).then_some(Doubt::Gravity(gravity)));
+    doubts.extend(step.filter(|step| *step >= STEP && extent > 0.0).and_then(|step| {
+        let fastest = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v).length()).fold(0.0, f64::max);
+        let wind = spec.air.as_ref().map_or(0.0, |air| fastest(&air.wind.value));
+        let ways = [
+            (0.5 * gravity * step * step, "what falls freely"),
+            (wind * step, "the wind"),
+            (fastest(&spec.velocity) * step, "the fastest node"),
+        ];
+        let (way, what) = ways.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (way > extent).then_some(Doubt::Step { step, way, extent, what })
+    }));
+    doubts
+}
+
+/// Doubts about the units of a pendulum; `step` [s] is the fixed step, if there is one.
+pub fn pendulum(spec: &PendulumSpec, step: Option<f64>) -> Vec<Doubt> {
+    let period = TAU * (spec.length / spec.gravity).sqrt();
+    let gravity = (spec.gravity > GRAVITY).then_some(Doubt::Gravity(spec.gravity));
+    let long = step.filter(|step| *step > OF_PERIOD * period).map(|step| Doubt::OfPeriod { step, period });
+    gravity.into_iter().chain(long).collect()
+}
+
+/// [m] Largest side of the box around some points.
+fn extent(points: &[[f64; 3]]) -> f64 {
+    let points = || points.iter().map(|x| DVec3::from_array(*x));
+    let [low, high] = [points().reduce(DVec3::min), points().reduce(DVec3::max)];
+    low.zip(high).map_or(0.0, |(low, high)| (high - low).max_element())
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Doubt::Extent(extent) => write!(
+                f,
+                "the cloth's mesh is {} m across, where the largest canopies have some 60 m; are its coordinates in millimetres?",
+                figures(extent, 4)
+            ),
+            Doubt::Mass(mass) => write!(
+                f,
+                "the scene has a mass of {} kg, more than any load under a parachute; are masses in grams?",
+                figures(mass, 4)
+            ),
+            Doubt::Gravity(gravity) => write!(
+                f,
+                "gravity is {} m/s^2, {} times that of the earth; is it in mm/s^2?",
+                figures(gravity, 4),
+                figures(gravity / 9.81, 3)
+            ),
+            Doubt::Step { step, way, extent, what } => write!(
+                f,
+                "the step of {} s is long for this scene: {what} covers {} m in it, and the scene is {} m across; are times in \
+                 milliseconds?",
+                figures(step, 4),
+                figures(way, 3),
+                figures(extent, 3)
+            ),
+            Doubt::OfPeriod { step, period } => write!(
+                f,
+                "the step of {} s is {} of the pendulum's period of {} s, which it cannot resolve; take a twentieth or less",
+                figures(step, 4),
+                figures(step / period, 3),
+                figures(period, 3)
+            ),
+        }
+    }
+}
+
+impl From<Doubt> for Warning {
+    fn from(doubt: Doubt) -> Self {
+        let code = match doubt {
+            Doubt::Extent(_) => WarningCode::LargeExtent,
+            Doubt::Mass(_) => WarningCode::LargeMass,
+            Doubt::Gravity(_) => WarningCode::LargeGravity,
+            Doubt::Step { .. } | Doubt::OfPeriod { .. } => WarningCode::LongStep,
+        };
+        Warning::new(code, doubt.to_string())
+    }
+}

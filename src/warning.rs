@@ -1,0 +1,109 @@
+//! Warnings: what runs, but is seldom meant. Each has a code, by which a case acknowledges it.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Kinds of warnings, by the words a case acknowledges them with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WarningCode {
+    /// A pressure of the air above 1.5 times the dynamic pressure of the wind.
+    AirPressure,
+    /// Mass over area of the triangles that no cloth has.
+    ArealDensity,
+    /// An edge with more than two triangles under pressure.
+    BranchingEdge,
+    /// A body that nothing holds, with damping that brakes its rotation.
+    BrakedRotation,
+    /// Cloth in the air that nothing holds open.
+    ClosingCanopy,
+    /// Nodes at the same place that no spring joins.
+    CoincidentNodes,
+    /// Frames that the disk has no room for.
+    DiskSpace,
+    /// Nearly all energy of a free body lost to damping that brakes its rotation.
+    EnergyDissipated,
+    /// Energy that the time-integration scheme made itself.
+    EnergyMade,
+    /// Springs that start far from their rest length.
+    InitialStrain,
+    /// Coordinates in which canopies would be hundreds of metres across.
+    LargeExtent,
+    /// Gravity that no planet has.
+    LargeGravity,
+    /// A mass beyond that of any payload.
+    LargeMass,
+    /// A step long compared with the motion of the scene.
+    LongStep,
+    /// Free nodes without a spring.
+    LooseNodes,
+    /// Steps so short that rounding takes part of the motion.
+    LostMotion,
+    /// What the reader of a mesh file left out or changed.
+    MeshFile,
+    /// A part that no support holds, where others are held.
+    NoSupport,
+    /// Coordinates so far from the origin that rounding is felt in the springs.
+    RoundedCoordinates,
+    /// Springs that are slack at the start and hide a limit of the step.
+    SlackSprings,
+    /// A step above the critical one, at the start or later.
+    StepAboveCritical,
+    /// A step longer than the run.
+    StepBeyondEnd,
+    /// A dashpot whose coefficient follows the step.
+    StepDashpot,
+    /// A speed above that of sound.
+    SupersonicSpeed,
+    /// Edges that no spring rule selects.
+    UnselectedEdges,
+    /// A spring rule without any edge.
+    UnusedRule,
+    /// Wind in the plane of the triangles.
+    WindInPlane,
+}
+
+impl fmt::Display for WarningCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A unit variant is written as its word.
+        self.serialize(f)
+    }
+}
+
+/// A warning: what is doubtful, where, and a cure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    /// its kind
+    pub code: WarningCode,
+    /// a sentence with its numbers
+    pub text: String,
+}
+
+impl Warning {
+    /// A warning of a kind.
+    pub fn new(code: WarningCode, text: impl Into<String>) -> Self {
+        Warning { code, text: text.into() }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} [{}]", self.text, self.code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The word that is printed is the one a case may acknowledge.
+    #[test]
+    fn codes_are_printed_as_a_case_writes_them() {
+        let warning = Warning::new(WarningCode::ArealDensity, "heavy cloth");
+        assert_eq!(warning.to_string(), "heavy cloth [areal-density]");
+        let read: WarningCode = serde_json::from_str("\"areal-density\"").expect("a code");
+        assert_eq!(read, WarningCode::ArealDensity);
+    }
+}
