@@ -4,6 +4,8 @@
 mod common;
 #[path = "faults/program.rs"]
 mod program;
+#[path = "faults/solver.rs"]
+mod solver;
 
 use program::program;
 

@@ -11,6 +11,7 @@ use crate::model::forces::Role;
 use crate::model::point::Point;
 use crate::model::stop::Stop;
 use crate::scene::{Scene, Suspect};
+use crate::solve::LinearError;
 use crate::solve::newton::NewtonFailure;
 
 /// What `summary.json` shows under `failure`.
@@ -134,6 +135,11 @@ impl Scenery<'_> {
         if let StepError::Newton(NewtonFailure::Hidden { .. }) = error {
             let advice = "make the stiffest springs softer, or put the origin nearer to the scene: stiffness times coordinates, times 1e-15, \
                           must stay far below the forces that move the scene";
+            return self.report(suspect, error.to_string(), advice.to_owned());
+        }
+        if let StepError::Newton(NewtonFailure::Linear { error: LinearError::Stalled { .. }, .. }) = error {
+            let advice =
+                "take \"linear\": \"cholesky\" where the tangent is symmetric, else \"auto\"; or a smaller step";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
         let (why, step) = match self.explain {

@@ -288,7 +288,7 @@ impl LinearSolver for Cholesky {
     }
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        let single = self.single.as_mut().filter(|_| self.single_serves && self.accuracy.relative >= KEPT_RELATIVE);
+        let single = self.single.as_mut().filter(|_| self.single_serves && self.accuracy.allows_single());
         if let Some(single) = single {
             single.solve(b);
         } else if self.kind == Kind::Llt {

@@ -12,6 +12,7 @@
 
 use super::blocks::NodeBlocks;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
+use super::norms::norm;
 use super::pieces::Pieces;
 use super::pivots::RELAXATION;
 use super::strips::{cut, node_of_unknown};
@@ -123,7 +124,7 @@ impl ConjugateGradients {
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
-    fn iterate(&mut self, first: f64, Accuracy { relative, enough }: Accuracy) -> Result<(), LinearError> {
+    fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
         self.pieces.begin();
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
@@ -161,7 +162,7 @@ impl ConjugateGradients {
     /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked for.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
         let Taken { scale, first } = self.take(b)?;
-        let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE) };
+        let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };
         self.iterate(first, possible)?;
         self.pieces.finish(scale, b);
         Ok(())
@@ -174,7 +175,7 @@ impl ConjugateGradients {
     }
 
     /// Solves for what is left of the right-hand side in double precision, until that is no more than was asked for.
-    fn refine(&mut self, values: &[f64], x: &mut [f64], asked: f64) -> Result<(), LinearError> {
+    fn refine(&mut self, values: &[f64], x: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
         let n = x.len();
         let [mut b, mut r] = self.refined.take().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
         b.copy_from_slice(x);
@@ -188,8 +189,15 @@ impl ConjugateGradients {
         found
     }
 
-    fn rounds(&mut self, values: &[f64], b: &[f64], asked: f64, [x, r]: [&mut [f64]; 2]) -> Result<(), LinearError> {
+    fn rounds(
+        &mut self,
+        values: &[f64],
+        b: &[f64],
+        Accuracy { relative: asked, checked, .. }: Accuracy,
+        [x, r]: [&mut [f64]; 2],
+    ) -> Result<(), LinearError> {
         let first = self.take(b)?.size();
+        let size = if checked { norm(b) } else { 0.0 };
         let mut left = 1.0;
         while first > 0.0 && left > asked {
             self.round(r, Accuracy::to(asked / left)).map_err(|error| match error {
@@ -206,7 +214,11 @@ impl ConjugateGradients {
                 *r = b - *r;
             }
             // No number where x has left the range of numbers.
-            let now = self.take(r).map_or(f64::NAN, |taken| taken.size()) / first;
+            let mut now = self.take(r).map_or(f64::NAN, |taken| taken.size()) / first;
+            if checked {
+                // M is that of a rounded W, and its norm may not see what the rounding has taken from W.
+                now = now.max(norm(r) / size);
+            }
             if now > asked && now > ROUND * left || now.is_nan() {
                 return Err(LinearError::Stalled { iterations: self.iterations, residual: now, asked });
             }
@@ -231,8 +243,8 @@ impl LinearSolver for ConjugateGradients {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.iterations = 0;
         let asked = self.accuracy;
-        if asked.relative < SINGLE {
-            self.refine(values, b, asked.relative)?
+        if asked.relative < SINGLE || asked.checked {
+            self.refine(values, b, asked)?
         } else {
             self.round(b, asked)?
         }

@@ -63,12 +63,24 @@ pub struct Accuracy {
     pub relative: f64,
     /// [-] share below which nothing is gained; as long as iterations are few it is worth going on to it
     pub enough: f64,
+    /// whether the residual b - W x is computed in double precision, and its Euclidean norm must be that small as well
+    pub checked: bool,
 }
 
 impl Accuracy {
     /// No less and no more than this [-].
     pub fn to(relative: f64) -> Self {
-        Accuracy { relative, enough: relative }
+        Accuracy { relative, enough: relative, checked: false }
+    }
+
+    /// The same, shown in double precision.
+    pub fn checked(self) -> Self {
+        Accuracy { checked: true, ..self }
+    }
+
+    /// Whether a factor in single precision that leaves [`KEPT_RELATIVE`] serves.
+    pub(super) fn allows_single(self) -> bool {
+        self.relative >= KEPT_RELATIVE && !self.checked
     }
 
     /// That of a solve with a kept matrix.
@@ -127,7 +139,7 @@ pub enum LinearError {
     /// Conjugate gradients did not come to the residual they were asked for.
     #[error(
         "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
-         the step is long for so stiff a scene; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
+         the step is long for so stiff a scene, or its stiffnesses are too far apart for single precision; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
     )]
     Stalled {
         /// iterations made

@@ -6,7 +6,7 @@
 //! direction and its slope take over until full steps are possible again.
 
 pub use super::failure::NewtonFailure;
-use super::forcing::Forcing;
+use super::forcing::{self, Forcing};
 use super::norms::{dot, excess, norm};
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi::{self, Frozen, Pairs};
@@ -72,6 +72,14 @@ const CRAWL: f64 = 0.125;
 /// 24 to 240 take 0.15 to 0.77 of the time then; smaller ones would gain little, and keep the digits of the exact tangent.
 const WORTH_KEEPING: f64 = 1.0;
 
+/// [-] Residual over the forces of the step up to which it is accepted where all of it is rounding. Above, the residual alone tells nothing of soft
+/// springs beside stiff ones: the next correction must be small as well.
+const TRUSTED: f64 = 1e-5;
+/// [-] A correction that rounding keeps from shrinking further may be this share of the step's motion.
+const SETTLED: f64 = 1e-4;
+/// [-] A correction above this share of the one before has stopped shrinking.
+const SHRINKS: f64 = 0.5;
+
 /// [-] Rounding of the residual, over the forces of the step, from which on it may hide their motion where no iteration leads on. What is rounded
 /// acts along stiff springs, so iterations may find the motion across them far above it.
 const HIDING: f64 = 1e-3;
@@ -93,6 +101,54 @@ impl Caution {
         self.next = (2 * self.next).clamp(1, 64);
         self.left = self.next;
     }
+}
+
+/// Whether an iteration has come to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arrival {
+    /// Residual and increment are small.
+    Arrived,
+    /// They are not.
+    OnTheWay,
+    /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction has to tell.
+    Hidden,
+}
+
+/// What the corrections tell of an iterate whose residual is rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Settled {
+    /// They are small, or as small as rounding allows: this is the solution.
+    Yes,
+    /// They still shrink.
+    NotYet,
+    /// They have stopped to shrink and are not small.
+    Never,
+}
+
+/// The corrections at iterates whose residual is rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settling {
+    /// [m] norm of the last one
+    last: f64,
+}
+
+impl Default for Settling {
+    fn default() -> Self {
+        Settling { last: f64::INFINITY }
+    }
+}
+
+/// What became of a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    /// This share of it was taken.
+    Taken(f64),
+    /// No share of it leads on.
+    Stuck,
+    /// It was not needed.
+    NotNeeded,
+    /// Rounding hides where to go.
+    Hidden,
 }
 
 /// The iteration and its buffers.
@@ -147,12 +203,40 @@ impl Newton {
     }
 
     /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the reduction of the residual.
-    pub(super) fn has_arrived(&self, z: &[f64], goal: Goal, next: f64) -> bool {
+    pub(super) fn arrival(&self, z: &[f64], goal: Goal, next: f64) -> Arrival {
         let next_increment = next * norm(&self.dz);
-        let scales = goal.scales;
-        let small = (self.spec.relative * scales.increment.max(norm(z))).max(scales.increment_floor);
         let excess = self.excess();
-        excess <= goal.tolerance && (next_increment <= small || excess == 0.0)
+        let small = excess <= goal.tolerance && (next_increment <= self.small(z, goal) || excess == 0.0);
+        match small {
+            false => Arrival::OnTheWay,
+            true if self.is_trusted(norm(&self.r), goal) => Arrival::Arrived,
+            true => Arrival::Hidden,
+        }
+    }
+
+    /// Whether a residual [N] that is rounding is small enough to tell of all motions.
+    fn is_trusted(&self, residual: f64, goal: Goal) -> bool {
+        residual <= goal.tolerance.max(TRUSTED * goal.scales.residual)
+    }
+
+    /// [m] An increment at `z` that is small.
+    fn small(&self, z: &[f64], goal: Goal) -> f64 {
+        (self.spec.relative * goal.scales.increment.max(norm(z))).max(goal.scales.increment_floor)
+    }
+
+    /// What the correction in `self.dz` tells of `z`.
+    pub(super) fn settled(&self, z: &[f64], goal: Goal, settling: &mut Settling) -> Settled {
+        let increment = norm(&self.dz);
+        let shrinks = increment <= SHRINKS * std::mem::replace(&mut settling.last, increment);
+        if increment <= self.small(z, goal) {
+            Settled::Yes
+        } else if shrinks {
+            Settled::NotYet
+        } else if increment <= SETTLED * goal.scales.increment.max(norm(z)) {
+            Settled::Yes
+        } else {
+            Settled::Never
+        }
     }
 
     /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual is
@@ -193,9 +277,13 @@ impl Newton {
         };
         let iterations = match self.iterate(problem, z, goal, frozen) {
             Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
+            // A solver that failed has shown nothing.
+            Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, goal) => {
+                return Err(failure);
+            }
             Err(failure) if rounding_only => {
                 let iterations = failure.iterations();
-                if !hides(rounding, HIDING, forces, problem) {
+                if self.is_trusted(residual, goal) || !hides(rounding, HIDING, forces, problem) {
                     // The guess will do.
                     self.return_to_guess(problem, z);
                     return Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) });
@@ -231,17 +319,33 @@ impl Newton {
         let Goal { tolerance, .. } = goal;
         let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
         let mut residual = norm(&self.r);
+        let (mut arrival, mut settling) = (Arrival::OnTheWay, Settling::default());
         for made in 1..=self.spec.max_iterations {
             let (before, iterations) = (residual, self.spent + made);
-            problem.ask(Accuracy::to(forcing.next(residual, tolerance)));
-            let step = self.step(problem, z, &mut caution, tolerance);
-            let lambda = step.map_err(|error| NewtonFailure::Linear { iterations, error, worst: self.worst() })?;
-            let Some(lambda) = lambda else {
-                let worst = self.worst();
-                return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst });
+            let hidden = (arrival == Arrival::Hidden).then_some(&mut settling);
+            let step = match hidden {
+                Some(settling) => {
+                    problem.ask(forcing::settling(residual, tolerance));
+                    self.settle(problem, z, goal, settling)
+                }
+                None => {
+                    problem.ask(Accuracy::to(forcing.next(residual, tolerance)));
+                    self.step(problem, z, &mut caution, tolerance)
+                }
+            };
+            let worst = self.worst();
+            let lambda = match step.map_err(|error| NewtonFailure::Linear { iterations, error, worst })? {
+                Step::Taken(lambda) => lambda,
+                Step::NotNeeded => return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) }),
+                Step::Stuck => return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst }),
+                Step::Hidden => {
+                    let (rounding, forces) = (norm(&self.floor), goal.scales.residual);
+                    return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst });
+                }
             };
             residual = norm(&self.r);
-            if self.has_arrived(z, goal, lambda * (residual / before)) {
+            arrival = self.arrival(z, goal, lambda * (residual / before));
+            if arrival == Arrival::Arrived {
                 return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
             }
         }
@@ -254,20 +358,18 @@ impl Newton {
         problem.residual(z, &mut self.r, &mut self.floor);
     }
 
-    /// One direction and the search along it; moves `z` and `self.r`. Returns the accepted share of the direction, nothing when
-    /// there is none.
+    /// One direction and the search along it; moves `z` and `self.r`.
     fn step(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         caution: &mut Caution,
         tolerance: f64,
-    ) -> Result<Option<f64>, LinearError> {
+    ) -> Result<Step, LinearError> {
+        let taken = |lambda: Option<f64>| lambda.map_or(Step::Stuck, Step::Taken);
         if problem.conservative() {
-            if !self.direction(problem, Curvature::Exact)? {
-                self.direction(problem, Curvature::Convex)?;
-            }
-            return Ok(search::downhill(self, problem, z, tolerance));
+            self.downhill_direction(problem)?;
+            return Ok(taken(search::downhill(self, problem, z, tolerance)));
         }
         if caution.left == 0 {
             self.direction(problem, Curvature::Exact)?;
@@ -276,7 +378,7 @@ impl Newton {
                 caution.raise();
             }
             if lambda.is_some() {
-                return Ok(lambda);
+                return Ok(taken(lambda));
             }
             problem.residual(z, &mut self.r, &mut self.floor);
         }
@@ -285,7 +387,40 @@ impl Newton {
         if lambda.is_some_and(|lambda| lambda >= 1.0) {
             caution.left = caution.left.saturating_sub(1);
         }
-        Ok(lambda)
+        Ok(taken(lambda))
+    }
+
+    /// The next correction where the residual is rounding, and the way along it where it is not small.
+    fn settle(
+        &mut self,
+        problem: &mut dyn NonlinearProblem,
+        z: &mut [f64],
+        goal: Goal,
+        settling: &mut Settling,
+    ) -> Result<Step, LinearError> {
+        if problem.conservative() {
+            self.downhill_direction(problem)?;
+        } else {
+            self.direction(problem, Curvature::Exact)?;
+        }
+        Ok(match self.settled(z, goal, settling) {
+            Settled::Yes => Step::NotNeeded,
+            Settled::Never => Step::Hidden,
+            Settled::NotYet if problem.conservative() => {
+                search::downhill(self, problem, z, goal.tolerance).map_or(Step::Stuck, Step::Taken)
+            }
+            Settled::NotYet => {
+                search::smaller_residual(self, problem, z, goal.tolerance).map_or(Step::Stuck, Step::Taken)
+            }
+        })
+    }
+
+    /// A direction down the potential: from the convex tangent where the exact one gives none.
+    fn downhill_direction(&mut self, problem: &mut dyn NonlinearProblem) -> Result<(), LinearError> {
+        if !self.direction(problem, Curvature::Exact)? {
+            self.direction(problem, Curvature::Convex)?;
+        }
+        Ok(())
     }
 
     /// dz = -W^-1 r; whether it leads downhill.

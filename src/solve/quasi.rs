@@ -9,7 +9,7 @@
 //! as the iterations still to be made cost more than a new factor and what it needs itself; from step to step, as soon as the iterations that
 //! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
 
-use super::newton::{Goal, Newton, NewtonReport, NonlinearProblem};
+use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
 use super::{LinearError, forcing, search};
 
@@ -192,23 +192,48 @@ impl Iteration<'_> {
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
         let mut leg = Leg::new(residual);
+        let mut settling = None;
         for iterations in 1..=self.newton.most_iterations() {
             self.newton.spent = iterations;
-            let Some(lambda) = self.step(z)? else {
-                // No way down: a factor of another place may be to blame.
-                factors += 1;
-                if leg.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
-                    return Ok(None);
+            let step = match &mut settling {
+                Some(settling) => self.settle(z, settling)?,
+                None => self.step(z)?,
+            };
+            let lambda = match step {
+                Step::Taken(lambda) => lambda,
+                Step::NotNeeded => {
+                    self.learn(leg.iterations + 1, fresh);
+                    return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
                 }
-                (fresh, leg) = (true, Leg::new(residual));
-                continue;
+                Step::Hidden => return Ok(None),
+                Step::Stuck => {
+                    // No way down: a factor of another place may be to blame.
+                    factors += 1;
+                    if leg.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
+                        return Ok(None);
+                    }
+                    (fresh, leg) = (true, Leg::new(residual));
+                    continue;
+                }
             };
             let before = residual;
             residual = norm(&self.newton.r);
             leg.went_to(residual);
-            if self.newton.has_arrived(z, self.goal, lambda * residual / before) {
-                self.learn(leg.iterations, fresh);
-                return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
+            match self.newton.arrival(z, self.goal, lambda * residual / before) {
+                Arrival::Arrived => {
+                    self.learn(leg.iterations, fresh);
+                    return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
+                }
+                // An old factor or corrections by differences of rounding would show nothing.
+                Arrival::Hidden if settling.is_none() => {
+                    if !self.refreeze(z)? {
+                        return Ok(None);
+                    }
+                    (fresh, leg, settling) = (true, Leg::new(residual), Some(Settling::default()));
+                    continue;
+                }
+                Arrival::Hidden => continue,
+                Arrival::OnTheWay => settling = None,
             }
             let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
             if leg.left(self.goal.tolerance).is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed)) {
@@ -249,23 +274,40 @@ impl Iteration<'_> {
         Ok(made)
     }
 
-    /// One direction and the search along it. Returns the share of it that was taken.
-    fn step(&mut self, z: &mut [f64]) -> Result<Option<f64>, LinearError> {
+    /// The next correction where the residual is rounding, and the way along it where it is not small.
+    fn settle(&mut self, z: &mut [f64], settling: &mut Settling) -> Result<Step, LinearError> {
+        let Newton { r, dz, .. } = &mut *self.newton;
+        self.problem.ask(forcing::settling(norm(r), self.goal.tolerance));
+        dz.copy_from_slice(r);
+        self.problem.solve(dz)?;
+        dz.iter_mut().for_each(|dz| *dz = -*dz);
+        Ok(match self.newton.settled(z, self.goal, settling) {
+            Settled::Yes => Step::NotNeeded,
+            Settled::Never => Step::Hidden,
+            Settled::NotYet => self.search(z).map_or(Step::Stuck, Step::Taken),
+        })
+    }
+
+    /// One direction and the search along it.
+    fn step(&mut self, z: &mut [f64]) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
         self.problem.ask(forcing::kept(norm(r), self.goal.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
         self.pairs.apply(dz, |b| self.problem.solve(b))?;
         dz.iter_mut().for_each(|dz| *dz = -*dz);
-        if dot(r, dz) >= 0.0 {
-            return Ok(None);
+        let Some(lambda) = self.search(z) else { return Ok(Step::Stuck) };
+        self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
+        Ok(Step::Taken(lambda))
+    }
+
+    /// The share of the direction that leads downhill, if any. Without a potential the slope is still that of the symmetric part, which leads
+    /// here; norms of residuals need not fall.
+    fn search(&mut self, z: &mut [f64]) -> Option<f64> {
+        if dot(&self.newton.r, &self.newton.dz) >= 0.0 {
+            return None;
         }
-        // Without a potential the slope is still that of the symmetric part, which leads here; norms of residuals need not fall.
-        let lambda = search::downhill(self.newton, self.problem, z, self.goal.tolerance);
-        if let Some(lambda) = lambda {
-            self.pairs.push(lambda, &self.newton.dz, &self.newton.r);
-        }
-        Ok(lambda)
+        search::downhill(self.newton, self.problem, z, self.goal.tolerance)
     }
 }
 
