@@ -3,6 +3,12 @@
 
 #[allow(dead_code)] // every topic uses its own part
 mod common;
+#[path = "faults/folders.rs"]
+mod folders;
+#[path = "faults/kang.rs"]
+mod kang;
+#[path = "faults/loads.rs"]
+mod loads;
 #[path = "faults/program.rs"]
 mod program;
 
