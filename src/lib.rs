@@ -34,6 +34,7 @@ pub mod cli;
 pub mod drive;
 pub mod figures;
 pub mod force;
+pub mod input_file;
 pub mod integrate;
 pub mod mesh;
 pub mod model;

@@ -47,6 +47,8 @@ pub enum WarningCode {
     NoSupport,
     /// Coordinates so far from the origin that rounding is felt in the springs.
     RoundedCoordinates,
+    /// A tabled pulse shorter than a few steps.
+    ShortPulse,
     /// Springs that are slack at the start and hide a limit of the step.
     SlackSprings,
     /// A step above the critical one, at the start or later.

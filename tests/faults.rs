@@ -2,6 +2,12 @@
 //! A test of this kind belongs in the file of its topic in `tests/faults/`.
 
 mod common;
+#[path = "faults/folders.rs"]
+mod folders;
+#[path = "faults/kang.rs"]
+mod kang;
+#[path = "faults/loads.rs"]
+mod loads;
 #[path = "faults/program.rs"]
 mod program;
 #[path = "faults/solver.rs"]

@@ -66,6 +66,17 @@ pub enum CaseError {
 }
 
 impl CaseError {
+    /// 1 for a case file that the system does not give, 2 for a bad case and for what is no file.
+    pub fn exit_status(&self) -> u8 {
+        use std::io::ErrorKind::{InvalidInput, IsADirectory, NotADirectory, NotFound};
+        match self {
+            Self::Read { source, .. } => {
+                if matches!(source.kind(), NotFound | IsADirectory | NotADirectory | InvalidInput) { 2 } else { 1 }
+            }
+            _ => 2,
+        }
+    }
+
     /// The faults, if that is what is wrong; else nothing.
     pub fn faults(&self) -> &[Fault] {
         match self {

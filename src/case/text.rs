@@ -1,6 +1,5 @@
 //! From the bytes of a case file to a JSON value: encoding, comments, syntax.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use serde_json::Value;
 use super::comments::blank;
 use super::error::CaseError;
 use super::strict::Strict;
+use crate::input_file::open_stream;
 
 /// [bytes] Largest case file: one that is larger is a mistake (or `/dev/zero`).
 const LIMIT: u64 = 1 << 30;
@@ -17,7 +17,7 @@ const LIMIT: u64 = 1 << 30;
 pub(crate) fn read(path: &Path) -> Result<String, CaseError> {
     let shown = path.display().to_string();
     let failed = |source| CaseError::Read { path: shown.clone(), source };
-    let file = File::open(path).map_err(failed)?;
+    let file = open_stream(path).map_err(failed)?;
     let mut bytes = Vec::new();
     file.take(LIMIT + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > LIMIT {

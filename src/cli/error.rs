@@ -15,7 +15,6 @@ use crate::plot::PlotError;
 use crate::simulation::SetupError;
 use crate::study::StudyError;
 use crate::study::stability::write::StabilityError;
-use std::io::ErrorKind;
 
 /// Any failure of a command.
 #[derive(Debug, thiserror::Error)]
@@ -71,8 +70,7 @@ impl CliError {
     /// 1 for input/output and internal failures, 2 for bad usage and bad cases.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Case(CaseError::Read { source, .. }) if !misnamed(source.kind()) => 1,
-            CliError::Case(_) => 2,
+            CliError::Case(error) => error.exit_status(),
             CliError::Setup(SetupError::Threads(_)) => 1,
             CliError::Setup(_) => 2,
             CliError::Folder(FolderError::System { .. }) => 1,
@@ -90,9 +88,4 @@ impl CliError {
             CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,
         }
     }
-}
-
-/// Whether no case can be where the command line says, rather than one that cannot be read.
-fn misnamed(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::NotFound | ErrorKind::IsADirectory | ErrorKind::NotADirectory)
 }

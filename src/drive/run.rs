@@ -168,6 +168,7 @@ impl<'a> Run<'a> {
         if let Some(found) = [state.x.len(), state.v.len()].into_iter().find(|n| *n != needed) {
             return Err(RunError::OtherState { found, needed });
         }
+        scene.sample_tables(spec.step.fixed());
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
@@ -186,6 +187,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         spec.check()?;
         spec.passes(scene, &snapshot)?;
+        scene.sample_tables(spec.step.fixed());
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };

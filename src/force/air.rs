@@ -15,12 +15,11 @@
 use super::batch::{Records, Wants};
 use super::faces::{FaceBatch, FaceKernel, Faces};
 use super::push::{Push, PushLaw, push};
-use super::series::interpolate;
+use super::series::Table;
 use super::triangle::{AreaVector, THIRD, mean};
 use super::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{Quad, VectorUnit};
-use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -38,7 +37,7 @@ pub struct AirData {
     /// [Pa s^2/m^2] inertial coefficient b
     pub quadratic: f64,
     /// [m/s] wind over time
-    pub wind: Series<DVec3>,
+    pub wind: Arc<Table<3>>,
 }
 
 struct Flow {
@@ -74,7 +73,7 @@ impl FaceKernel for AirData {
     }
 
     fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally {
-        let wind = interpolate(&self.wind, tile.t);
+        let wind = DVec3::from_array(self.wind.at(tile.t));
         Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &tile, f) }
     }
 }
@@ -110,7 +109,7 @@ impl ForceTerm for Air {
 
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let wind = interpolate(&data.wind, at.t);
+        let wind = DVec3::from_array(data.wind.at(at.t));
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
             if flow.a == 0.0 {
@@ -129,7 +128,7 @@ impl ForceTerm for Air {
     /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth keeping.
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let wind = interpolate(&data.wind, at.t);
+        let wind = DVec3::from_array(data.wind.at(at.t));
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
             let dv = outer(flow.area.s, flow.n) * (w.c * flow.slope / 9.0);

@@ -7,12 +7,11 @@
 use super::batch::{Records, Wants};
 use super::faces::{FaceBatch, FaceKernel, Faces};
 use super::push::{Push, PushLaw, push};
-use super::series::factor;
+use super::series::{Table, factor};
 use super::triangle::{AreaVector, THIRD};
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
-use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::DMat3;
 use std::sync::Arc;
@@ -28,7 +27,7 @@ pub struct FollowerData {
     /// [Pa] p
     pub pressure: f64,
     /// optional factor over time
-    pub factor: Option<Series<f64>>,
+    pub factor: Option<Arc<Table<1>>>,
 }
 
 impl FaceKernel for FollowerData {

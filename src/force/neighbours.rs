@@ -24,6 +24,14 @@ struct Round {
     weights: [f64; SIDE_BY_SIDE],
 }
 
+/// Place of a weight.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot {
+    round: u32,
+    /// which of the four nodes
+    q: u8,
+}
+
 const SIDE_BY_SIDE: usize = 4;
 
 /// Degrees of freedom of four nodes: ranges of sums begin at multiples of it.
@@ -35,6 +43,17 @@ impl Neighbours {
     /// # Panics
     /// When a node is not below `n`, or a weight is missing.
     pub fn new<'a>(n: usize, links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone) -> Self {
+        Self::with_slots(n, links).0
+    }
+
+    /// The same, and where the two weights of every link are, in the order of the links.
+    ///
+    /// # Panics
+    /// As [`Neighbours::new`].
+    pub fn with_slots<'a>(
+        n: usize,
+        links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone,
+    ) -> (Self, Vec<[Slot; 2]>) {
         let mut degrees = vec![0; n];
         for &node in links.clone().flat_map(|(nodes, _)| nodes.as_flattened()) {
             degrees[node as usize] += 1;
@@ -48,22 +67,32 @@ impl Neighbours {
             neighbours.first.push(neighbours.rounds.len());
         }
         degrees.fill(0);
+        let mut slots = Vec::new();
         for (nodes, weights) in links {
             for (i, &[a, b]) in nodes.iter().enumerate() {
-                neighbours.push(&mut degrees, [a, b], weights.at(i));
-                neighbours.push(&mut degrees, [b, a], weights.at(i));
+                slots.push([[a, b], [b, a]].map(|ends| neighbours.push(&mut degrees, ends, weights.at(i))));
             }
         }
-        neighbours
+        (neighbours, slots)
+    }
+
+    /// Changes a weight.
+    ///
+    /// # Panics
+    /// When the slot is of another graph, and larger.
+    pub fn set(&mut self, Slot { round, q }: Slot, weight: f64) {
+        self.rounds[round as usize].weights[usize::from(q)] = weight;
     }
 
     /// `filled` tells how many neighbours every node has so far.
-    fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) {
+    fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) -> Slot {
         let (group, q) = (own as usize / SIDE_BY_SIDE, own as usize % SIDE_BY_SIDE);
         let filled = &mut filled[own as usize];
-        let round = &mut self.rounds[self.first[group] + *filled];
+        let number = self.first[group] + *filled;
+        let round = &mut self.rounds[number];
         (round.places[q], round.weights[q]) = (3 * other, weight);
         *filled += 1;
+        Slot { round: number as u32, q: q as u8 }
     }
 
     /// `sum_j k_ij` of every node, and zeros that fill up the last four.

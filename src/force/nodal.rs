@@ -3,14 +3,14 @@
 //! f = factor(t) F, tangents zero, power = f . v.
 
 use super::batch::{Records, Summand, Wants};
-use super::series::factor;
+use super::series::{Table, factor};
 use super::tile::{Tile, add, place, vector};
 use super::triangle::AreaVector;
 use super::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
-use crate::model::spec::Series;
 use crate::model::system::{TermInfo, Weights};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Forces that are given node by node.
 pub const FORCES: TermInfo =
@@ -29,7 +29,7 @@ pub struct NodalForces {
     /// [N] force on each of them at factor 1
     pub force: Vec<DVec3>,
     /// optional factor over time
-    pub factor: Option<Series<f64>>,
+    pub factor: Option<Arc<Table<1>>>,
 }
 
 /// A pressure that keeps the area it starts with.
@@ -42,7 +42,7 @@ pub struct DeadPressure<'a> {
     /// unit direction; `None` = every triangle's own normal at the start
     pub direction: Option<DVec3>,
     /// optional factor over time
-    pub factor: Option<Series<f64>>,
+    pub factor: Option<Arc<Table<1>>>,
 }
 
 impl DeadPressure<'_> {

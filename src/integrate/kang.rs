@@ -8,19 +8,28 @@
 //! ```
 //! g are all other forces, outside the filter (gravity, air, loads, other dashpots). A relative dashpot with c = k h *is* the
 //! viscous part of F and is not added a second time. A fixed node counts in its neighbours' D and contributes nothing to
-//! their sums. With kappa = h^2 k/m the filter's artefacts: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
+//! their sums.
+//!
+//! Springs with a slack law are taken as backward Euler would take them, which the published scheme does not do: its h k (v_j - v_i) acts along slack
+//! springs too and brakes free flight to v exp(-k h t/m). Here a spring that is slack at x + h v has no part in the step, neither in F nor in the sums;
+//! one that is taut there has its part, and its pull k (l - l0) even where it is slack at x ([`StepFilter`]). So free flight keeps its speed, and a mass that a
+//! rope catches is stopped as by backward Euler: by one spring no step makes energy, at any kappa. Along several springs in a row steps of kappa above 10 or so make
+//! energy, with and without slack springs in the filter, as the two sweeps see no further than a neighbour's neighbour. A slack spring with a relative `"step"` dashpot stays in
+//! the filter: its viscosity was asked for.
+//!
+//! With kappa = h^2 k/m the filter's artefacts: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
 //! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered springs only: a weight on one
 //! spring comes to rest 1 + kappa times as far down as it should.
 
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use crate::model::system::{SpringGraph, Viscosity};
+use crate::model::system::{SpringGraph, StepFilter, Viscosity};
 use multiversion::multiversion;
 use std::ops::Range;
 
 /// Kang's scheme; carries nothing.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Kang {
     /// [N/m] sum of the stiffnesses at every node
     stiffness_sum: Vec<f64>,
@@ -38,6 +47,8 @@ pub struct Kang {
     sweep: Vec<f64>,
     /// [N] dissipative forces that are not part of F, where some are
     outer_dissipative: Vec<f64>,
+    /// the springs of a step, where some may be slack
+    step_filter: Option<Box<dyn StepFilter>>,
 }
 
 impl Integrator<dyn SpringGraph> for Kang {
@@ -46,6 +57,7 @@ impl Integrator<dyn SpringGraph> for Kang {
         self.stiffness_sum = system.stiffness_sums();
         self.weight = system.weight();
         self.viscosity = system.viscosity();
+        self.step_filter = system.step_filter();
         self.h = 0.0;
         for buffer in [&mut self.inverse_d, &mut self.filtered, &mut self.sweep] {
             *buffer = vec![0.0; n];
@@ -60,10 +72,17 @@ impl Integrator<dyn SpringGraph> for Kang {
         to: &mut Point,
         counters: &mut Counters,
     ) -> Result<StepReport, StepError> {
+        if let Some(filter) = &mut self.step_filter
+            && filter.select(from.state.as_ref(), h)
+        {
+            filter.stiffness_sums(&mut self.stiffness_sum);
+            self.h = 0.0;
+        }
         self.invert(system, h);
         self.find_outer_dissipative(system, from);
-        let Kang { filtered, sweep, inverse_d, weight, outer_dissipative: outer, viscosity, .. } = self;
-        let step = Step { system, from, h, inverse_d, viscosity: *viscosity };
+        let Kang { filtered, sweep, inverse_d, weight, outer_dissipative: outer, viscosity, step_filter, .. } = self;
+        let step_filter = step_filter.as_deref();
+        let step = Step { system, from, h, inverse_d, viscosity: *viscosity, step_filter };
         let sweeps = (filtered.as_mut_slice(), sweep.as_mut_slice());
         to.state.t = t_next;
         let state = (to.state.x.as_mut_slice(), to.state.v.as_mut_slice());
@@ -116,6 +135,7 @@ struct Step<'a> {
     /// [1/kg] D^-1
     inverse_d: &'a [f64],
     viscosity: Viscosity,
+    step_filter: Option<&'a dyn StepFilter>,
 }
 
 /// The forces that make up what acts outside the filter: as they are in the total of all forces, and as they are beside F.
@@ -138,7 +158,10 @@ impl Step<'_> {
         });
         let (f, sweep) = (&*f, &*sweep);
         workers.both(state, |r, x, v| {
-            system.neighbour_sums(sweep, r.clone(), v);
+            match self.step_filter {
+                Some(filter) => filter.neighbour_sums(sweep, r.clone(), v),
+                None => system.neighbour_sums(sweep, r.clone(), v),
+            }
             let (f, inverse_d) = (&f[r.clone()], &inverse_d[r.clone()]);
             let with = Advance { f, inverse_d, inverse_mass: &system.inverse_mass()[r.clone()], h };
             let outside = beside.map(|part| &part[r.clone()]);
@@ -146,7 +169,7 @@ impl Step<'_> {
         });
     }
 
-    /// Finds what is viscous in F: dashpots' forces [N], or sums of k (v_j - v_i) [N/s]. Returns what F has of it besides what is among all forces already, [-] or [s].
+    /// Finds what is viscous in F: dashpots' forces [N], or sums of k (v_j - v_i) [N/s], with the step filter's correction over h. Returns what F has of it besides what is among all forces already, [-] or [s].
     fn viscous(&self, dofs: Range<usize>, out: &mut [f64]) -> f64 {
         match self.viscosity {
             // The scene's dashpots are F's, made for a step of so many seconds.
@@ -155,7 +178,14 @@ impl Step<'_> {
                 self.h / seconds - 1.0
             }
             Viscosity::None | Viscosity::Some => {
-                self.system.neighbour_differences(&self.from.state.v, dofs, out);
+                let v = &self.from.state.v;
+                match self.step_filter {
+                    Some(filter) => filter.neighbour_differences(v, dofs.clone(), out),
+                    None => self.system.neighbour_differences(v, dofs.clone(), out),
+                }
+                if let Some(correction) = self.step_filter.and_then(StepFilter::correction) {
+                    out.iter_mut().zip(&correction[dofs]).for_each(|(out, force)| *out += force / self.h);
+                }
                 self.h
             }
         }

@@ -122,6 +122,12 @@ pub trait System: Sync {
         Vec::new()
     }
 
+    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss what lies between them, or for any other
+    /// run. What is evaluated from here on is of that run, so runs of one scene go one after the other.
+    fn sample_tables(&self, h: Option<f64>) {
+        let _ = h;
+    }
+
     /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes go from `x_n` to `x_n1` [m]: 1/2 (f_n + f_n1) . (x_n1 - x_n); 0 of no forces.
     fn work(&self, [f_n, f_n1]: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         let way = x_n.iter().zip(x_n1).map(|(x_n, x_n1)| x_n1 - x_n);
@@ -209,6 +215,26 @@ pub enum Viscosity {
     Some,
 }
 
+/// Sums along the springs that are in Kang's filter of one step, where the filter leaves out springs that are slack.
+/// [`SpringGraph`] has the same of all springs.
+pub trait StepFilter: std::fmt::Debug + Send + Sync {
+    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut where nodes move on as they do. Returns whether they are
+    /// others than those of the last step.
+    fn select(&mut self, from: StateRef<'_>, h: f64) -> bool;
+
+    /// [N/m] `out_i = sum_j k_ij`, of every node.
+    fn stiffness_sums(&self, out: &mut [f64]);
+
+    /// `out_i = sum_j k_ij u_j`, as [`SpringGraph::neighbour_sums`].
+    fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
+
+    /// `out_i = sum_j k_ij (u_j - u_i)`, as [`SpringGraph::neighbour_differences`].
+    fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
+
+    /// [N] What the pull of these springs differs from that of the force pass at the step's start; `None` where it is the same.
+    fn correction(&self) -> Option<&[f64]>;
+}
+
 /// What Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
     /// [N/m] sum of the stiffnesses at every node, slack or not. Asked for once, before a range of any other sum.
@@ -228,6 +254,9 @@ pub trait SpringGraph: System {
 
     /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
+
+    /// The sums of a filter that leaves out slack springs; `None` where no spring can be slack, or all have a dashpot that the filter contains.
+    fn step_filter(&self) -> Option<Box<dyn StepFilter>>;
 }
 
 /// What a scene can do, for binding a scheme to it.

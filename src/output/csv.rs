@@ -1,10 +1,11 @@
 //! Comma-separated files that are readable at any moment: only whole lines are handed to the system.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::lock::{Lock, lock};
 use super::mark::{Mark, Tally};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
@@ -13,9 +14,6 @@ use crate::drive::observer::ObserveError;
 const BLOCK: usize = 16 * 1024;
 /// … or this much time, whichever comes first.
 pub const LONGEST_DELAY: Duration = Duration::from_millis(500);
-/// How long to wait for a lock that nobody means to keep: a run is ending, or its process is starting a program, which has a copy of every open
-/// file until it begins.
-const PATIENCE: Duration = Duration::from_millis(300);
 
 /// A csv file that grows line by line.
 #[derive(Debug)]
@@ -29,14 +27,18 @@ pub struct CsvFile {
 }
 
 impl CsvFile {
-    /// Creates (or empties) the file and writes its header line at once.
+    /// Creates (or empties) the file and writes its header line at once. It is locked as long as it is open.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// When another run holds its lock, or it cannot be written.
     pub fn create(path: &Path, header: &str) -> Result<Self, ObserveError> {
         let fault = |source| write_fault(path, source);
-        let file = File::create(path).map_err(fault)?;
-        lock(&file);
+        // Emptied only under the lock: where folders cannot be locked, another run may be writing it.
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).map_err(fault)?;
+        if lock(&file) == Lock::Elsewhere {
+            return Err(fault(io::Error::new(io::ErrorKind::ResourceBusy, "another run is writing it")));
+        }
+        file.set_len(0).map_err(fault)?;
         let mut made = Self::around(path, file, Tally::default());
         made.line(|out| write!(out, "{header}"))?;
         made.flush()?;
@@ -123,51 +125,7 @@ impl CsvFile {
     }
 }
 
-/// Whether a file is free to be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lock {
-    /// locked by this handle, or on a system where that is not done
-    Here,
-    /// another run writes it
-    Elsewhere,
-}
-
-/// Locks a file against a second run; a killed program holds no lock. Windows would keep readers out as well, so not there;
-/// and where a file system knows no locks, there are none.
-pub fn lock(file: &File) -> Lock {
-    let began = Instant::now();
-    loop {
-        match cfg!(unix).then(|| file.try_lock()) {
-            Some(Err(TryLockError::WouldBlock)) if began.elapsed() < PATIENCE => std::thread::sleep(PATIENCE / 30),
-            Some(Err(TryLockError::WouldBlock)) => return Lock::Elsewhere,
-            _ => return Lock::Here,
-        }
-    }
-}
-
 /// An [`ObserveError::Write`] for a path.
 pub fn write_fault(path: &Path, source: io::Error) -> ObserveError {
     ObserveError::Write { path: path.display().to_string(), source }
-}
-
-#[cfg(all(test, unix))]
-mod tests {
-    use super::*;
-
-    /// Between fork and exec a starting program holds copies of all files of its process, the locked ones too.
-    #[test]
-    fn a_lock_that_is_soon_given_back_is_waited_for() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let open =
-            || OpenOptions::new().create(true).append(true).open(folder.path().join("history.csv")).expect("a file");
-        let (held, wanted) = (open(), open());
-        assert_eq!(lock(&held), Lock::Here);
-        assert_eq!(lock(&wanted), Lock::Elsewhere);
-        let gives_back = std::thread::spawn(move || {
-            std::thread::sleep(PATIENCE / 6);
-            drop(held);
-        });
-        assert_eq!(lock(&wanted), Lock::Here);
-        gives_back.join().expect("no panic");
-    }
 }

@@ -5,9 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::atomic::part_path;
-use super::csv::{Lock, lock};
 use super::files::{FRAMES, HISTORY, PROBES};
 use super::frame_files::frames_in;
+use super::lock::{Lock, lock};
 use super::names::file_stem;
 
 /// How a run ended, for programs.
@@ -53,53 +53,63 @@ pub enum FolderError {
     },
 }
 
-/// A folder that is ready for the results of one case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A folder that is ready for the results of one case. No other run may use it as long as this is there.
+#[derive(Debug)]
 pub struct ResultFolder {
     dir: PathBuf,
     stem: String,
+    /// the folder, locked; `None` where folders cannot be opened
+    _lock: Option<File>,
 }
 
 impl ResultFolder {
-    /// Makes `dir` ready for the case `name`: creates it if needed; refuses earlier results unless `force` is given,
+    /// Makes `dir` ready for the case `name`: creates it if needed and locks it; refuses earlier results unless `force` is given,
     /// which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
     /// `frames/NAME_<number>.vtu`, the last two also of the case that `summary.json` is of, and `frames` if it is empty then. Other files stay. A link is removed, never
     /// followed; a linked `frames` is refused.
     ///
     /// # Errors
-    /// When there are results and no `force`, when something else stands in the way, or the system refuses.
+    /// When there are results and no `force`, when something else stands in the way, another run uses the folder, or the system refuses.
     pub fn prepare(dir: &Path, name: &str, force: bool) -> Result<Self, FolderError> {
-        let folder = Self { dir: dir.to_owned(), stem: file_stem(name) };
-        if fs::metadata(dir).is_ok_and(|there| !there.is_dir()) {
-            return Err(FolderError::InTheWay { path: dir.display().to_string(), what: "a file" });
-        }
+        refuse_file(dir)?;
+        fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
+        let folder = Self::locked(dir, name)?;
         let earlier = folder.earlier()?;
         if let Some(found) = earlier.first().filter(|_| !force) {
             let found = found.strip_prefix(dir).unwrap_or(found).display().to_string();
             return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found });
         }
-        folder.refuse_busy()?;
         for path in &earlier {
             fs::remove_file(path).map_err(|e| system(path, e))?;
         }
         // Stays if it holds other files, which are not ours to remove.
         let _ = fs::remove_dir(dir.join(FRAMES));
-        fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
         Ok(folder)
     }
 
-    /// The folder of an earlier run, to go on in; nothing is changed.
+    /// The folder of an earlier run, to go on in: locked, and nothing is changed.
     ///
     /// # Errors
     /// When something that is no result stands where one belongs, or another run is writing there.
     pub fn reopen(dir: &Path, name: &str) -> Result<Self, FolderError> {
-        let folder = Self { dir: dir.to_owned(), stem: file_stem(name) };
-        if fs::metadata(dir).is_ok_and(|there| !there.is_dir()) {
-            return Err(FolderError::InTheWay { path: dir.display().to_string(), what: "a file" });
-        }
+        refuse_file(dir)?;
+        let folder = Self::locked(dir, name)?;
         folder.earlier()?;
-        folder.refuse_busy()?;
         Ok(folder)
+    }
+
+    /// Locks the folder before anything in it is looked at. The lock of `history.csv` keeps earlier versions of the program out,
+    /// and serves alone where a file system cannot lock folders.
+    fn locked(dir: &Path, name: &str) -> Result<Self, FolderError> {
+        let held = File::open(dir).ok();
+        let history = dir.join(HISTORY);
+        let is_file = fs::metadata(&history).is_ok_and(|there| there.is_file());
+        let busy = held.as_ref().is_some_and(|dir| lock(dir) == Lock::Elsewhere)
+            || is_file && File::open(&history).is_ok_and(|file| lock(&file) == Lock::Elsewhere);
+        if busy {
+            return Err(FolderError::Busy { path: history.display().to_string() });
+        }
+        Ok(Self { dir: dir.to_owned(), stem: file_stem(name), _lock: held })
     }
 
     /// Removes the checkpoint of a run that has reached its end and keeps none.
@@ -171,13 +181,13 @@ impl ResultFolder {
         }
         frames_in(&folder, stem).map_err(|e| system(&folder, e))
     }
+}
 
-    /// Refuses a folder whose history another run is writing.
-    fn refuse_busy(&self) -> Result<(), FolderError> {
-        let path = self.file(HISTORY);
-        let busy = File::open(&path).is_ok_and(|file| lock(&file) == Lock::Elsewhere);
-        if busy { Err(FolderError::Busy { path: path.display().to_string() }) } else { Ok(()) }
+fn refuse_file(dir: &Path) -> Result<(), FolderError> {
+    if fs::metadata(dir).is_ok_and(|there| !there.is_dir()) {
+        return Err(FolderError::InTheWay { path: dir.display().to_string(), what: "a file" });
     }
+    Ok(())
 }
 
 /// What is at a path itself, links not followed.

@@ -20,6 +20,7 @@ pub mod frame_files;
 pub mod hermite;
 pub mod history;
 mod keeper;
+mod lock;
 pub mod mark;
 pub mod names;
 mod parts;

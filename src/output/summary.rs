@@ -150,7 +150,7 @@ impl Summary {
 
     /// Reads a summary; `None` if there is none that can be read.
     pub fn read(path: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(path).ok()?).ok()
+        serde_json::from_slice(&crate::input_file::read(path).ok()?).ok()
     }
 
     /// The summary as JSON text that ends with a line's end.

@@ -95,7 +95,8 @@ impl Run {
 
 fn bytes(folder: &Path, file: &str, why: &'static str) -> Result<Vec<u8>, PlotError> {
     let path = folder.join(file);
-    std::fs::read(&path).map_err(|source| match source.kind() {
+    crate::input_file::read(&path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::InvalidInput => bad(&path, source.to_string()),
         std::io::ErrorKind::NotFound => PlotError::NoFile { folder: folder.to_owned(), file: file.to_owned(), why },
         _ => PlotError::System { path, source },
     })

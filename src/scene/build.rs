@@ -11,10 +11,10 @@ use crate::force::gravity::Gravity;
 use crate::force::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
-use crate::force::series::vectors;
+use crate::force::series::{Table, Tabled, scalar};
 use crate::force::spring::{Coefficient, SpringData, Springs};
 use crate::force::threads::Threads;
-use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, SpringGroup};
+use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
 use crate::startup::{Phase, timed};
 use glam::DVec3;
 use std::sync::Arc;
@@ -35,13 +35,14 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
-    let mut builder = Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new() };
+    let mut builder =
+        Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new(), tables: Vec::new() };
     builder.springs_and_dashpots();
     builder.gravity(&fixed, &mass, &start);
     builder.air();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, .. } = builder;
+    let Builder { terms, springs, tables, .. } = builder;
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat differently.
     let velocity_of = |node: usize| -> [f64; 3] {
         std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
@@ -61,6 +62,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
         velocity,
         gravity,
         corners,
+        tables,
         terms,
         springs,
         threads,
@@ -73,6 +75,7 @@ struct Builder<'a> {
     numbering: &'a Numbering,
     terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
+    tables: Vec<Arc<dyn Tabled>>,
 }
 
 impl Builder<'_> {
@@ -140,15 +143,22 @@ impl Builder<'_> {
     fn air(&mut self) {
         let Some(air) = &self.spec.air else { return };
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
-        let wind = vectors(&air.wind);
+        let wind = Table::new(air.wind.clone());
+        self.tables.push(wind.clone());
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, wind };
         self.terms.push(Box::new(Air::new(data)));
+    }
+
+    fn factor(&mut self, series: Option<&Series<f64>>) -> Option<Arc<Table<1>>> {
+        let table = scalar(series?);
+        self.tables.push(table.clone());
+        Some(table)
     }
 
     fn loads(&mut self, start: &[DVec3]) {
         for load in &self.spec.pressures {
             let triangles = self.triangles(load.triangles.iter().copied());
-            let (pressure, factor) = (load.pressure, load.factor.clone());
+            let (pressure, factor) = (load.pressure, self.factor(load.factor.as_ref()));
             self.terms.push(match load.kind {
                 PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
                 PressureKind::Dead(direction) => {
@@ -161,7 +171,8 @@ impl Builder<'_> {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
             let force = vec![DVec3::from_array(load.force); nodes.len()];
-            self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor: load.factor.clone() }));
+            let factor = self.factor(load.factor.as_ref());
+            self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
         }
     }
 

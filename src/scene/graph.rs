@@ -1,10 +1,12 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
-use super::network::{Network, SpringBatch};
+use super::network::{Network, SpringBatch, by_node};
 use crate::force::coefficient::Coefficient;
 use crate::force::neighbours::Neighbours;
+use crate::force::one_sided::OneSided;
 use crate::model::forces::Role;
-use crate::model::system::{SpringGraph, Viscosity};
+use crate::model::state::StateRef;
+use crate::model::system::{SpringGraph, StepFilter, Viscosity};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -73,5 +75,33 @@ impl SpringGraph for Network {
 
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
         self.graph().springs.differences(u, dofs, out);
+    }
+
+    fn step_filter(&self) -> Option<Box<dyn StepFilter>> {
+        // A dashpot that was asked for acts along its spring, slack or not.
+        let members = self.springs.iter().map(|batch| (&batch.data, !batch.in_filter));
+        OneSided::new(self.mass.len(), members).map(|filter| Box::new(filter) as Box<dyn StepFilter>)
+    }
+}
+
+impl StepFilter for OneSided {
+    fn select(&mut self, from: StateRef<'_>, h: f64) -> bool {
+        self.select(by_node(from.x), by_node(from.v), h)
+    }
+
+    fn stiffness_sums(&self, out: &mut [f64]) {
+        self.stiffness_sums(out);
+    }
+
+    fn neighbour_sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.sums(u, dofs, out);
+    }
+
+    fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.differences(u, dofs, out);
+    }
+
+    fn correction(&self) -> Option<&[f64]> {
+        self.correction()
     }
 }

@@ -5,6 +5,7 @@ use super::numbering::Numbering;
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::between::Between;
+use crate::force::series::Tabled;
 use crate::force::spring::{Coefficient, SpringData};
 use crate::force::staged::{ByStages, Ended};
 use crate::force::sweep::{Sweep, Terms};
@@ -33,6 +34,7 @@ pub struct Network {
     velocity: Vec<[f64; 3]>,
     pub(super) gravity: Option<DVec3>,
     corners: Vec<f64>,
+    tables: Vec<Arc<dyn Tabled>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
@@ -69,6 +71,8 @@ pub(super) struct Parts {
     pub gravity: Option<DVec3>,
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
+    /// load and wind tables, shared with the terms
+    pub tables: Vec<Arc<dyn Tabled>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -102,6 +106,7 @@ impl Network {
             velocity: p.velocity,
             gravity: p.gravity,
             corners: p.corners,
+            tables: p.tables,
             terms: p.terms,
             springs: p.springs,
             sweep,
@@ -298,6 +303,10 @@ impl System for Network {
 
     fn workers(&self) -> &Workers {
         self.threads.workers()
+    }
+
+    fn sample_tables(&self, h: Option<f64>) {
+        self.tables.iter().for_each(|table| table.sample(h));
     }
 
     fn corners(&self) -> Vec<f64> {

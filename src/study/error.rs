@@ -87,7 +87,7 @@ impl StudyError {
     /// 1 for the system, 2 for what a person can set right, 130 for an interrupt.
     pub fn exit_status(&self) -> u8 {
         match self {
-            StudyError::Case(CaseError::Read { source, .. }) if source.kind() != std::io::ErrorKind::NotFound => 1,
+            StudyError::Case(error) => error.exit_status(),
             StudyError::System { .. } | StudyError::Fingerprint(_) | StudyError::Page(_) => 1,
             StudyError::Setup(SetupError::Threads(_)) => 1,
             StudyError::Plot(e) => e.exit_status(),

@@ -21,6 +21,7 @@ use super::plan::{FORMAT, PROGRAM, Plan};
 use super::reference::Reference;
 use super::row::{Job, Measured};
 use crate::drive::Snapshot;
+use crate::input_file;
 use crate::output::atomic::{Durability, replace_shared};
 
 /// A study's folder.
@@ -228,7 +229,7 @@ fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
 }
 
 fn read(path: &Path) -> Result<Option<Vec<u8>>, StudyError> {
-    match fs::read(path) {
+    match input_file::read(path) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(e) => Err(system(path, e)),

@@ -41,6 +41,7 @@ mod rich_power;
 mod signal;
 mod spectra;
 mod spring_pendulum;
+mod tables;
 mod thesis;
 mod tolerance;
 mod waves;
@@ -55,6 +56,7 @@ type Group = (&'static str, fn() -> Vec<Claim>);
 /// All groups in the order they are printed.
 const GROUPS: &[Group] = &[
     ("order", order::claims),
+    ("loads over time", tables::claims),
     ("recurrence", recurrence::claims),
     ("spectra", spectra::claims),
     ("energy of an oscillator", energy_oscillator::claims),

@@ -18,6 +18,7 @@ mod series;
 mod springs;
 mod stiffness;
 mod study;
+mod tables;
 mod time;
 
 use std::path::Path;
@@ -27,6 +28,7 @@ use super::fault::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{Problem, SystemSpec};
+use crate::drive::clock::Step;
 use crate::preflight;
 use geometry::Geometry;
 
@@ -60,6 +62,10 @@ pub(crate) fn build(
             let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
             let step = timing.as_ref().map(|t| t.spec.step);
             let spec = network::network(&at, network, geometry.as_deref(), step, faults);
+            if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))
+            {
+                tables::warn_of_short_pulses(&at, network, tables::Steps { h, end: spec.end }, faults);
+            }
             (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
         }
     };

@@ -31,7 +31,7 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
     let reader = reader(path)?;
     let fault =
         |error: std::io::Error| MeshError::File { path: path.to_owned(), reason: format!("cannot be read: {error}") };
-    read_with(reader, path, &std::fs::read(path).map_err(fault)?)
+    read_with(reader, path, &crate::input_file::read(path).map_err(fault)?)
 }
 
 /// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.

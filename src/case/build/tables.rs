@@ -1,0 +1,91 @@
+//! Tables with pulses that fixed steps do not resolve.
+
+use crate::case::fault::Faults;
+use crate::case::pointer::Pointer;
+use crate::case::schema::{Network, Wind};
+use crate::figures::figures;
+use crate::warning::WarningCode;
+
+/// [-] A pulse shorter than this many steps loses its shape.
+const STEPS: f64 = 2.0;
+/// [-] A pulse below this share of the table's range is noise.
+const NOISE: f64 = 1e-3;
+/// [-] A row this share of a step from the end of a step is at it.
+const AT_END: f64 = 1e-6;
+
+/// Times of a run in fixed steps.
+#[derive(Clone, Copy)]
+pub(super) struct Steps {
+    /// [s] step
+    pub h: f64,
+    /// [s] end of the run
+    pub end: f64,
+}
+
+/// Warns, once a table, of the first pulse of a load or of the wind that is shorter than two steps and not met by them.
+pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: Steps, faults: &mut Faults<'_>) {
+    let loads = network.loads.iter().enumerate();
+    for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
+        let at = at.key("loads").index(i).key("table");
+        warn(&at, "impulse", pulses(table.iter().copied(), steps), steps, faults);
+    }
+    if let Some(Wind::Table { table }) = network.aero.as_ref().map(|aero| &aero.wind) {
+        let component = |c: usize| pulses(table.iter().map(move |row| [row[0], row[c]]), steps);
+        let worst = [1, 2, 3].map(component).into_iter().max_by_key(|found| found.count).unwrap_or_default();
+        warn(&at.key("aero").key("wind").key("table"), "mean", worst, steps, faults);
+    }
+}
+
+/// Short pulses of a table.
+#[derive(Clone, Copy, Default)]
+struct Pulses {
+    count: usize,
+    /// [s] time of the first and how long it lasts
+    first: [f64; 2],
+}
+
+/// A pulse goes up and then down, or down and then up.
+fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, Steps { h, end }: Steps) -> Pulses {
+    let extremes = |[low, high]: [f64; 2], [_, value]: [f64; 2]| [low.min(value), high.max(value)];
+    let [low, high] = rows.clone().fold([f64::INFINITY, f64::NEG_INFINITY], extremes);
+    let at_end = |t: f64| (t / h - (t / h).round()).abs() <= AT_END;
+    let mut found = Pulses::default();
+    // The last stretch that is not level: its start and rise, and whether all rows since lie at the ends of steps.
+    let mut before: Option<([f64; 2], bool)> = None;
+    for ([t, value], [t_next, next]) in rows.clone().zip(rows.skip(1)) {
+        let rise = next - value;
+        let met = at_end(t) && at_end(t_next);
+        if rise == 0.0 {
+            before = before.map(|(stretch, all)| (stretch, all && met));
+            continue;
+        }
+        if let Some(([start, earlier], all)) = before {
+            let counts = rise * earlier < 0.0 && rise.abs().min(earlier.abs()) > NOISE * (high - low);
+            if counts && t_next - start < STEPS * h && !(all && met) && t_next > 0.0 && start < end {
+                if found.count == 0 {
+                    found.first = [start, t_next - start];
+                }
+                found.count += 1;
+            }
+        }
+        before = Some(([t, rise], met));
+    }
+    found
+}
+
+fn warn(at: &Pointer, kept: &str, found: Pulses, Steps { h, .. }: Steps, faults: &mut Faults<'_>) {
+    let Pulses { count, first: [start, lasts] } = found;
+    if count == 0 {
+        return;
+    }
+    let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
+    let text = format!(
+        "{at}: the pulse at t = {} s lasts {} s, the step is {} s{more}; its {kept} is kept, its shape is not: take --step {} or less, or \
+         --tolerance",
+        figures(start, 6),
+        figures(lasts, 4),
+        figures(h, 4),
+        figures(0.5 * lasts, 2)
+    );
+    faults.warn(WarningCode::ShortPulse, text);
+}

@@ -1,0 +1,266 @@
+//! Loads over time whose tables have corners within fixed steps: impulse is kept by every method, wherever the corners lie.
+
+use super::program::program;
+use crate::common::run::{case_of, follow, run};
+use canopy_fem::drive::clock::{Step, Tolerance};
+use canopy_fem::drive::{self, RunSpec, Status};
+use canopy_fem::integrate::registry::methods;
+use canopy_fem::simulation::{bind, build_scene};
+use serde_json::{Value, json};
+use std::sync::atomic::AtomicBool;
+
+/// The edges of a pulse take this long [s].
+const EDGE: f64 = 1e-6;
+
+/// A pulse of height 1 from `start` to `end` [s].
+fn pulse(start: f64, end: f64) -> Vec<[f64; 2]> {
+    vec![[0.0, 0.0], [start, 0.0], [start + EDGE, 1.0], [end, 1.0], [end + EDGE, 0.0]]
+}
+
+fn integral(table: &[[f64; 2]]) -> f64 {
+    table.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum()
+}
+
+/// A mass on a spring, w = 10 rad/s, pushed by 1000 N times a table.
+fn oscillator(table: &[[f64; 2]], method: &str, step: f64, end: f64) -> Value {
+    json!({
+        "name": "pulse",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [10, 0, 0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": 1.0},
+            "springs": [{"on": "all", "stiffness": 100.0}],
+            "supports": [{"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [1]}, "fix": "yz"}],
+            "loads": [{"on": {"ids": [1]}, "force": [1000.0, 0, 0], "table": table}]
+        }},
+        "time": {"end": end, "method": method, "step": step}
+    })
+}
+
+/// Two free masses, both pushed by 3 N times a table; the spring between them stays as it is.
+fn free(table: &[[f64; 2]], method: &str, step: f64, end: f64) -> Value {
+    json!({
+        "name": "free",
+        "system": {"network": {
+            "mesh": {"explicit": {"nodes": [[0, 0, 0], [0, 1, 0]], "springs": [[0, 1]]}},
+            "mass": {"nodal": 2.0},
+            "springs": [{"on": "all", "stiffness": 1.0}],
+            "loads": [{"on": {"ids": [0, 1]}, "force": [3.0, 0, 0], "table": table}]
+        }},
+        "time": {"end": end, "method": method, "step": step}
+    })
+}
+
+#[test]
+fn a_pulse_between_steps_moves_what_it_pushes() {
+    for (start, end) in [(0.5037, 0.5047), (0.5037, 0.5137), (0.5, 0.501), (0.509, 0.511), (0.5099, 0.5199)] {
+        let table = pulse(start, end);
+        // F/k 2 sin(w d/2) with the pulse's length d at half height.
+        let exact = 1000.0 / 100.0 * 2.0 * (0.5 * 10.0 * (end - start + EDGE) - 5.0 * EDGE).sin();
+        for method in methods().iter().filter(|m| m.order >= 2) {
+            let (mut largest, mut numerical, mut work) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let outcome = follow(&case_of(&oscillator(&table, method.name, 0.01, 2.0), &[]), |at| {
+                largest = largest.max(at.positions[1][0] - 10.0);
+                numerical = numerical.max(at.ledger.numerical.abs());
+                work = work.max(at.ledger.external_work);
+            });
+            assert_eq!(outcome.status, Status::Completed, "{}", method.name);
+            let off = largest / exact - 1.0;
+            assert!(off.abs() < 0.015, "{} from {start} to {end} s: {largest} m, expected {exact}", method.name);
+            // Improved Euler and its relatives gain and lose a little at w h = 0.1 without any load.
+            assert!(numerical < 0.03 * work, "{}: {numerical} J of {work} J made or lost", method.name);
+        }
+    }
+}
+
+/// Velocity of the free masses at the end, against the impulse of the table.
+fn check_impulse(what: &str, table: &[[f64; 2]], step: f64, end: f64) {
+    let exact = 3.0 / 2.0 * integral(table);
+    for method in methods() {
+        let end = run(&case_of(&free(table, method.name, step, end), &[]));
+        for v in &end.velocities {
+            let off = (v[0] - exact).abs() / exact.abs();
+            assert!(off < 1e-12, "{}, {what}: {} m/s, expected {exact}: {off:e}", method.name, v[0]);
+        }
+    }
+}
+
+#[test]
+fn every_method_keeps_the_impulse_wherever_the_corners_lie() {
+    let h = 0.01;
+    for i in 0..40 {
+        // From t = 0 on, the first step included.
+        let start = 0.0013 * f64::from(i);
+        for lasts in [1e-4, 1e-3, 0.01, 0.0137, 0.05] {
+            check_impulse(&format!("{start} s for {lasts} s"), &pulse(start + EDGE, start + lasts), h, 0.2);
+        }
+    }
+}
+
+#[test]
+fn impulse_is_kept_in_odd_tables_and_steps() {
+    let h = 0.01;
+    // At the end of a step but for rounding, on either side.
+    for n in [1_u32, 3, 7, 29] {
+        let t = f64::from(n) * h;
+        for start in [t, t.next_up(), t.next_down(), t + 1e-12, t - 1e-12, t + 1e-9 * h] {
+            check_impulse(&format!("a pulse from {start:?} s"), &pulse(start, start + 0.0123), h, 0.5);
+            check_impulse(&format!("a pulse until {start:?} s"), &pulse(start - 0.0082, start), h, 0.5);
+        }
+    }
+    // Jumps of the least width.
+    let t = 0.07_f64;
+    let jump = [[0.0, 0.0], [t, 0.0], [t.next_up(), 1.0], [0.1, 1.0], [0.1_f64.next_up(), 0.0]];
+    check_impulse("jumps of one rounding", &jump, h, 0.5);
+    // Three pulses in a step, of both signs.
+    let comb: Vec<[f64; 2]> = (0_u8..7)
+        .map(|i| [0.0512 + 0.001 * f64::from(i), [0.0, 1.0, 0.0, -0.3, 0.0, 2.0, 0.0][usize::from(i)]])
+        .collect();
+    check_impulse("a comb", &comb, h, 0.2);
+    // A table that begins late, ends early, and is shorter than a step.
+    check_impulse("a late table", &[[0.4321, 0.0], [0.4325, 1.0], [0.433, 0.0]], h, 0.6);
+    check_impulse("a table within the first step", &[[0.0, 0.0], [0.02, 1.0], [0.05, 0.0]], 0.1, 0.5);
+    // A last step that is cut.
+    check_impulse("a cut last step", &pulse(0.0537, 0.0547), h, 0.2037);
+    // A dense one: many rows a step.
+    let dense: Vec<[f64; 2]> = (0_u32..=3000)
+        .map(|i| {
+            let s = f64::from(i) / 3000.0;
+            [0.0111 + 0.1 * s, (std::f64::consts::PI * s).sin() * (1.0 + (900.0 * s).sin())]
+        })
+        .collect();
+    let mut dense = dense;
+    dense[3000][1] = 0.0;
+    check_impulse("a dense table", &dense, h, 0.2);
+}
+
+/// A load that is there at t = 0 and goes away within a step; methods that sample one end of a step are off by that of the jump at t = 0.
+#[test]
+fn a_load_that_ends_within_a_step_keeps_its_impulse() {
+    let table = [[0.0, 1.0], [0.0537, 1.0], [0.0537 + EDGE, 0.0]];
+    let exact = 1.5 * integral(&table);
+    for method in methods().iter().filter(|m| m.order >= 2) {
+        let v = run(&case_of(&free(&table, method.name, 0.01, 0.2), &[])).velocities[0][0];
+        assert!((v / exact - 1.0).abs() < 1e-12, "{}: {v}, expected {exact}", method.name);
+    }
+}
+
+/// A load switched on at t = 0 by two close rows is a load from t = 0 on.
+#[test]
+fn a_load_switched_on_at_the_start_acts_from_the_start() {
+    let table = [[0.0, 0.0], [1e-12, 1.0]];
+    let constant = [[0.0, 1.0]];
+    for method in methods() {
+        let end = |table: &[[f64; 2]]| run(&case_of(&free(table, method.name, 0.01, 0.2), &[])).positions[0][0];
+        let (switched, always) = (end(&table), end(&constant));
+        assert!((switched / always - 1.0).abs() < 1e-9, "{}: {switched}, expected {always}", method.name);
+    }
+}
+
+/// The wind keeps its mean: what a linear law takes from a gust is right.
+#[test]
+fn a_gust_between_steps_is_felt() {
+    let gust = |method: &str, h: f64| {
+        let case = json!({
+            "name": "gust",
+            "system": {"network": {
+                "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "springs": [[0, 1], [1, 2], [2, 0]], "triangles": [[0, 1, 2]]}},
+                "mass": {"nodal": 1.0},
+                "springs": [{"on": "all", "stiffness": 1.0}],
+                "aero": {"law": {"permeable": {"a": 0.01, "b": 0.0, "thickness": 1.0}},
+                    "wind": {"table": [[0, 0, 0, 0], [0.0537, 0, 0, 0], [0.0538, 0, 0, 40], [0.0547, 0, 0, 40], [0.0548, 0, 0, 0]]}}
+            }},
+            "time": {"end": 0.1, "method": method, "step": h}
+        });
+        run(&case_of(&case, &[])).velocities[0][2]
+    };
+    let exact = gust("rk4", 1e-4);
+    // a A/3 per node and kilogram, times 40 m/s for 1 ms.
+    assert!((exact / (0.01 * 0.5 / 3.0 * 40.0 * 1e-3) - 1.0).abs() < 1e-3, "{exact}");
+    for method in methods() {
+        let v = gust(method.name, 0.01);
+        assert!((v / exact - 1.0).abs() < 1e-3, "{}: {v}, expected {exact}", method.name);
+    }
+}
+
+/// A hundred thousand rows are made ready in the time of reading them.
+#[test]
+fn long_tables_run() {
+    let table: Vec<[f64; 2]> = (0..100_000).map(|i| [1e-5 * f64::from(i), f64::from(i % 7) - 3.0]).collect();
+    let outcome = run(&case_of(&free(&table, "velocity-verlet", 3e-3, 1.0), &[])).outcome;
+    assert_eq!(outcome.status, Status::Completed);
+}
+
+#[test]
+fn check_and_solve_warn_of_a_pulse_that_loses_its_shape() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for args in [&["check"][..], &["solve", "--force"], &["solve", "--force", "--method", "rk4"]] {
+        let run = program(folder.path(), &oscillator(&pulse(0.5037, 0.5047), "newmark", 0.01, 2.0), args);
+        assert_eq!(run.status, Some(0), "{}{}", run.stdout, run.stderr);
+        let said = format!("{}{}", run.stdout, run.stderr);
+        let warnings: Vec<&str> = said.lines().filter(|line| line.contains("pulse at")).collect();
+        assert_eq!(warnings.len(), 1, "{said}");
+        for part in ["/system/network/loads/0/table", "t = 0.5037 s", "0.001001 s", "the step is 0.01 s", "--step"] {
+            assert!(warnings[0].contains(part), "{part} in {}", warnings[0]);
+        }
+    }
+}
+
+/// No word where steps meet the corners or are short, for a load that is only switched, and for adaptive steps.
+#[test]
+fn tables_that_steps_resolve_are_not_warned_of() {
+    let switched = vec![[0.0, 0.0], [0.5037, 0.0], [0.5037 + EDGE, 1.0]];
+    let met = vec![[0.0, 0.0], [0.5, 0.0], [0.51, 1.0], [0.52, 0.0]];
+    for (table, step) in [(switched, 0.01), (met, 0.01), (pulse(0.5037, 0.5047), 1e-4)] {
+        let case = case_of(&oscillator(&table, "newmark", step, 2.0), &[]);
+        assert!(case.problem().warnings.is_empty(), "{:?}", case.problem().warnings);
+    }
+    let adaptive = [("time.step", "null"), ("time.tolerance", "1e-4")];
+    let case = case_of(&oscillator(&pulse(0.5037, 0.5047), "newmark", 0.01, 2.0), &adaptive);
+    assert!(case.problem().warnings.is_empty(), "{:?}", case.problem().warnings);
+}
+
+/// A run that is carried further has the bits of one that was not stopped, also where it was stopped in the middle of a pulse.
+#[test]
+fn a_run_carried_further_has_the_same_bits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (method, end) in [("rk4", "0.51"), ("newmark", "0.51"), ("velocity-verlet", "0.5")] {
+        let mut case = oscillator(&pulse(0.5037, 0.5137), method, 0.01, 2.0);
+        case["output"] = json!({"checkpoint": {"every": 0.1}, "history": {"every": 1}, "frames": null});
+        let solve = |args: &[&str]| {
+            let run = program(folder.path(), &case, &[&["solve", "-q"], args].concat());
+            assert_eq!(run.status, Some(0), "{}", run.stderr);
+        };
+        let history = |name: &str| std::fs::read_to_string(folder.path().join(name).join("history.csv")).expect("rows");
+        solve(&["--out", "whole", "--force"]);
+        solve(&["--out", "parts", "--force", "--end", end]);
+        solve(&["--out", "parts", "--resume"]);
+        assert_eq!(history("whole"), history("parts"), "{method} stopped at {end} s");
+    }
+}
+
+/// Runs of one scene that follow each other, as in a study, leave nothing behind in it.
+#[test]
+fn runs_of_one_scene_do_not_disturb_each_other() {
+    let mut problem = case_of(&oscillator(&pulse(0.5037, 0.5137), "newmark", 0.01, 1.0), &[]).problem().clone();
+    let scene = build_scene(problem.take_system(), 1).expect("a scene");
+    let end = |step: Step| {
+        let mut stepper = bind(&problem, &*scene).expect("it fits");
+        let spec = RunSpec { step, ..problem.run_spec(false) };
+        let outcome = drive::run(&*scene, &mut stepper, spec, &mut [], &AtomicBool::new(false)).expect("it starts");
+        assert_eq!(outcome.status, Status::Completed);
+        outcome.ledger
+    };
+    let adaptive = Step::Adaptive(Tolerance { relative: 1e-4, absolute: 1e-6 });
+    let steps = [Step::Fixed(0.01), adaptive, Step::Fixed(0.02)];
+    let alone = steps.map(|step| {
+        // A scene of its own.
+        let mut problem = case_of(&oscillator(&pulse(0.5037, 0.5137), "newmark", 0.01, 1.0), &[]).problem().clone();
+        let scene = build_scene(problem.take_system(), 1).expect("a scene");
+        let mut stepper = bind(&problem, &*scene).expect("it fits");
+        let spec = RunSpec { step, ..problem.run_spec(false) };
+        drive::run(&*scene, &mut stepper, spec, &mut [], &AtomicBool::new(false)).expect("it starts").ledger
+    });
+    for _ in 0..2 {
+        assert_eq!(steps.map(end), alone);
+    }
+}
