@@ -20,6 +20,9 @@ pub struct Page {
 pub struct Section {
     pub title: String,
     pub items: Vec<Item>,
+    /// sentences that the numbers do not bear out
+    #[serde(skip)]
+    pub untrue: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -51,7 +54,7 @@ pub struct Caption<'a> {
 
 impl Section {
     pub fn new(title: &str) -> Self {
-        Section { title: title.to_owned(), items: Vec::new() }
+        Section { title: title.to_owned(), ..Section::default() }
     }
 
     pub fn text(&mut self, text: impl Into<String>) {

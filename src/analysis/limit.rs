@@ -14,7 +14,7 @@ use crate::model::system::{Abilities, System};
 
 /// Excess of the spectral radius over 1 that is rounding.
 const ROUNDING: f64 = 1e-10;
-/// Below this w h an undamped oscillation's growth hides in [`ROUNDING`]: the limit is 0.
+/// Below this w h the growth of an oscillation that nothing damps hides in [`ROUNDING`]: the limit is 0.
 const NO_LIMIT_BELOW: f64 = 1e-2;
 /// Steps in which a swing of the energy shows.
 const SWING: u32 = 64;
@@ -45,7 +45,9 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
         let middle = 0.5 * (stable + unstable);
         if stable_at(middle, ROUNDING) { stable = middle } else { unstable = middle }
     }
-    if rates.damping == 0.0 && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
+    // Damping that takes less than rounding in such a step is none: that of motions which the air or dashpots do not see.
+    let undamped = 0.5 * oscillator.c * stable <= ROUNDING;
+    if undamped && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
 
 /// Whether `method` is stable at step `h` [s] on the oscillator of `rates`.
