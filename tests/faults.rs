@@ -3,8 +3,13 @@
 
 #[allow(dead_code)] // every topic uses its own part
 mod common;
+#[path = "faults/endless.rs"]
+mod endless;
 #[path = "faults/program.rs"]
 mod program;
+#[cfg(unix)]
+#[path = "faults/signals.rs"]
+mod signals;
 
 use program::program;
 

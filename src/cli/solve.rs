@@ -28,7 +28,7 @@ use crate::simulation::{bind, build_scene};
 use crate::startup::{Account, Phase, timed};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let account = Account::open();
@@ -77,6 +77,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
     let code = match outcome.status {
         Status::Completed => 0,
+        // Its failure is in the summary, with what was known of the cause by then.
+        Status::Diverged | Status::NotConverged if stop.load(Ordering::Relaxed) => 130,
         Status::Diverged | Status::NotConverged => 3,
         Status::Interrupted => 130,
     };
