@@ -2,6 +2,8 @@
 //! A test of this kind belongs in the file of its topic in `tests/faults/`.
 
 mod common;
+#[path = "faults/endless.rs"]
+mod endless;
 #[path = "faults/folders.rs"]
 mod folders;
 #[path = "faults/kang.rs"]
@@ -10,6 +12,9 @@ mod kang;
 mod loads;
 #[path = "faults/program.rs"]
 mod program;
+#[cfg(unix)]
+#[path = "faults/signals.rs"]
+mod signals;
 #[path = "faults/solver.rs"]
 mod solver;
 

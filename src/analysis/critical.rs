@@ -159,20 +159,44 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
     if scene.n_dof() <= LARGE {
         return None;
     }
-    let mut room = BoundRoom::default();
-    let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
-    let damped = scene.velocity_dependent();
-    let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
-    let both = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
-    let alone = [Rates { damping: 0.0, ..both }, Rates { frequency: 0.0, ..both }];
-    let least =
-        [both, alone[0], alone[1]].map(|rates| critical_step(method, rates)).into_iter().fold(f64::NAN, f64::min);
-    let confidence = match damped || !scene.symmetric() {
-        true => Confidence::Estimate,
-        false => Confidence::Certified { at_most: f64::INFINITY },
-    };
-    let found = CriticalStep { step: least, confidence, dof: frequency_dof, rates: both };
-    (2.0 * step <= least && least.is_finite()).then_some(found)
+    let found = ElementBounds::of(scene, at).critical_step(method);
+    (2.0 * step <= found.step && found.step.is_finite()).then_some(found)
+}
+
+/// Bounds on the fastest rates of a scene from one or two passes over its elements: what is known of a scene for which more is not affordable.
+pub struct ElementBounds {
+    /// bounds, and the degrees of freedom they are reached at
+    pub rates: Rates,
+    /// whether they prove a limit: on symmetric undamped scenes
+    proved: bool,
+}
+
+impl ElementBounds {
+    /// At a state.
+    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Self {
+        let mut room = BoundRoom::default();
+        let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
+        let damped = scene.velocity_dependent();
+        let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
+        let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
+        ElementBounds { rates, proved: !damped && scene.symmetric() }
+    }
+
+    /// A safe end: the least limit of oscillators with the bounds on both rates.
+    pub fn critical_step(&self, method: &MethodChoice) -> CriticalStep {
+        if !has_limit(method) {
+            return CriticalStep::none();
+        }
+        let both = self.rates;
+        let alone = [Rates { damping: 0.0, ..both }, Rates { frequency: 0.0, ..both }];
+        let least =
+            [both, alone[0], alone[1]].map(|rates| critical_step(method, rates)).into_iter().fold(f64::NAN, f64::min);
+        let confidence = match self.proved {
+            true => Confidence::Certified { at_most: f64::INFINITY },
+            false => Confidence::Estimate,
+        };
+        CriticalStep { step: least, confidence, dof: both.frequency_dof, rates: both }
+    }
 }
 
 /// A scene linearised about a state; finds limits of methods, and keeps what several of them need.

@@ -255,3 +255,139 @@ impl Shifted {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::linearised::rough;
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    /// Set where a child process is to call the library.
+    const CHILD: &str = "CANOPY_FEM_CALLS_FAER";
+    /// Its name, for the child.
+    const TEST: &str = "analysis::hessenberg::tests::the_library_does_not_return_from_this_matrix";
+    /// What an 80 x 80 matrix, which takes a hundredth of a second, is given.
+    const LIMIT: Duration = Duration::from_secs(5);
+
+    /// The projection that Arnoldi's iteration made of a hanging rope of 15 segments with heavy dashpots (`tests/faults`), bit by bit: its size, then
+    /// its rows.
+    fn endless() -> Mat<f64> {
+        let numbers = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/endless-eigenvalues.txt"));
+        let mut numbers = numbers.split_whitespace();
+        let m: usize = numbers.next().expect("a size").parse().expect("a number");
+        let entries: Vec<f64> = numbers.map(|number| number.parse().expect("a number")).collect();
+        assert_eq!(entries.len(), m * m);
+        Mat::from_fn(m, m, |i, j| entries[i * m + j])
+    }
+
+    /// Every value has a vector with a small residual, conjugate pairs stand together, and the first two moments are those of the matrix.
+    fn assert_right(h: &Mat<f64>, what: &str) {
+        let (m, size) = (h.nrows(), size(h).max(f64::MIN_POSITIVE));
+        let values = eigenvalues(h).unwrap_or_else(|| panic!("{what}: no answer"));
+        assert_eq!(values.len(), m, "{what}");
+        for value in &values {
+            let residual = eigenvector(h, *value).residual;
+            assert!(residual <= 1e-12 * size, "{what}: {value} has a residual of {residual:e}, size {size:e}");
+        }
+        let conjugate = |z: &c64| values.iter().any(|other| other.re == z.re && other.im == -z.im);
+        assert!(values.iter().all(conjugate), "{what}: {values:?}");
+        let (sum, squares) =
+            values.iter().fold((c64::new(0.0, 0.0), c64::new(0.0, 0.0)), |(s, q), z| (s + z, q + z * z));
+        let trace: f64 = (0..m).map(|i| h[(i, i)]).sum();
+        let of_square: f64 = (0..m).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| h[(i, j)] * h[(j, i)]).sum();
+        let few = 1e-12 * m as f64;
+        assert!((sum.re - trace).abs() <= few * size, "{what}: sum {sum}, trace {trace}");
+        assert!((squares.re - of_square).abs() <= few * size * size, "{what}: squares {squares}, {of_square}");
+    }
+
+    #[test]
+    fn the_matrix_that_stops_the_library_has_its_eigenvalues() {
+        let h = endless();
+        assert_right(&h, "rope");
+        // Dashpots: nothing grows, and the most damped motion is faster than what swings.
+        let values = eigenvalues(&h).expect("an answer");
+        let largest = values.iter().map(|z| z.re).fold(f64::MIN, f64::max);
+        assert!(largest <= 1e-6 * size(&h), "{largest}");
+    }
+
+    /// Documents the fault of faer 0.24.4, and says so once a later version has mended it; it holds either way.
+    #[test]
+    fn the_library_does_not_return_from_this_matrix() {
+        if std::env::var_os(CHILD).is_some() {
+            let values = endless().eigen().map(|eigen| eigen.S().column_vector().nrows());
+            println!("returned: {values:?}");
+            return;
+        }
+        let program = std::env::current_exe().expect("this test");
+        let mut child = Command::new(program)
+            .args(["--exact", TEST])
+            .env(CHILD, "1")
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("it starts");
+        let begun = Instant::now();
+        let returned = loop {
+            match child.try_wait().expect("waited for") {
+                Some(status) => break Some(status),
+                None if begun.elapsed() > LIMIT => {
+                    child.kill().and_then(|()| child.wait()).expect("killed");
+                    break None;
+                }
+                None => std::thread::sleep(Duration::from_millis(10)),
+            }
+        };
+        match returned {
+            Some(status) => println!("faer's eigen() has returned ({status}) after {:?}", begun.elapsed()),
+            None => println!("faer's eigen() was still at it after {LIMIT:?} and was killed"),
+        }
+    }
+
+    /// A cyclic shift is its own QR step: without exceptional shifts it stays as it is for ever.
+    #[test]
+    fn exceptional_shifts_lead_out_of_a_cycle() {
+        for m in [3_usize, 4, 7, 16] {
+            let shift = Mat::from_fn(m, m, |i, j| f64::from(u8::from(i == j + 1 || (i == 0 && j == m - 1))));
+            assert_right(&shift, &format!("cycle of {m}"));
+            let values = eigenvalues(&shift).expect("an answer");
+            assert!(values.iter().all(|z| (z.norm() - 1.0).abs() < 1e-12), "{values:?}");
+        }
+    }
+
+    #[test]
+    fn random_matrices_of_all_sizes_and_scales_have_their_eigenvalues() {
+        let mut number = 0;
+        for m in (1..=30).chain([60, 120]) {
+            for scale in [1e-140, 1.0, 1e140] {
+                let h = Mat::from_fn(m, m, |i, j| {
+                    number += 1;
+                    if i <= j + 1 { scale * rough(number) } else { 0.0 }
+                });
+                assert_right(&h, &format!("{m} x {m} at {scale:e}"));
+            }
+        }
+    }
+
+    /// Eigenvalues of (z - 1)^2 (z + 2) and of a triangle; what is no number has none.
+    #[test]
+    fn double_and_given_eigenvalues_are_found() {
+        let companion = Mat::from_fn(3, 3, |i, j| match (i, j) {
+            (0, 1) => 3.0,
+            (0, 2) => -2.0,
+            (1, 0) | (2, 1) => 1.0,
+            _ => 0.0,
+        });
+        let mut real: Vec<f64> = eigenvalues(&companion).expect("an answer").iter().map(|z| z.re).collect();
+        real.sort_by(f64::total_cmp);
+        let close = real.iter().zip([-2.0, 1.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-7);
+        assert!(close, "{real:?}");
+        let triangle = Mat::from_fn(5, 5, |i, j| if i <= j { (i + 1) as f64 } else { 0.0 });
+        let mut real: Vec<f64> = eigenvalues(&triangle).expect("an answer").iter().map(|z| z.re).collect();
+        real.sort_by(f64::total_cmp);
+        assert_eq!(real, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(eigenvalues(&Mat::zeros(4, 4)).map(|values| values.len()), Some(4));
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(eigenvalues(&Mat::from_fn(3, 3, |_, _| bad)).is_none());
+        }
+    }
+}

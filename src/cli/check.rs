@@ -5,17 +5,19 @@ use super::check_cost::describe_forecast;
 use super::check_json::Report;
 use super::doubts::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
-use crate::analysis::critical::{Confidence, CriticalStep, Spectrum, outside_filter};
+use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, Spectrum, outside_filter};
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::spec::NetworkSpec;
+use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::output::names::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
+use crate::study::trial::budget::Budget;
 use crate::study::trial::memory::Baseline;
 use crate::study::trial::{Candidate, ForecastSpec, forecast};
 use crate::warning::Warning;
@@ -38,14 +40,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     describe_terms(&mut text, scene);
     describe_method(&mut text, &problem);
     let state = scene.initial_state();
-    let mut spectrum = Spectrum::of(scene, state.as_ref());
-    let candidates = candidates(&problem, scene, &mut spectrum);
+    let budget = &Budget::of(scene, &problem);
+    let mut limits = Limits::of(scene, &state, budget);
+    let candidates = candidates(&problem, scene, &mut limits);
     let own = problem.time.step.tolerance().map(|tolerance| tolerance.relative);
     let accuracy = args.accuracy.or(own).unwrap_or(ACCURACY);
     let fields = problem.output.fields.as_slice().into();
-    let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline };
+    let spec = ForecastSpec { scene, problem: &problem, fields, candidates: &candidates, accuracy, baseline, budget };
     let forecast = forecast(&spec);
-    let limit = spectrum.critical_step(&problem.method);
+    let limit = limits.critical_step(&problem.method);
     let out = PathBuf::from("out").join(file_stem(&problem.name));
     let (acknowledged, warnings) =
         problem.sort_out(of_scene(planned(&problem, scene, Stop::NEVER), &problem, limit, &out));
@@ -57,19 +60,42 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
             .to_json();
     }
     describe_forecast(&mut text, &problem, &forecast);
-    describe_limits(&mut text, &problem, scene, &mut spectrum, &candidates);
+    describe_limits(&mut text, &problem, scene, &limits, &candidates);
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     Ok(text)
 }
 
+/// What limits of methods are known by.
+enum Limits<'a> {
+    Searched(Box<Spectrum<'a>>),
+    Bounded(ElementBounds),
+}
+
+impl<'a> Limits<'a> {
+    /// By a search where the forecast may cost that much.
+    fn of(scene: &'a dyn Scene, state: &'a State, budget: &Budget) -> Self {
+        match budget.affords_search(scene) {
+            true => Limits::Searched(Box::new(Spectrum::of(scene, state.as_ref()))),
+            false => Limits::Bounded(ElementBounds::of(scene, state.as_ref())),
+        }
+    }
+
+    fn critical_step(&mut self, method: &MethodChoice) -> CriticalStep {
+        match self {
+            Limits::Searched(spectrum) => spectrum.critical_step(method),
+            Limits::Bounded(bounds) => bounds.critical_step(method),
+        }
+    }
+}
+
 /// Every method, the case's with its own parameters, with its limit at the start.
-fn candidates(problem: &Problem, scene: &dyn Scene, spectrum: &mut Spectrum<'_>) -> Vec<Candidate> {
+fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> Vec<Candidate> {
     let known = |method: &MethodChoice| {
         let needs_network = method.info.family == Family::MatrixFree && scene.abilities().graph.is_none();
         !needs_network && !outside_filter(method, scene)
     };
-    let mut limit = |method: &MethodChoice| known(method).then(|| spectrum.critical_step(method));
+    let mut limit = |method: &MethodChoice| known(method).then(|| limits.critical_step(method));
     problem.method.among_all().map(|method| Candidate { limit: limit(&method), method }).collect()
 }
 
@@ -125,10 +151,10 @@ fn describe_limits(
     text: &mut String,
     problem: &Problem,
     scene: &dyn Scene,
-    spectrum: &mut Spectrum<'_>,
+    limits: &Limits<'_>,
     candidates: &[Candidate],
 ) {
-    describe_rates(text, scene, spectrum);
+    describe_rates(text, scene, limits);
     let _ =
         writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
     for Candidate { method, limit } in candidates {
@@ -150,7 +176,22 @@ fn describe_limits(
     );
 }
 
-fn describe_rates(text: &mut String, scene: &dyn Scene, spectrum: &Spectrum<'_>) {
+fn describe_rates(text: &mut String, scene: &dyn Scene, limits: &Limits<'_>) {
+    let spectrum = match limits {
+        Limits::Searched(spectrum) => spectrum,
+        Limits::Bounded(ElementBounds { rates, .. }) => {
+            let at = place_of(scene, rates.frequency_dof);
+            let _ = writeln!(
+                text,
+                "  fastest motion  w below {:.4e} rad/s around {at}, at t = 0, by bounds from the elements",
+                rates.frequency
+            );
+            text.push_str(
+                "                  (not searched for, which would cost too large a part of the run; true limits may be longer than these)\n",
+            );
+            return;
+        }
+    };
     let rates = spectrum.rates();
     let bound = match spectrum.frequency_bound() {
         Some(bound) if bound <= rates.frequency * 1.0001 => "rad/s (proved)".to_owned(),

@@ -118,7 +118,7 @@ fn describe_runs(text: &mut String, problem: &Problem, forecast: &Forecast) {
     }
     if forecast.methods.iter().any(|row| row.run.is_some_and(|run| run.basis == Basis::Counts)) {
         text.push_str(
-            "  (~ not tried: from the cost of one tangent and iterations counted with another method, or two a step)\n",
+            "  (~ not tried: from the cost of a force pass and of a tangent, and iterations counted with another method, or two a step)\n",
         );
     }
 }

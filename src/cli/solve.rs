@@ -30,7 +30,7 @@ use crate::startup::{Account, Phase, timed};
 use crate::warning::{Warning, WarningCode};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
 const LOST: f64 = 0.8;
@@ -82,6 +82,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
     let code = match outcome.status {
         Status::Completed => 0,
+        // Its failure is in the summary, with what was known of the cause by then.
+        Status::Diverged | Status::NotConverged if stop.load(Ordering::Relaxed) => 130,
         Status::Diverged | Status::NotConverged => 3,
         Status::Interrupted => 130,
     };

@@ -18,6 +18,8 @@ const TARGET: f64 = 33.0;
 const ROUNDS: usize = 30;
 /// [-] first and last step of a node's search, over the wanted edge length
 const SEARCH: [f64; 2] = [0.2, 0.002];
+/// most moves and halvings of a step in a node's search; some ten are usual
+const MOVES: usize = 200;
 
 /// Improves the mesh in place and returns its triangles; `flips` is its triangulation before the nodes moved last.
 pub(super) fn polish(plan: &Plan, start: &mut Start, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
@@ -63,7 +65,10 @@ fn improve(plan: &Plan, start: &mut Start, triangles: &[[u32; 3]], star: &[u32],
     let (mut best, mut angle) = (here, first);
     let h = plan.size.at(here.length());
     let mut reach = SEARCH[0] * h;
-    while reach > SEARCH[1] * h {
+    for _ in 0..MOVES {
+        if reach <= SEARCH[1] * h {
+            break;
+        }
         let candidates = directions.iter().flat_map(|d| [best + reach * *d, best - reach * *d]);
         let scored = candidates.map(|c| (worst(c), c)).max_by(|a, b| a.0.total_cmp(&b.0));
         match scored {

@@ -83,9 +83,9 @@ pub struct Adviser<'s, 'a> {
 impl<'s, 'a> Adviser<'s, 'a> {
     /// Makes the reference.
     pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
-        let ForecastSpec { scene, problem, candidates, accuracy, .. } = *spec;
+        let ForecastSpec { scene, accuracy, .. } = *spec;
         let units = Units::new(scene, tangent);
-        let yardstick = Yardstick::of(scene, problem, candidates, accuracy);
+        let yardstick = Yardstick::of(spec);
         let search = yardstick.map(|yardstick| Search { yardstick, units, accuracy });
         Adviser { spec, units, search }
     }
@@ -126,8 +126,12 @@ impl<'s, 'a> Adviser<'s, 'a> {
     fn measured(&self, search: &Search<'a>, implicit: bool) -> Vec<Offer<'a>> {
         let mut offers: Vec<Offer<'a>> = Vec::new();
         for candidate in self.family(implicit).filter(|c| search.tries(c, self.spec.problem.method.info.name)) {
+            if self.spec.budget.left() == 0.0 {
+                break;
+            }
             let cheapest = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
             offers.extend(search.step(candidate, TIE * cheapest).map(|found| (candidate, found)));
+            self.spec.budget.spend(search.yardstick.spent());
         }
         offers
     }
@@ -206,8 +210,12 @@ impl<'s, 'a> Adviser<'s, 'a> {
         complete: &mut impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
     ) -> Choice {
         let Asked { tolerance, error, run: adaptive } = match &self.search {
-            Some(search) => search.tolerance(candidate, &found),
-            None => Asked::untried(self.spec.accuracy),
+            Some(search) if self.spec.budget.left() > 0.0 => {
+                let asked = search.tolerance(candidate, &found);
+                self.spec.budget.spend(search.yardstick.spent());
+                asked
+            }
+            _ => Asked::untried(self.spec.accuracy),
         };
         let adaptive = complete(candidate, Step::Adaptive(tolerance_of(tolerance)), adaptive);
         Choice {

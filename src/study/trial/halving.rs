@@ -23,12 +23,13 @@ pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) 
     let order = f64::from(method.order());
     let cost = |h: f64| BOTH * units.untried(method, whole / h);
     let mut h = nice(candidate.limit?.safe().min(LONGEST * whole), whole);
-    let (mut left, mut found) = (RUNS, None);
+    let (mut left, mut found) = (RUNS.min(spec.budget.left()), None);
     for _ in 0..TRIES {
         if cost(h) > left {
             break;
         }
         left -= cost(h);
+        spec.budget.spend(cost(h));
         let purse = Purse { steps: u64::MAX, work: Some((units, SPENT * cost(h))) };
         let Some((made, error)) = differing(spec, candidate, h, purse) else {
             h = nice(h / 3.0, whole);
@@ -67,6 +68,7 @@ mod tests {
     use crate::analysis::critical::Spectrum;
     use crate::case::Case;
     use crate::simulation::build_scene;
+    use crate::study::trial::budget::Budget;
     use crate::study::trial::cost::tangent_cost;
     use crate::study::trial::memory::Baseline;
     use std::path::Path;
@@ -92,7 +94,8 @@ mod tests {
         let fields = problem.output.fields.as_slice().into();
         for accuracy in [1e-2, 1e-3] {
             let (scene, problem, baseline) = (&*scene, &problem, Baseline::now());
-            let spec = ForecastSpec { scene, problem, fields, candidates: &candidates, accuracy, baseline };
+            let budget = &Budget::of(scene, problem);
+            let spec = ForecastSpec { scene, problem, fields, candidates: &candidates, accuracy, baseline, budget };
             let found = by_halving(&spec, Units::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
             let purse = Purse::of(u64::MAX);
             let method = &candidates[0].method;

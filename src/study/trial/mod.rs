@@ -12,6 +12,7 @@
 
 pub mod advice;
 pub mod beginning;
+pub mod budget;
 pub mod cost;
 pub mod course;
 pub mod estimate;
@@ -26,6 +27,7 @@ pub mod units;
 pub mod yardstick;
 
 use advice::{Advice, Adviser};
+use budget::Budget;
 use cost::{ForceCost, TangentCost, force_cost, tangent_cost};
 use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
@@ -63,6 +65,8 @@ pub struct ForecastSpec<'a> {
     pub accuracy: f64,
     /// what this process held once the scene was built
     pub baseline: Baseline,
+    /// what trials may cost
+    pub budget: &'a Budget,
 }
 
 /// One method's prospects.
@@ -134,9 +138,14 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     let output = OutputCost::of(scene, &problem.output, fields, end);
     let mut trials = Trials::along(spec, &force, tangent.as_ref());
     let memory = MemorySpec { scene, baseline, output: &output, tangent: tangent.as_ref() };
-    let rows = candidates.iter().map(|candidate| {
+    // The case's own run first: what it is to cost is asked above all.
+    let own = candidates.iter().position(|c| c.method.info.name == problem.method.info.name);
+    let mut known =
+        own.map(|own| (own, trials.predict(&candidates[own], planned(&candidates[own], problem.time.step, end))));
+    let rows = candidates.iter().enumerate().map(|(place, candidate)| {
         let step = planned(candidate, problem.time.step, end);
-        let (run, refused) = match trials.predict(candidate, step) {
+        let known = known.take_if(|(own, _)| *own == place).map(|(_, known)| known);
+        let (run, refused) = match known.unwrap_or_else(|| trials.predict(candidate, step)) {
             Ok(estimate) => (Some(estimate.with_output(output.seconds(estimate.steps))), None),
             Err(why) => (None, Some(why)),
         };

@@ -20,11 +20,11 @@ use crate::scene::Scene;
 /// [-] A step this many times the one before is not yet the size the tolerance allows.
 const GROWING: f64 = 1.4;
 /// How many times its allowance a trial may take for steps that still grow.
-const PATIENCE: f64 = 3.0;
+pub(super) const PATIENCE: f64 = 3.0;
 /// Steps that a trial makes even beyond its allowance, unless they are so dear that its patience ends.
 const LEAST: u64 = 6;
 /// Steps that are made one by one, however dear: their memory is touched for the first time.
-const COLD: u64 = 2;
+pub(super) const COLD: u64 = 2;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,11 @@
 //! Every method tried along the way of one run.
 
 use super::beginning::beginning;
+use super::budget::Budget;
 use super::cost::{ForceCost, TangentCost};
 use super::course::{Course, Pilot, Window};
 use super::estimate::{Basis, Estimate};
-use super::sample::{Attempted, Sample, SampleError, sample};
+use super::sample::{Attempted, COLD, PATIENCE, Sample, SampleError, sample};
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::clock::{FixedSteps, Step};
@@ -12,6 +13,7 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
+use crate::study::bench::nominal_step;
 
 /// [s] What a pilot may take.
 const PILOT: f64 = 0.3;
@@ -30,6 +32,9 @@ const COSTLY: f64 = 0.03;
 const DEAR: f64 = 0.15;
 /// Newton iterations and force passes a step where nothing is known: one iteration, and a look whether it was enough.
 const UNTRIED: [f64; 2] = [2.0, 3.0];
+/// Steps of a trial from one state, and times as many that a trial of adaptive steps makes.
+const STEPS: f64 = 8.0;
+const ADAPTIVE: f64 = 4.0;
 /// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that no trial tells.
 const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
@@ -53,6 +58,7 @@ pub struct Trials<'a> {
     reached: f64,
     /// what dear implicit steps needed, by whether they were fixed
     learnt: [Option<Sample>; 2],
+    budget: &'a Budget,
 }
 
 impl<'a> Trials<'a> {
@@ -83,6 +89,7 @@ impl<'a> Trials<'a> {
             many,
             reached: course.reached,
             learnt: [None; 2],
+            budget: spec.budget,
         }
     }
 
@@ -103,19 +110,24 @@ impl<'a> Trials<'a> {
     /// Why there is none, in words.
     pub fn predict(&mut self, candidate: &Candidate, step: Step) -> Result<Estimate, String> {
         let steps = step.fixed().map(|h| FixedSteps::new(h, self.end).count());
+        let implicit = candidate.method.info.family == Family::Implicit;
+        if !implicit && !self.budget.affords(self.beyond(&candidate.method, steps.is_none())) {
+            return self.by_passes(&candidate.method, steps);
+        }
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
-        let affordable = candidate.method.info.family != Family::Implicit || !dear;
+        let affordable = !implicit || !dear;
         if let Some(estimate) =
             (steps.is_none() && affordable).then(|| self.as_it_begins(&candidate.method, step)).flatten()
         {
             return Ok(estimate);
         }
-        let Some(tangent) = self.tangent.filter(|_| candidate.method.info.family == Family::Implicit) else {
+        let Some(tangent) = self.tangent.filter(|_| implicit) else {
             return self.by_steps(&candidate.method, step, self.windows.len(), steps);
         };
         let iteration = tangent.iteration_seconds() + self.force.pass_seconds;
         let slot = usize::from(steps.is_some());
-        if !tangent.measured || self.learnt[slot].is_some() {
+        let trial = self.beyond(&candidate.method, false);
+        if !tangent.measured || self.learnt[slot].is_some() || !self.budget.affords(trial) {
             return self.by_counts(iteration, self.learnt[slot], steps);
         }
         let count = match iteration.max(tangent.analysis_seconds) {
@@ -182,6 +194,26 @@ impl<'a> Trials<'a> {
             Err(own @ SampleError::Failed { .. }) => own,
             _ => why,
         }
+    }
+
+    /// [s] What trials of a method nominally take beyond what they are allowed, because their steps are dear.
+    fn beyond(&self, method: &MethodChoice, adaptive: bool) -> f64 {
+        let [step, allowed] = [nominal_step(self.scene, method), ALLOWANCE[usize::from(adaptive)]];
+        let windows = self.windows.len().max(1) as f64;
+        let times = if adaptive { ADAPTIVE } else { windows };
+        if step < allowed / STEPS { 0.0 } else { times * step * (PATIENCE * allowed / step).clamp(COLD as f64, STEPS) }
+    }
+
+    /// An explicit run from its force passes.
+    fn by_passes(&self, method: &MethodChoice, steps: Option<u64>) -> Result<Estimate, String> {
+        let passes = f64::from(method.info.evaluations[usize::from(self.scene.velocity_dependent())]);
+        if steps.is_none() {
+            return Err("not tried: adaptive steps of a scene this large cost more than a forecast may".to_owned());
+        }
+        let (seconds, work) = (passes * self.force.pass_seconds, [passes, 0.0, 0.0, 0.0, 0.0]);
+        let sample = Sample { steps: 1.0, simulated: 1.0, seconds, work };
+        let made = Estimate::of(&[sample], self.end, steps).ok_or_else(|| "no state to try it from".to_owned())?;
+        Ok(Estimate { basis: Basis::Counts, ..made })
     }
 
     /// From the iterations another method needed, or from two a step.

@@ -3,12 +3,13 @@
 //! What local errors come to is only known once they have added up (a phase that runs ahead, a motion that damps them), so it is measured. How
 //! far runs go is decided by nominal costs alone, and what they need is counted: the same case gives the same errors on every machine.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::Candidate;
 use super::sample;
 use super::timing::Clock;
 use super::units::Units;
+use super::{Candidate, ForecastSpec};
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
 use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
@@ -50,6 +51,8 @@ pub struct Yardstick<'a> {
     reference: Frames,
     /// [m^2] squares of the motion, added up to each frame
     motion: Vec<f64>,
+    /// [s] what its runs have taken, nominally
+    spent: Cell<f64>,
 }
 
 /// What a run came to.
@@ -87,22 +90,25 @@ impl Purse {
 
 impl<'a> Yardstick<'a> {
     /// Makes the reference for an accuracy; `None` where it is not affordable far enough, or nothing moves.
-    pub fn of(scene: &'a dyn Scene, problem: &Problem, candidates: &[Candidate], accuracy: f64) -> Option<Self> {
+    pub fn of(spec: &ForecastSpec<'a>) -> Option<Self> {
+        let ForecastSpec { scene, problem, candidates, accuracy, budget, .. } = *spec;
+        let affordable = REFERENCE.min(budget.left());
         let Candidate { method, limit } = candidates.iter().find(|c| c.method.info.name == METHOD)?;
         let whole = problem.time.end;
         let frames = interval(problem, scene);
         let limit = limit.map_or(f64::INFINITY, |limit| limit.step);
         let cost = nominal_step(scene, method);
         let needed = SLOWER * whole / frames.min(limit) * cost;
-        let span = whole * (REFERENCE / needed).min(1.0);
+        let span = whole * (affordable / needed).min(1.0);
         if span < FEW * whole {
             return None;
         }
         let every = if span < whole { frames.min(span / FRAMES) } else { frames };
         let relative = (FINER * accuracy).clamp(TOLERANCES[0], TOLERANCES[1]);
         let mut yardstick = Yardstick::blank(scene, problem, (span, every));
-        let purse = Purse::of((2.0 * REFERENCE / cost) as u64);
+        let purse = Purse::of((2.0 * affordable / cost) as u64);
         let (status, _) = yardstick.keep(method, Step::Adaptive(reference_tolerance(scene, relative)), purse)?;
+        budget.spend(yardstick.spent());
         let far = matches!(status, Status::Completed | Status::Interrupted) && yardstick.span >= FEW * whole;
         (far && yardstick.reference.motion.squares > 0.0).then_some(yardstick)
     }
@@ -124,7 +130,16 @@ impl<'a> Yardstick<'a> {
 
     fn blank(scene: &'a dyn Scene, problem: &Problem, (span, every): (f64, f64)) -> Self {
         let (whole, solver) = (problem.time.end, problem.solver);
-        Yardstick { scene, span, whole, solver, every, reference: Frames::default(), motion: Vec::new() }
+        Yardstick {
+            scene,
+            span,
+            whole,
+            solver,
+            every,
+            reference: Frames::default(),
+            motion: Vec::new(),
+            spent: Cell::new(0.0),
+        }
     }
 
     /// Makes the reference.
@@ -186,7 +201,14 @@ impl<'a> Yardstick<'a> {
             explain: Explain::Nothing,
             method,
         };
-        drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()
+        let outcome = drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()?;
+        self.spent.set(self.spent.get() + outcome.steps as f64 * nominal_step(self.scene, method));
+        Some(outcome)
+    }
+
+    /// [s] What runs have taken since this was asked last, nominally.
+    pub fn spent(&self) -> f64 {
+        self.spent.take()
     }
 
     /// [-] How many times the error will be at the end what it is where runs are cut, as it has grown since the middle.
