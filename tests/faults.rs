@@ -3,8 +3,15 @@
 
 #[allow(dead_code)] // every topic uses its own part
 mod common;
+#[path = "faults/frames.rs"]
+mod frames;
 #[path = "faults/program.rs"]
 mod program;
+#[allow(dead_code)] // every test reads its own part
+#[path = "support/read_vtu.rs"]
+mod read_vtu;
+#[path = "faults/warnings.rs"]
+mod warnings;
 
 use program::program;
 

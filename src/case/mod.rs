@@ -41,8 +41,8 @@ pub use schema::json_schema;
 pub use source::Source;
 pub use spec::Problem;
 
-use build::geometry::Geometry;
 use crate::warning::Warning;
+use build::geometry::Geometry;
 use schema::CaseFile;
 
 /// A case that was read and found good.

@@ -51,7 +51,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let acknowledged: Vec<String> = words(&problem.acknowledged, &acknowledged);
     let warnings: Vec<String> = words(&problem.warnings, &warnings);
     if args.json {
-        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }.to_json();
+        return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }
+            .to_json();
     }
     describe_forecast(&mut text, &problem, &forecast);
     describe_limits(&mut text, &problem, scene, &mut spectrum, &candidates);

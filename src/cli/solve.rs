@@ -130,7 +130,10 @@ impl<'a> Job<'a> {
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
         let display = if args.quiet { Display::Quiet } else { Display::Terminal };
         let unwatched = args.quiet || problem.acknowledges(WarningCode::StepAboveCritical);
-        let (mut progress, mut farthest) = (Progress::new(spec.end, display).acknowledging(problem.acknowledges(WarningCode::EnergyMade)), Farthest::new(scene));
+        let (mut progress, mut farthest) = (
+            Progress::new(spec.end, display).acknowledging(problem.acknowledges(WarningCode::EnergyMade)),
+            Farthest::new(scene),
+        );
         // Adaptive steps shrink by themselves where a scene stiffens.
         let mut stiffening = spec.step.fixed().and_then(|step| {
             let watched = Watched { scene, method: &problem.method, start: limit, step, quiet: unwatched };
@@ -159,7 +162,8 @@ impl<'a> Job<'a> {
 /// A word on a run that reached its end on energy its scheme made itself.
 fn energy_made(outcome: &Outcome) -> Option<Warning> {
     let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
-    let cure = "do not trust this run: use a smaller step, some damping, or a method that damps, such as backward-euler";
+    let cure =
+        "do not trust this run: use a smaller step, some damping, or a method that damps, such as backward-euler";
     Some(Warning::new(WarningCode::EnergyMade, format!("{made}; {cure}")))
 }
 
