@@ -28,7 +28,22 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 #[test]
 fn layers_name_only_what_is_below_them() {
-    let rules: [(&str, &[&str]); 13] = [
+    let rules: [(&str, &[&str]); 14] = [
+        (
+            "preflight",
+            &[
+                "crate::plot",
+                "crate::force",
+                "crate::integrate",
+                "crate::solve",
+                "crate::scene",
+                "crate::drive",
+                "crate::case",
+                "crate::output",
+                "crate::cli",
+                "faer::",
+            ],
+        ),
         (
             "plot",
             &[
@@ -135,6 +150,7 @@ fn nothing_a_user_can_cause_panics_by_design() {
         "model",
         "output",
         "plot",
+        "preflight",
         "scene",
         "solve",
         "study",

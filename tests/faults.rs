@@ -6,6 +6,8 @@ mod common;
 mod endless;
 #[path = "faults/folders.rs"]
 mod folders;
+#[path = "faults/frames.rs"]
+mod frames;
 #[path = "faults/kang.rs"]
 mod kang;
 #[path = "faults/loads.rs"]
@@ -17,6 +19,11 @@ mod program;
 mod signals;
 #[path = "faults/solver.rs"]
 mod solver;
+#[path = "faults/warnings.rs"]
+mod warnings;
+#[allow(dead_code)] // every test reads its own part
+#[path = "support/read_vtu.rs"]
+mod read_vtu;
 
 use program::program;
 

@@ -27,10 +27,10 @@ pub struct InPlane {
     pub of: usize,
 }
 
-/// Finds whether the wind lies in the plane of most triangles, on the mesh as given and at the start, at all times of its table.
+/// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, at all times of its table. A sheet
+/// that one triangle pushes out of the plane moves.
 pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
     let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| DVec3::from_array(*w)));
-    let of = spec.mesh.triangles.len();
     let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(DVec3::ZERO, |v| DVec3::from_array(*v));
     let in_plane = |corners: &[u32; 3]| {
         let v = corners.iter().map(|node| vector(&spec.velocity, *node)).sum::<DVec3>() / 3.0;
@@ -39,10 +39,41 @@ pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
         let mut blown = winds.iter().map(|wind| *wind - v).filter(|u| *u != DVec3::ZERO).peekable();
         blown.peek().is_some() && blown.all(|u| along(x, u) && along(displaced, u))
     };
-    let mut found = spec.mesh.triangles.iter().zip(0_u32..).filter(|(corners, _)| in_plane(corners)).map(|(_, t)| t);
-    let first = found.next()?;
-    let triangles = 1 + found.count();
-    (2 * triangles > of).then_some(InPlane { first, triangles, of })
+    let sheets = Sheets::new(spec);
+    let across = spec.mesh.triangles.iter().zip(0_u32..).filter(|(corners, _)| !in_plane(corners));
+    let (first, triangles) = sheets.without(across.map(|(_, triangle)| triangle), [].into_iter())?;
+    Some(InPlane { first, triangles, of: spec.mesh.triangles.len() })
+}
+
+/// Sheets: triangles that share nodes, directly or over others.
+struct Sheets<'a> {
+    triangles: &'a [[u32; 3]],
+    /// by node: the smallest node of its sheet
+    of_node: Vec<u32>,
+}
+
+impl<'a> Sheets<'a> {
+    fn new(spec: &'a NetworkSpec) -> Self {
+        let triangles = &spec.mesh.triangles[..];
+        let pairs = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+        Sheets { triangles, of_node: components(spec.mesh.nodes.len(), pairs) }
+    }
+
+    fn of(&self, triangle: u32) -> Option<u32> {
+        let [node, ..] = self.triangles.get(triangle as usize)?;
+        self.of_node.get(*node as usize).copied()
+    }
+
+    /// Of the sheets with none of some triangles and nodes: the first triangle, and their number of triangles.
+    fn without(&self, triangles: impl Iterator<Item = u32>, nodes: impl Iterator<Item = u32>) -> Option<(u32, usize)> {
+        let by_node = nodes.filter_map(|node| self.of_node.get(node as usize).copied());
+        let mut out = vec![false; self.of_node.len()];
+        triangles.filter_map(|triangle| self.of(triangle)).chain(by_node).for_each(|sheet| out[sheet as usize] = true);
+        let mut left =
+            (0..self.triangles.len() as u32).filter(|t| self.of(*t).is_some_and(|sheet| !out[sheet as usize]));
+        let first = left.next()?;
+        Some((first, 1 + left.count()))
+    }
 }
 
 /// Whether a wind lies in the plane of a triangle.
@@ -96,18 +127,11 @@ pub struct Closing {
 /// their triangles keeps a sheet open.
 pub fn closing(spec: &NetworkSpec) -> Option<Closing> {
     spec.air.as_ref()?;
-    let triangles = &spec.mesh.triangles;
-    let sheet = components(spec.mesh.nodes.len(), triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]));
-    let sheet_of = |triangle: u32| Some(*sheet.get(triangles.get(triangle as usize)?[0] as usize)? as usize);
-    let mut open = vec![false; sheet.len()];
-    for (name, fixed) in sheet.iter().zip(&spec.fixed) {
-        open[*name as usize] |= fixed.contains(&true);
-    }
-    let follower = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);
-    follower.flat_map(|load| &load.triangles).filter_map(|t| sheet_of(*t)).for_each(|name| open[name] = true);
-    let mut free = (0..triangles.len() as u32).filter(|t| sheet_of(*t).is_some_and(|name| !open[name]));
-    let first = free.next()?;
-    Some(Closing { first, triangles: 1 + free.count() })
+    let inside = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);
+    let held = spec.fixed.iter().zip(0_u32..).filter(|(fixed, _)| fixed.contains(&true));
+    let inside = inside.flat_map(|load| load.triangles.iter().copied());
+    let (first, triangles) = Sheets::new(spec).without(inside, held.map(|(_, node)| node))?;
+    Some(Closing { first, triangles })
 }
 
 impl fmt::Display for Closing {

@@ -27,7 +27,7 @@ fn a_far_away_origin_costs_digits_only() {
         for method in methods() {
             let sets = [("time.method", method.name)];
             let (here, there) = (complete(&patch(0.0), &sets), complete(&patch(offset), &sets));
-            let warned = there.problem.warnings.iter().any(|w| w.contains("are rounded to"));
+            let warned = there.problem.warnings.iter().any(|w| w.text.contains("are rounded to"));
             assert_eq!(warned, offset > 1e8, "{:?}", there.problem.warnings);
             let off =
                 here.positions.iter().zip(&there.positions).flat_map(|(a, b)| (0..3).map(|c| b[c] - offset - a[c]));
@@ -60,7 +60,7 @@ fn motion_below_the_digits_of_a_place_is_right_or_told() {
                     complete(&drifting, &[("time.method", method.name), ("time.step", &step), ("time.end", &end)]);
                 let true_way = speed * ran.outcome.t_end;
                 let off = (ran.positions[0][0] - x - true_way).abs() / true_way;
-                if ran.problem.warnings.iter().any(|w| w.contains("will be lost")) {
+                if ran.problem.warnings.iter().any(|w| w.text.contains("will be lost")) {
                     told += 1;
                     assert!(digits < 51.0, "{} at {x} m with {digits} digits a step: {off} off", method.name);
                 } else {

@@ -102,7 +102,7 @@ fn refused(error: &CaseError) -> Result<(), String> {
 }
 
 fn good(case: Case) -> Result<(), String> {
-    if case.warnings().iter().any(|w| w.split_whitespace().count() < 4) {
+    if case.warnings().iter().any(|w| w.text.split_whitespace().count() < 4) {
         return Err(format!("warnings without a sentence: {:?}", case.warnings()));
     }
     let again = case.with(&[]).map_err(|error| format!("good once, then {error}"))?;
