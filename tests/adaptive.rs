@@ -4,7 +4,7 @@ mod common;
 
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::Problem;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::registry::{Family, methods};
@@ -35,39 +35,50 @@ fn gusty(method: &str, tolerance: &str) -> Case {
 
 const LOOSE: &str = r#"{"relative": 1e-3, "absolute": 1e-5}"#;
 
-/// Times of accepted states.
+/// Times of accepted states, and of those at which the scheme began anew.
 #[derive(Default)]
-struct Times(Vec<f64>);
+struct Times {
+    all: Vec<f64>,
+    anew: Vec<f64>,
+}
 
 impl Observer for Times {
     fn started(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.0.push(at.state.t);
+        self.all.push(at.state.t);
         Ok(())
     }
 
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.0.push(step.to.state.t);
+        self.all.push(step.to.state.t);
+        Ok(())
+    }
+
+    fn resumable(&mut self, at: &Resumable<'_>) -> Result<(), ObserveError> {
+        self.anew.extend(at.adaptive.filter(|state| state.begins_anew()).map(|_| at.at.state.t));
         Ok(())
     }
 }
 
-fn times(problem: &Problem) -> (Outcome, Vec<f64>) {
+fn times(problem: &Problem) -> (Outcome, Times) {
     let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let (mut times, stop) = (Times::default(), AtomicBool::new(false));
     let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(false), &mut [&mut times], &stop).expect("starts");
-    (outcome, times.0)
+    (outcome, times)
 }
 
-/// The same steps made one after another, with no attempt dropped between them.
-fn replayed(problem: &Problem, times: &[f64]) -> State {
+/// The same steps made one after another, with no attempt dropped between them, and new beginnings where they were.
+fn replayed(problem: &Problem, times: &Times) -> State {
     let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
     let mut stepper = bind(problem, &*scene).expect("the method fits");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     stepper.start(&from).expect("a small scene");
     let (mut to, mut counters) = (from.clone(), Counters::default());
-    for &t_next in &times[1..] {
+    for &t_next in &times.all[1..] {
+        if times.anew.contains(&from.state.t) {
+            stepper.restart(&from);
+        }
         let h = t_next - from.state.t;
         let report =
             stepper.attempt(Attempt { from: &from, h, t_next }, &mut to, &mut counters).expect("was made before");
@@ -101,7 +112,8 @@ fn dropped_attempts_leave_no_trace() {
         let (outcome, times) = times(case.problem());
         assert_eq!(outcome.status, Status::Completed, "{}: {:?}", method.name, outcome.failure);
         with_drops += u32::from(outcome.rejected_steps > 0);
-        assert_eq!(times.len() as u64, outcome.steps + 1);
+        assert_eq!(times.all.len() as u64, outcome.steps + 1);
+        assert!(times.anew.len() >= 4, "{}: begins anew at the table's corners, {:?}", method.name, times.anew);
         let (made, alone) = (run(&case), replayed(case.problem(), &times));
         assert!(bits(&made.state) == bits(&alone), "{}: a dropped attempt shows", method.name);
     }
@@ -112,7 +124,7 @@ fn dropped_attempts_leave_no_trace() {
 #[test]
 fn steps_end_at_corners() {
     let case = gusty("velocity-verlet", LOOSE);
-    let (_, times) = times(case.problem());
+    let (_, Times { all: times, .. }) = times(case.problem());
     for corner in [0.02, 0.02001, 0.03, 0.03001, 0.05] {
         assert!(times.contains(&corner), "no step ends at {corner}: {times:?}");
     }
@@ -207,7 +219,7 @@ fn stiff_scenes_hold_explicit_steps_near_their_limit() {
         let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
         let rates = canopy_fem::analysis::critical::Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
         let critical = canopy_fem::analysis::limit::critical_step(&problem.method, rates);
-        let mean = 0.05 / (times.len() - 1) as f64;
+        let mean = 0.05 / (times.all.len() - 1) as f64;
         assert!(
             mean < most * critical && mean > 0.3 * critical,
             "{method}: {mean:e} s a step, critical {critical:e} s"

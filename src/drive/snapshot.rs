@@ -101,7 +101,8 @@ pub struct Resumable<'a> {
     pub(super) failure: Option<&'a Failure>,
     pub(super) doubt: Option<&'a String>,
     pub(super) stepper: &'a Stepper<'a>,
-    pub(super) adaptive: Option<&'a AdaptiveState>,
+    /// what adaptive steps carry over
+    pub adaptive: Option<&'a AdaptiveState>,
 }
 
 impl Resumable<'_> {

@@ -7,9 +7,10 @@
 use super::balance::{came_as, go_on};
 use super::equations::{Equations, Guess, scales};
 use super::kept::Kept;
-use super::stage::StageMap;
+use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
 pub use super::tangents::{Factor, kept_factor, refusal};
+use super::updates::acceleration;
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
 use crate::model::point::Point;
 use crate::model::system::TangentSystem;
@@ -18,6 +19,10 @@ use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 
 /// [-] What a solve for a filtered error may leave: it is only looked at.
 const FILTER_RELATIVE: f64 = 1e-3;
+
+/// The trapezoidal rule, which carries the true acceleration and is of order 2 from its first step on. HHT and generalised alpha need one that lags behind, by a share
+/// of a step, which no step of the present forces has made after a restart: a true one instead is an error of order h in a, in the first step and the one after.
+const TRAPEZOIDAL: NewmarkParameters = NewmarkParameters { beta: 0.25, gamma: 0.5 };
 
 /// A scheme of the family: nothing but its stage map.
 pub trait ImplicitScheme: Send {
@@ -41,6 +46,8 @@ pub struct Implicit<M> {
     /// a_n, what the scheme carries
     a: Vec<f64>,
     trend: Trend,
+    /// whether the next step is the first after a restart
+    anew: bool,
     /// [s] the step that a_n was made with; 0 before the first
     made_with: f64,
     /// [s] the step attempted last
@@ -78,7 +85,16 @@ struct Solver {
 impl<M: ImplicitScheme> Implicit<M> {
     /// A scheme with its solver settings.
     pub fn new(scheme: M, spec: SolverSpec) -> Self {
-        Implicit { scheme, spec, a: Vec::new(), trend: Trend::default(), made_with: 0.0, attempted: 0.0, solver: None }
+        Implicit {
+            scheme,
+            spec,
+            a: Vec::new(),
+            trend: Trend::default(),
+            anew: false,
+            made_with: 0.0,
+            attempted: 0.0,
+            solver: None,
+        }
     }
 }
 
@@ -111,7 +127,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             mass_weight: None,
         });
         self.trend = Trend { before: zero(), straight: false };
-        (self.made_with, self.attempted) = (0.0, 0.0);
+        (self.made_with, self.attempted, self.anew) = (0.0, 0.0, false);
         Ok(())
     }
 
@@ -124,7 +140,9 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let Some(s) = &mut self.solver else {
             return Err(StepError::NotStarted);
         };
-        let map = self.scheme.map(h);
+        let own = self.scheme.map(h);
+        let bridge = self.anew && own.lag() != 0.0;
+        let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
         let lag = Lag { h, made_with: self.made_with, a: &self.a };
@@ -165,6 +183,9 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
+        if bridge {
+            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.a_next);
+        }
         Ok(StepReport {
             newton_iterations: report.iterations,
             residual: report.residual,
@@ -182,17 +203,25 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             std::mem::swap(&mut self.a, &mut s.a_next);
             s.kept.accept();
             self.made_with = self.attempted;
+            self.anew = false;
         }
+    }
+
+    /// a = M^-1 f, as before the first step: no step of the present forces has made an acceleration yet.
+    fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
+        acceleration(system, &mut self.a, &at.forces.total);
+        self.trend.straight = false;
+        (self.made_with, self.anew) = (0.0, true);
     }
 
     fn save(&self) -> Carried {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.kept.save(&mut vectors));
-        Carried { vectors, made_with: self.made_with, trend: self.trend.clone(), factor }
+        Carried { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
     }
 
     fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
-        self.made_with = carried.made_with;
+        (self.made_with, self.anew) = (carried.made_with, carried.anew);
         if carried.trend.before.len() == self.trend.before.len() {
             self.trend.clone_from(&carried.trend);
         }
@@ -235,6 +264,15 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn linear_stats(&self) -> Option<LinearStats> {
         self.solver.as_ref().and_then(|s| s.tangents.stats())
+    }
+}
+
+/// The acceleration that HHT and generalised alpha would have carried out of a step that another scheme has made, in place of the true one:
+/// a = M^-1 f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start.
+fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mut [f64]) {
+    for (((a, a_n), f), m) in a.iter_mut().zip(a_n).zip(f).zip(inverse_mass) {
+        let now = m * f;
+        *a = now - lag * (now - a_n);
     }
 }
 

@@ -69,6 +69,12 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         std::mem::swap(&mut self.now, &mut self.next);
     }
 
+    fn restart(&mut self, system: &dyn System, at: &Point) {
+        self.now.x.copy_from_slice(&at.state.v);
+        acceleration(system, &mut self.now.v, &at.forces.total);
+        self.now.power = power(system, &at.forces);
+    }
+
     fn save(&self) -> Carried {
         let power = vec![self.now.power.external, self.now.power.dissipated];
         Carried { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], ..Carried::default() }

@@ -101,6 +101,8 @@ pub struct Carried {
     pub vectors: Vec<Vec<f64>>,
     /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
     pub made_with: f64,
+    /// whether the next step is the first after [`Integrator::restart`]
+    pub anew: bool,
     /// what only the first guess of the next step depends on
     pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
@@ -194,6 +196,9 @@ pub trait Integrator<S: ?Sized>: Send {
 
     /// Takes over what the last attempt carried.
     fn accept(&mut self) {}
+
+    /// Drops what is carried and begins anew at a point, as [`Integrator::start`] does: forces are not smooth across its time. Allocates nothing.
+    fn restart(&mut self, _system: &S, _at: &Point) {}
 
     /// What is carried, for a checkpoint.
     fn save(&self) -> Carried {

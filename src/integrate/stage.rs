@@ -28,6 +28,12 @@ pub struct StageMap {
 }
 
 impl StageMap {
+    /// [-] Of a step, by which the acceleration that is carried lags behind the true one where that changes evenly: with a_n = M^-1 (f_n - lag (f_{n+1} - f_n)) both terms of
+    /// r grow alike.
+    pub fn lag(&self) -> f64 {
+        self.af - self.am
+    }
+
     /// Newmark's map (thesis Eq. 25-26 solved for v and a):
     /// v = gamma/(beta h) z + (1 - gamma/beta) v_n + h (1 - gamma/(2 beta)) a_n,
     /// a = 1/(beta h^2) z - 1/(beta h) v_n + (1 - 1/(2 beta)) a_n.

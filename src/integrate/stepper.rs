@@ -105,6 +105,11 @@ impl<'a> Stepper<'a> {
         each!(&mut self.0, scheme, _system => scheme.accept());
     }
 
+    /// See [`Integrator::restart`].
+    pub fn restart(&mut self, at: &Point) {
+        each!(&mut self.0, scheme, system => scheme.restart(*system, at));
+    }
+
     /// See [`Integrator::save`].
     pub fn save(&self) -> Carried {
         each!(&self.0, scheme, _system => scheme.save())

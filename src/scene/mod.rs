@@ -4,6 +4,7 @@
 //! [`crate::model::picture::Picture`] and is in the user's numbering again.
 
 mod bound;
+mod branches;
 mod build;
 mod check;
 mod graph;
@@ -45,6 +46,19 @@ pub trait Scene: TangentSystem + Picture {
 
     /// [m] half the largest extent of the nodes in a state.
     fn extent(&self, at: StateRef<'_>) -> f64;
+
+    /// Whether some force changes its law with the state: springs that go slack.
+    fn has_branches(&self) -> bool {
+        false
+    }
+
+    /// `impulse =` what hangs on forces' changes of their law within a step from one state to another, in N s by degree of freedom: for each force the smaller of what
+    /// it would have added if it had kept the law that it begins with, or had had the other from the beginning. Returns where, as a share of the step,
+    /// the force with the largest part of it changes first; `None`, and `impulse` means nothing, where none changes.
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
+        let _ = (step, impulse);
+        None
+    }
 
     /// Who is at fault at a degree of freedom of a state.
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect;

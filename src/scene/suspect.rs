@@ -16,6 +16,14 @@ impl Scene for Network {
         Abilities { system: self, tangent: self, graph: Some(self) }
     }
 
+    fn has_branches(&self) -> bool {
+        self.goes_slack()
+    }
+
+    fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
+        self.branch_changes_of(step, impulse)
+    }
+
     fn size(&self) -> f64 {
         extent(bytemuck::cast_slice(&self.start), self.threads.workers())
     }

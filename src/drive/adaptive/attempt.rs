@@ -78,6 +78,7 @@ impl Adaptive {
         to: &mut Point,
     ) -> Result<Kept, Dropped> {
         let report = bench.step(from, trial.t, to)?;
+        self.check_branches(bench, trial, [from, to])?;
         let inverse_mass = bench.scene.inverse_mass();
         let bends = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
         for error in [&mut self.error.x, &mut self.error.v] {
@@ -99,6 +100,7 @@ impl Adaptive {
         to: &mut Point,
     ) -> Result<Kept, Dropped> {
         let report = bench.step(from, trial.t, to)?;
+        self.check_branches(bench, trial, [from, to])?;
         let attempt = Attempt { from, h: trial.h, t_next: trial.t };
         let bends = embedded(bench.stepper, attempt, to, &mut self.error);
         self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
@@ -118,7 +120,9 @@ impl Adaptive {
         let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
         let [whole, second] = &mut *pair;
         let middle = from.state.t + 0.5 * trial.h;
-        let tried = bench.step(from, trial.t, whole).and_then(|_| bench.step(from, middle, to)).and_then(|first| {
+        let whole_step =
+            bench.step(from, trial.t, whole).and_then(|_| self.check_branches(bench, trial, [from, whole]));
+        let tried = whole_step.and_then(|()| bench.step(from, middle, to)).and_then(|first| {
             let inverse_mass = bench.scene.inverse_mass();
             let judge = |middle: &Point, end: &Point| {
                 let pair = Pair { h: trial.h, from, middle, halves: end, whole };

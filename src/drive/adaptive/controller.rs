@@ -16,6 +16,9 @@ const PRESENT: f64 = 0.7;
 const PREVIOUS: f64 = 0.4;
 /// Errors below this tell nothing but that the step may grow.
 const NO_ERROR: f64 = 1e-10;
+/// The least previous error that counts (Hairer, Norsett & Wanner 1993, `dopri5`): growth from an error of nothing to a small one is no reason to
+/// shrink.
+const LEAST_PREVIOUS: f64 = 1e-4;
 /// Most a step shrinks at once.
 const MOST_SHRINK: f64 = 0.1;
 /// A step that could not be solved says nothing of how much smaller it should have been.
@@ -70,7 +73,22 @@ impl Controller {
         let next = h * factor.clamp(MOST_SHRINK, most);
         // A step cut to meet a time does not hold back those after it.
         self.h = if h < self.h && factor >= 1.0 { self.h.max(next) } else { next };
-        (self.previous, self.dropped) = (now, 0);
+        (self.previous, self.dropped) = (now.max(LEAST_PREVIOUS), 0);
+    }
+
+    /// Where forces are not smooth: what the last steps have shown is forgotten, but for their size where it is above `least` [s].
+    pub fn restart(&mut self, least: f64) {
+        *self = Controller::new(self.h.max(least));
+    }
+
+    /// After a step that ended where the next begins anew: being cut to that time, it says nothing of the next.
+    pub fn end_stretch(&mut self) {
+        (self.previous, self.dropped) = (1.0, 0);
+    }
+
+    /// The next attempt is to be one of `h` [s], because of where a force changes its law and not because of an error.
+    pub fn cut(&mut self, h: f64) {
+        self.h = h;
     }
 
     /// After a step whose error was too large, or not a number.

@@ -57,6 +57,9 @@ pub struct Motion {
     fast: f64,
 }
 
+/// Roundings of a coordinate that an estimate may consist of: it is a difference of a few of them.
+const ROUNDINGS: f64 = 4.0;
+
 /// What a sum over the last steps keeps of those before in each.
 const KEPT: f64 = 0.9;
 
@@ -114,12 +117,30 @@ impl Motion {
         if bend.is_finite() { bend.min(whole).max(h) } else { whole.max(h) }
     }
 
-    /// The error of a step of `h` [s] over the tolerance; `free` is the number of free degrees of freedom.
-    pub fn deviation(&self, h: f64, error: &LocalError, tolerance: Tolerance, free: f64) -> Deviation {
+    /// [m] Euclidean norm of the error that a run may make; `free` is the number of free degrees of freedom.
+    pub fn allowed(&self, tolerance: Tolerance, free: f64) -> f64 {
+        tolerance.absolute * free.sqrt() + tolerance.relative * self.x
+    }
+
+    /// [s] within which the whole motion turns an error of velocity into one of position; at least `h` [s].
+    pub fn whole_period(&self, h: f64) -> f64 {
+        if self.v > 0.0 { (self.x / self.v).max(h) } else { h }
+    }
+
+    /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of freedom. What rounding of that state
+    /// makes of an estimate is left out: it does not fall with the step, and shared out over time it would hold short steps short for ever.
+    pub fn deviation(
+        &self,
+        h: f64,
+        error: &LocalError,
+        end: StateRef<'_>,
+        tolerance: Tolerance,
+        free: f64,
+    ) -> Deviation {
         let period = self.period(h);
         let (mut sum, mut largest, mut dof) = (0.0, 0.0, 0);
-        for (i, (ex, ev)) in error.x.iter().zip(&error.v).enumerate() {
-            let square = ex * ex + (period * ev).powi(2);
+        for (i, ((ex, ev), (x, v))) in error.x.iter().zip(&error.v).zip(end.x.iter().zip(end.v)).enumerate() {
+            let square = above_rounding(*ex, *x).powi(2) + (period * above_rounding(*ev, *v)).powi(2);
             sum += square;
             if square > largest {
                 (largest, dof) = (square, i);
@@ -129,8 +150,14 @@ impl Motion {
         if !f64::is_finite(sum) {
             return Deviation { ratio: f64::INFINITY, dof: broken().unwrap_or(dof) };
         }
-        Deviation { ratio: sum.sqrt() / (tolerance.absolute * free.sqrt() + tolerance.relative * self.x), dof }
+        Deviation { ratio: sum.sqrt() / self.allowed(tolerance, free), dof }
     }
+}
+
+/// An estimate without what the rounding of a number of size `of` can make of it; not a number where it is none.
+fn above_rounding(estimate: f64, of: f64) -> f64 {
+    let rounding = ROUNDINGS * f64::EPSILON * of.abs();
+    if estimate.abs() <= rounding { 0.0 } else { estimate.abs() - rounding }
 }
 
 /// Accelerations at the end of the step before the last; part of a checkpoint.

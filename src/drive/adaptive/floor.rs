@@ -1,5 +1,6 @@
 //! The diagnosis of a run that ends because even the smallest step does not meet the tolerance.
 
+use super::PROGRESS_STEPS;
 use super::estimate::Deviation;
 use crate::drive::failure::{Failure, Scenery};
 
@@ -30,5 +31,17 @@ impl Scenery<'_> {
             )
         };
         self.report(suspect, cause, advice.to_owned())
+    }
+
+    /// The last [`PROGRESS_STEPS`] steps went on by `gone` [s].
+    pub(in crate::drive) fn without_progress(&self, gone: f64) -> Failure {
+        let cause = format!(
+            "the run does not go on: the last {PROGRESS_STEPS} steps took it from {:.9e} s by {gone:.1e} s, of {:.1e} s. The time tolerance asks for \
+             steps of {:.1e} s",
+            self.from.state.t, self.end, self.h
+        );
+        let advice = "raise time.tolerance, above all its absolute part, or use a fixed step; look for a load, a wind or a spring that changes \
+                      within so short a time";
+        self.report(self.scene.suspect(self.from.state.as_ref(), 0), cause, advice.to_owned())
     }
 }

@@ -13,14 +13,17 @@
 //! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
 //! three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together may make half of it.
 //!
-//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too), and what was learnt of the motion before
-//! a corner is forgotten there.
+//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too). They end where a
+//! spring goes slack or taut as well, if what that changes within the step is no small part of the tolerance ([`branch`]). After either the run begins
+//! anew ([`restart`]). A run that does not go on any more ends with a diagnosis.
 
 mod attempt;
+mod branch;
 pub mod controller;
 pub mod estimate;
 mod floor;
 pub mod memory;
+mod restart;
 
 pub use attempt::{Bench, Dropped, Kept};
 use controller::{Controller, Judged};
@@ -63,8 +66,29 @@ pub struct AdaptiveState {
     memory: Memory,
     /// [-] of the tolerance, spent on jumps
     jumps: f64,
+    /// [s] where a step is to end because a force changes its law there
+    event: Option<f64>,
+    /// whether the next step begins anew
+    anew: bool,
+    progress: Progress,
     /// attempts that were dropped
     pub rejected: u64,
+}
+
+/// Whether a run goes on; part of a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    /// [s] time when this began
+    since: f64,
+    /// accepted steps from then
+    steps: u32,
+}
+
+impl AdaptiveState {
+    /// Whether the next step begins anew: the scheme is to drop what it carries.
+    pub fn begins_anew(&self) -> bool {
+        self.anew
+    }
 }
 
 /// What a run is made of.
@@ -89,9 +113,14 @@ pub struct Trial {
     pub h: f64,
     /// [s] time at its end
     pub t: f64,
-    /// whether a corner of a table or the end lies there
+    /// whether a corner of a table, the end or a change of a force's law lies there
     at_corner: bool,
 }
+
+/// Steps within which a run has to go on by [`LEAST_PROGRESS`].
+const PROGRESS_STEPS: u32 = 10_000;
+/// [-] of the run: it would take 1e12 steps.
+const LEAST_PROGRESS: f64 = 1e-8;
 
 /// What is known of an attempt's error besides the error.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +144,8 @@ pub struct Adaptive {
     error: LocalError,
     /// C e, where there is damping
     product: Vec<f64>,
+    /// [N s], then [m/s], what changes of forces' laws do within a step, where there are such forces
+    kick: Vec<f64>,
     /// the motion without the step that was kept last
     motion_before: Motion,
     /// what the scheme carried where the last halves began
@@ -142,8 +173,9 @@ impl Adaptive {
         let error = LocalError::new(start.len());
         let free = scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64;
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
+        let kick = vec![0.0; if scene.has_branches() { start.len() } else { 0 }];
         let (motion_before, carried) = (state.motion, Carried::default());
-        Adaptive { spec, corners, start, free, error, product, motion_before, carried, pair: None, state }
+        Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
     }
 
     /// What carries over to the next step.
@@ -160,15 +192,17 @@ impl Adaptive {
     pub fn next(&self, t: f64) -> Option<Trial> {
         let met = |corner: f64| corner - t <= 4.0 * f64::EPSILON * corner;
         let corner = self.corners.iter().copied().find(|corner| !met(*corner))?;
+        let corner = self.state.event.filter(|event| !met(*event)).map_or(corner, |event| event.min(corner));
         let frame = self.spec.frames_every.and_then(|every| {
             let passed = (t / every).floor();
             [1.0, 2.0].map(|more| (passed + more) * every).into_iter().find(|frame| !met(*frame))
         });
         // A frame at a corner is that corner, whatever rounding says.
-        let corner = frame.filter(|frame| corner - frame > 4.0 * f64::EPSILON * corner).unwrap_or(corner);
+        let frame = frame.filter(|frame| corner - frame > 4.0 * f64::EPSILON * corner);
+        let (at_corner, corner) = (frame.is_none(), frame.unwrap_or(corner));
         let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
         if asked >= rest * (1.0 - 1e-9) {
-            return Some(Trial { h: rest, t: corner, at_corner: true });
+            return Some(Trial { h: rest, t: corner, at_corner });
         }
         // Two equal steps to the corner rather than a large and a tiny one.
         let t_next = t + if 2.0 * asked > rest { 0.5 * rest } else { asked };
@@ -205,9 +239,30 @@ impl Adaptive {
                 self.state.controller.unsolved(trial.h);
             }
         } else if trial.at_corner {
-            self.state.before.forget();
+            self.state.controller.end_stretch();
+            self.begin_anew();
         }
         tried
+    }
+
+    /// The next step knows nothing of those before.
+    fn begin_anew(&mut self) {
+        self.state.before.forget();
+        (self.state.event, self.state.anew) = (None, true);
+    }
+
+    /// Whether a step that was kept and ended at `t` [s] leaves the run without progress: the time [s] that the last [`PROGRESS_STEPS`] took.
+    pub fn stalls(&mut self, t: f64) -> Option<f64> {
+        let progress = &mut self.state.progress;
+        progress.steps += 1;
+        // Tables are finite, so steps that end at their rows do not go on for ever.
+        let at_row = self.corners.binary_search_by(|corner| corner.total_cmp(&t)).is_ok();
+        if progress.steps < PROGRESS_STEPS && !at_row {
+            return None;
+        }
+        let gone = t - progress.since;
+        *progress = Progress { since: t, steps: 0 };
+        (!at_row && gone < LEAST_PROGRESS * self.spec.end).then_some(gone)
     }
 
     /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of it. Whether it was
@@ -218,6 +273,7 @@ impl Adaptive {
     pub fn take_back(&mut self, h: f64, first_half: Option<&mut Stepper<'_>>) -> Result<(), StepError> {
         self.state.rejected += 1;
         self.state.before.forget();
+        (self.state.event, self.state.anew) = (None, false);
         self.state.motion = self.motion_before;
         self.state.controller.refuse(h);
         first_half.map_or(Ok(()), |stepper| stepper.restore(&self.carried))
@@ -229,7 +285,7 @@ impl Adaptive {
         let Guess { bends, most_growth, pair } = guess;
         let moved = motion.bent(bends);
         let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
-        let off = moved.deviation(trial.h, &self.error, tolerance, self.free);
+        let off = moved.deviation(trial.h, &self.error, end.state.as_ref(), tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the estimate.
         let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.turn(trial.h));

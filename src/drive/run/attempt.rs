@@ -73,10 +73,17 @@ impl Run<'_> {
     /// One attempt; `None` when it is dropped and a smaller one is left to try.
     fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
         let Pace::Adaptive(pace) = &mut self.pace else { return Ok(None) };
+        let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.counters };
+        pace.begin(&mut bench, &self.from, &mut self.to);
         let Some(trial) = pace.next(self.from.state.t) else { return Ok(None) };
-        let bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.counters };
         let dropped = match pace.attempt(bench, trial, &self.from, &mut self.to) {
-            Ok(kept) => return Ok(Some(kept)),
+            Ok(kept) => match pace.stalls(trial.t) {
+                None => return Ok(Some(kept)),
+                Some(gone) => {
+                    self.failure = Some(self.scenery(Tick { h: trial.h, t: trial.t }).without_progress(gone));
+                    return Err(Status::NotConverged);
+                }
+            },
             Err(dropped) => dropped,
         };
         let floor = pace.floor(self.from.state.t);
