@@ -21,7 +21,7 @@ pub(super) fn eigenvalues(h: &Mat<f64>) -> Option<Vec<c64>> {
     if !size.is_finite() {
         return None;
     }
-    let mut iteration = Francis { h: Mat::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / size), shifted: 0.0 };
+    let mut iteration = Francis { h: scaled(h, size), shifted: 0.0 };
     let mut values = Vec::with_capacity(h.nrows());
     let mut active = h.nrows();
     while active > 0 {
@@ -42,7 +42,8 @@ pub(super) struct Eigenvector {
 /// The eigenvector of an eigenvalue; that with the least residual of at most three solves, the first of which is the best where
 /// eigenvectors are nearly parallel (Wilkinson 1979).
 pub(super) fn eigenvector(h: &Mat<f64>, value: c64) -> Eigenvector {
-    let lu = Shifted::of(h, value);
+    let size = size(h).max(f64::MIN_POSITIVE);
+    let lu = Shifted::of(&scaled(h, size), value / size);
     let start = 1.0 / (h.nrows() as f64).sqrt();
     let mut best = Eigenvector { u: vec![c64::new(start, 0.0); h.nrows()], residual: f64::INFINITY };
     for _ in 0..SOLVES {
@@ -55,7 +56,11 @@ pub(super) fn eigenvector(h: &Mat<f64>, value: c64) -> Eigenvector {
         u.iter_mut().for_each(|u| *u /= grown);
         best = Eigenvector { u, residual: 1.0 / grown };
     }
-    best
+    Eigenvector { residual: size * best.residual, ..best }
+}
+
+fn scaled(h: &Mat<f64>, size: f64) -> Mat<f64> {
+    Mat::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / size)
 }
 
 /// Largest sum of a row and what lies below its diagonal.
@@ -65,7 +70,7 @@ fn size(h: &Mat<f64>) -> f64 {
     (0..h.nrows()).map(row).fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
 }
 
-/// Matrix of the iteration, and the sum of exceptional shifts that were taken from its diagonal.
+/// Matrix of the iteration, of size 1, and the sum of exceptional shifts that were taken from its diagonal.
 struct Francis {
     h: Mat<f64>,
     shifted: f64,
@@ -102,12 +107,11 @@ impl Francis {
         None
     }
 
-    /// First row of the block that ends at `last`: what lies left of it is rounding and becomes 0.
+    /// First row of the block that ends at `last`: what lies left of it is rounding of the whole matrix and becomes 0. Rounding of its neighbours on the
+    /// diagonal would be a sharper measure, by which some quadruple zeros never part.
     fn split(&mut self, last: usize) -> usize {
         for i in (1..=last).rev() {
-            let near = self.h[(i - 1, i - 1)].abs() + self.h[(i, i)].abs();
-            let near = if near == 0.0 { 1.0 } else { near };
-            if self.h[(i, i - 1)].abs() <= f64::EPSILON * near {
+            if self.h[(i, i - 1)].abs() <= f64::EPSILON {
                 self.h[(i, i - 1)] = 0.0;
                 return i;
             }
@@ -210,7 +214,7 @@ impl Francis {
     }
 }
 
-/// H - value I, factorised with row exchanges; pivots of the size of rounding stand for 0.
+/// H - value I, for H of size 1, factorised with row exchanges; pivots of the size of rounding stand for 0.
 struct Shifted {
     rows: Vec<Vec<c64>>,
     /// multiplier of each row in the one below it, and whether the two were exchanged
@@ -222,7 +226,7 @@ impl Shifted {
         let m = h.nrows();
         let entry = |i: usize, j: usize| c64::new(h[(i, j)], 0.0) - if i == j { value } else { c64::new(0.0, 0.0) };
         let mut rows: Vec<Vec<c64>> = (0..m).map(|i| (0..m).map(|j| entry(i, j)).collect()).collect();
-        let least = f64::EPSILON * size(h).max(f64::MIN_POSITIVE);
+        let least = f64::EPSILON;
         let mut steps = Vec::with_capacity(m.saturating_sub(1));
         for k in 0..m {
             let exchanged = k + 1 < m && rows[k + 1][k].norm_sqr() > rows[k][k].norm_sqr();
@@ -305,10 +309,13 @@ mod tests {
     fn the_matrix_that_stops_the_library_has_its_eigenvalues() {
         let h = endless();
         assert_right(&h, "rope");
-        // Dashpots: nothing grows, and the most damped motion is faster than what swings.
+        // Motion across the rope without stiffness is a multiple zero that rounding spreads by its fourth root; nothing else grows. The
+        // outermost value is that of the most damped motion.
         let values = eigenvalues(&h).expect("an answer");
-        let largest = values.iter().map(|z| z.re).fold(f64::MIN, f64::max);
-        assert!(largest <= 1e-6 * size(&h), "{largest}");
+        let real = |most: f64, z: &c64| most.max(z.re);
+        assert!(values.iter().fold(f64::MIN, real) <= 1e-3 * size(&h), "{values:?}");
+        let outermost = values.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).expect("some");
+        assert!((outermost.re + 1006.66421).abs() < 1e-4 && outermost.im == 0.0, "{outermost}");
     }
 
     /// Documents the fault of faer 0.24.4, and says so once a later version has mended it; it holds either way.
