@@ -128,7 +128,8 @@ impl Motion {
     }
 
     /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of freedom. What rounding of that state
-    /// makes of an estimate is left out: it does not fall with the step, and shared out over time it would hold short steps short for ever.
+    /// makes of an estimate is left out, as long as it is below the tolerance: it does not fall with the step, and shared out over time it would hold short
+    /// steps short for ever.
     pub fn deviation(
         &self,
         h: f64,
@@ -137,10 +138,14 @@ impl Motion {
         tolerance: Tolerance,
         free: f64,
     ) -> Deviation {
-        let period = self.period(h);
+        let (period, allowed) = (self.period(h), self.allowed(tolerance, free));
+        let rounding = ROUNDINGS * f64::EPSILON;
+        let in_positions = rounding * end.x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let rounding = if in_positions < allowed { rounding } else { 0.0 };
         let (mut sum, mut largest, mut dof) = (0.0, 0.0, 0);
         for (i, ((ex, ev), (x, v))) in error.x.iter().zip(&error.v).zip(end.x.iter().zip(end.v)).enumerate() {
-            let square = above_rounding(*ex, *x).powi(2) + (period * above_rounding(*ev, *v)).powi(2);
+            let (ex, ev) = (above(*ex, rounding * x.abs()), above(*ev, rounding * v.abs()));
+            let square = ex * ex + (period * ev).powi(2);
             sum += square;
             if square > largest {
                 (largest, dof) = (square, i);
@@ -150,13 +155,12 @@ impl Motion {
         if !f64::is_finite(sum) {
             return Deviation { ratio: f64::INFINITY, dof: broken().unwrap_or(dof) };
         }
-        Deviation { ratio: sum.sqrt() / self.allowed(tolerance, free), dof }
+        Deviation { ratio: sum.sqrt() / allowed, dof }
     }
 }
 
-/// An estimate without what the rounding of a number of size `of` can make of it; not a number where it is none.
-fn above_rounding(estimate: f64, of: f64) -> f64 {
-    let rounding = ROUNDINGS * f64::EPSILON * of.abs();
+/// What of an estimate is above the rounding of the number that it is an estimate for; not a number where it is none.
+fn above(estimate: f64, rounding: f64) -> f64 {
     if estimate.abs() <= rounding { 0.0 } else { estimate.abs() - rounding }
 }
 

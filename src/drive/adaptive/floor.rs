@@ -1,7 +1,7 @@
 //! The diagnosis of a run that ends because even the smallest step does not meet the tolerance.
 
-use super::PROGRESS_STEPS;
 use super::estimate::Deviation;
+use super::progress::STEPS;
 use crate::drive::failure::{Failure, Scenery};
 
 impl Scenery<'_> {
@@ -33,10 +33,10 @@ impl Scenery<'_> {
         self.report(suspect, cause, advice.to_owned())
     }
 
-    /// The last [`PROGRESS_STEPS`] steps went on by `gone` [s].
+    /// The last [`STEPS`] steps went on by `gone` [s].
     pub(in crate::drive) fn without_progress(&self, gone: f64) -> Failure {
         let cause = format!(
-            "the run does not go on: the last {PROGRESS_STEPS} steps took it from {:.9e} s by {gone:.1e} s, of {:.1e} s. The time tolerance asks for \
+            "the run does not go on: the last {STEPS} steps took it from {:.9e} s by {gone:.1e} s, of {:.1e} s. The time tolerance asks for \
              steps of {:.1e} s",
             self.from.state.t, self.end, self.h
         );

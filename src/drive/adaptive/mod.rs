@@ -23,12 +23,14 @@ pub mod controller;
 pub mod estimate;
 mod floor;
 pub mod memory;
+mod progress;
 mod restart;
 
 pub use attempt::{Bench, Dropped, Kept};
 use controller::{Controller, Judged};
 use estimate::{Bends, LocalError, Motion, Quadrature};
 use memory::Memory;
+use progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Tolerance;
@@ -75,15 +77,6 @@ pub struct AdaptiveState {
     pub rejected: u64,
 }
 
-/// Whether a run goes on; part of a checkpoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Progress {
-    /// [s] time when this began
-    since: f64,
-    /// accepted steps from then
-    steps: u32,
-}
-
 impl AdaptiveState {
     /// Whether the next step begins anew: the scheme is to drop what it carries.
     pub fn begins_anew(&self) -> bool {
@@ -116,11 +109,6 @@ pub struct Trial {
     /// whether a corner of a table, the end or a change of a force's law lies there
     at_corner: bool,
 }
-
-/// Steps within which a run has to go on by [`LEAST_PROGRESS`].
-const PROGRESS_STEPS: u32 = 10_000;
-/// [-] of the run: it would take 1e12 steps.
-const LEAST_PROGRESS: f64 = 1e-8;
 
 /// What is known of an attempt's error besides the error.
 #[derive(Clone, Copy, Debug)]
@@ -251,18 +239,10 @@ impl Adaptive {
         (self.state.event, self.state.anew) = (None, true);
     }
 
-    /// Whether a step that was kept and ended at `t` [s] leaves the run without progress: the time [s] that the last [`PROGRESS_STEPS`] took.
+    /// After a step that was kept and ended at `t` [s]: how little [s] the last steps went on, if that is no progress.
     pub fn stalls(&mut self, t: f64) -> Option<f64> {
-        let progress = &mut self.state.progress;
-        progress.steps += 1;
-        // Tables are finite, so steps that end at their rows do not go on for ever.
         let at_row = self.corners.binary_search_by(|corner| corner.total_cmp(&t)).is_ok();
-        if progress.steps < PROGRESS_STEPS && !at_row {
-            return None;
-        }
-        let gone = t - progress.since;
-        *progress = Progress { since: t, steps: 0 };
-        (!at_row && gone < LEAST_PROGRESS * self.spec.end).then_some(gone)
+        self.state.progress.stalls(t, at_row, self.spec.end)
     }
 
     /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of it. Whether it was
