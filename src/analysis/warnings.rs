@@ -1,4 +1,5 @@
-//! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs are taut.
+//! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
+//! are taut.
 
 use super::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable, remedy};
 use super::rates::Rates;
@@ -25,8 +26,8 @@ pub struct Planned<'a> {
     pub stop: Stop<'a>,
 }
 
-/// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large scenes only
-/// those whose step is near it.
+/// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large
+/// scenes only those whose step is near it.
 pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
     limit_at(planned, planned.scene.initial_state().as_ref())
 }
@@ -45,14 +46,15 @@ fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>
     })
 }
 
-/// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that the limit
-/// at the start is not of the springs at all.
+/// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that
+/// the limit at the start is not of the springs at all.
 pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
     let Planned { scene, method, step, stop } = planned;
     let step = step.filter(|_| has_limit(method) && !stop.asked())?;
     let start = scene.initial_state();
     let slack = slack(scene, start.as_ref())?;
-    // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a little across.
+    // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a
+    // little across.
     let longer = |x: &f64| x * slack.stretch;
     let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
     let taut = limit_at(planned, taut.as_ref()).step;

@@ -9,11 +9,12 @@ use crate::mesh::components::components;
 use crate::model::spec::{NetworkSpec, PressureKind};
 use crate::warning::{Warning, WarningCode};
 
-/// [-] Sine of the angle between wind and triangle below which the wind lies in its plane: a pressure that goes with the square of the
-/// normal velocity is then below 1e-8 of that of a triangle across the wind.
+/// [-] Sine of the angle between wind and triangle below which the wind lies in its plane: a pressure that goes with
+/// the square of the normal velocity is then below 1e-8 of that of a triangle across the wind.
 const IN_PLANE: f64 = 1e-4;
 
-/// [-] Share of the wind's velocity that a row of its table adds to the directions of earlier rows for it to count as another one.
+/// [-] Share of the wind's velocity that a row of its table adds to the directions of earlier rows for it to count as
+/// another one.
 const ANOTHER: f64 = 1e-6;
 
 /// Triangles on which the air cannot act, because the wind relative to them lies in their plane.
@@ -27,8 +28,8 @@ pub struct InPlane {
     pub of: usize,
 }
 
-/// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, at all times of its table. A sheet
-/// that one triangle pushes out of the plane moves.
+/// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, at all times
+/// of its table. A sheet that one triangle pushes out of the plane moves.
 pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
     let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| DVec3::from_array(*w)));
     let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(DVec3::ZERO, |v| DVec3::from_array(*v));
@@ -123,8 +124,8 @@ pub struct Closing {
     pub triangles: usize,
 }
 
-/// Finds sheets of triangles none of whose nodes is held: they hang on lines, or on nothing. A pressure along the normals of one of
-/// their triangles keeps a sheet open.
+/// Finds sheets of triangles none of whose nodes is held: they hang on lines, or on nothing. A pressure along the
+/// normals of one of their triangles keeps a sheet open.
 pub fn closing(spec: &NetworkSpec) -> Option<Closing> {
     spec.air.as_ref()?;
     let inside = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);

@@ -13,8 +13,8 @@ use crate::warning::{Warning, WarningCode};
 /// [-] Distance over the extent of the mesh within which two nodes are taken for one.
 const WITHIN: f64 = 1e-6;
 
-/// [-] Nodes that a node is compared with: those that follow it along the line of the search. Of a million nodes about one follows
-/// within the distance.
+/// [-] Nodes that a node is compared with: those that follow it along the line of the search. Of a million nodes about
+/// one follows within the distance.
 const LOOKS: usize = 64;
 
 /// Direction of the search, along which neither regular nets nor flat sheets have many nodes at the same place.
@@ -31,7 +31,8 @@ pub struct Coincident {
     pub within: f64,
 }
 
-/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not count.
+/// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not
+/// count.
 ///
 /// Nodes are sorted along a line in a direction of no meaning, and each is compared with those that follow it there:
 /// O(n log n).

@@ -1,14 +1,14 @@
 //! Damping that brakes the rotation of a body that nothing holds.
 //!
-//! A relative dashpot acts on all of v_b - v_a, and Rayleigh's K0 keeps the directions of the mesh as given: both do work in a rigid
-//! rotation, and take angular momentum that nothing outside has taken. Two masses m turning on a spring with a relative dashpot c lose
-//! L = L0 exp(-2 c t/m).
+//! A relative dashpot acts on all of v_b - v_a, and Rayleigh's K0 keeps the directions of the mesh as given: both do
+//! work in a rigid rotation, and take angular momentum that nothing outside has taken. Two masses m turning on a spring
+//! with a relative dashpot c lose L = L0 exp(-2 c t/m).
 
 use std::fmt;
 
 use super::parts::Parts;
 use crate::figures::first_few;
-use crate::model::spec::{DashpotKind, NetworkSpec};
+use crate::model::spec::{DashpotKind, NetworkSpec, RayleighSpec};
 use crate::warning::{Warning, WarningCode};
 
 /// What brakes the rotation.
@@ -33,7 +33,7 @@ pub struct Braked {
 
 /// Finds parts that nothing holds whose rotation is braked.
 pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<Braked> {
-    let rayleigh = spec.rayleigh.unwrap_or(crate::model::spec::RayleighSpec { mass: 0.0, stiffness: 0.0 });
+    let rayleigh = spec.rayleigh.unwrap_or(RayleighSpec { mass: 0.0, stiffness: 0.0 });
     let mut brakes = Brakes { relative: false, rayleigh_stiffness: false, rayleigh_mass: false };
     let mut nodes = Vec::new();
     for group in &spec.springs {

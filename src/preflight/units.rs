@@ -9,7 +9,8 @@ use crate::figures::figures;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::warning::{Warning, WarningCode};
 
-/// [m] Extent of a cloth from which on millimetres are likely. The largest canopies are some 60 m across, roofs some 300 m.
+/// [m] Extent of a cloth from which on millimetres are likely. The largest canopies are some 60 m across, roofs some
+/// 300 m.
 const EXTENT: f64 = 500.0;
 
 /// [kg] Mass of a scene with cloth from which on grams are likely. The heaviest loads under parachutes weigh some 90 t.

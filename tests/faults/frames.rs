@@ -5,7 +5,8 @@ use serde_json::json;
 use crate::program::program;
 use crate::read_vtu::parse;
 
-/// A rope in 20 segments of 0.05 m at 1000 km, with fields of seven digits, of which a coordinate there has steps of 0.06 m.
+/// A rope in 20 segments of 0.05 m at 1000 km, with fields of seven digits, of which a coordinate there has steps of
+/// 0.06 m.
 #[test]
 fn positions_keep_their_digits_far_from_the_origin() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! Warnings before a run: every one fires where it should, with its code, and stays silent beside it; what is shipped has none.
+//! Warnings before a run: every one fires where it should, with its code, and stays silent beside it; what is shipped
+//! has none.
 
 use canopy_fem::case::Case;
 use serde_json::{Value, json};
@@ -214,7 +215,8 @@ fn random_nets_fall_into_their_parts() {
     assert!(apart > 30 && close > 30, "{apart} and {close}");
 }
 
-/// A million coincidences, or a sheet across the line of the search, are no trap: the work is bounded by the number of nodes.
+/// A million coincidences, or a sheet across the line of the search, are no trap: the work is bounded by the number of
+/// nodes.
 #[test]
 fn many_nodes_at_one_place_are_found_at_once() {
     let nodes: Vec<[f64; 3]> = (0..20_000).map(|i| if i == 0 { [1.0, 0.0, 0.0] } else { [0.0; 3] }).collect();
@@ -239,7 +241,8 @@ fn check_and_solve_say_the_same_once() {
     assert!(said[1].contains("nodes 1 and 2 coincide"), "{said:?}");
 }
 
-/// An acknowledged warning is a note of `check`, and `solve` does not print it; an unknown code is a fault with the nearest one.
+/// An acknowledged warning is a note of `check`, and `solve` does not print it; an unknown code is a fault with the
+/// nearest one.
 #[test]
 fn a_case_acknowledges_warnings_by_their_codes() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -258,7 +261,8 @@ fn a_case_acknowledges_warnings_by_their_codes() {
     }
 }
 
-/// The braked dumbbell keeps exp(-1) of its spin, and the run says so; with axial dashpots it keeps all of it, and nothing is said.
+/// The braked dumbbell keeps exp(-1) of its spin, and the run says so; with axial dashpots it keeps all of it, and
+/// nothing is said.
 #[test]
 fn a_braked_spin_is_warned_of_before_and_after_the_run() {
     let folder = tempfile::tempdir().expect("a folder");

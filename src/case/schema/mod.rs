@@ -49,7 +49,8 @@ pub struct CaseFile {
     /// What the case is about, in words; shown to people, used by nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// Kinds of warnings that are meant to be so, by the codes that `check` and `solve` print in brackets: they are not printed again.
+    /// Kinds of warnings that are meant to be so, by the codes that `check` and `solve` print in brackets: they are not
+    /// printed again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub acknowledge: Vec<WarningCode>,
     /// What moves.
