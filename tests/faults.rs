@@ -3,6 +3,8 @@
 
 #[allow(dead_code)] // every topic uses its own part
 mod common;
+#[path = "faults/messages.rs"]
+mod messages;
 #[path = "faults/program.rs"]
 mod program;
 
