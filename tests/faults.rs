@@ -4,6 +4,8 @@
 #[path = "faults/adaptive.rs"]
 mod adaptive;
 mod common;
+#[path = "faults/adaptive.rs"]
+mod adaptive;
 #[path = "faults/endless.rs"]
 mod endless;
 #[path = "faults/folders.rs"]
@@ -14,11 +16,10 @@ mod frames;
 mod kang;
 #[path = "faults/loads.rs"]
 mod loads;
+#[path = "faults/messages.rs"]
+mod messages;
 #[path = "faults/program.rs"]
 mod program;
-#[allow(dead_code)] // every test reads its own part
-#[path = "support/read_vtu.rs"]
-mod read_vtu;
 #[cfg(unix)]
 #[path = "faults/signals.rs"]
 mod signals;
@@ -26,6 +27,9 @@ mod signals;
 mod solver;
 #[path = "faults/warnings.rs"]
 mod warnings;
+#[allow(dead_code)] // every test reads its own part
+#[path = "support/read_vtu.rs"]
+mod read_vtu;
 
 use program::program;
 

@@ -73,7 +73,7 @@ pub struct Summary {
     pub steps: u64,
     /// steps that were dropped and tried again smaller
     pub rejected_steps: u64,
-    /// [s] time of the last good state
+    /// [s] time of the last accepted state
     pub t_end: f64,
     /// [s] processor time of the run, all threads and all parts; null where the system does not tell
     pub cpu_seconds: Option<f64>,

@@ -79,7 +79,7 @@ fn a_step_above_the_critical_one_is_announced() {
             };
             let (times, critical) = (number("of 0.3 s is "), number("about "));
             assert!(times > 1.0 && (times * critical / 0.3 - 1.0).abs() < 0.02, "{warning}");
-            let advised = number("--step ");
+            let advised = number("take a step of ");
             let advised = advised.to_string();
             let good = [&LIGHT[..], &["--method", method, "--step", &advised]].concat();
             assert!(both(&bench, &good)[0].is_empty(), "{method} at {advised}");

@@ -50,7 +50,7 @@ fn a_string_that_is_pulled_taut_warns_once() {
     {
         assert!(warnings[0].contains(words), "no \"{words}\" in {}", warnings[0]);
     }
-    assert!(number(warnings[0], "--step ") < step, "{}", warnings[0]);
+    assert!(number(warnings[0], "take a step of ") < step, "{}", warnings[0]);
     for arguments in [&["--step", "0.139"][..], &["--method", "newmark"], &["--method", "kang"]] {
         let ended = bench.solve(&[&["--force"], arguments].concat());
         assert!(told(&ended.stderr).is_empty(), "{arguments:?}: {}", ended.stderr);
