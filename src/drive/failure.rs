@@ -149,7 +149,7 @@ impl Scenery<'_> {
         let cause = if why.is_empty() { error.to_string() } else { format!("{error}; {why}") };
         let advice = format!(
             "take a step of {} s or smaller, or more solver.newton.max_iterations; a net that buckles or goes slack in \
-             large steps may need \"slack\": \"tension-only\" springs or some damping",
+             large steps may need some damping, or a method that dissipates (hht, backward-euler)",
             figures(step, 2)
         );
         self.report(suspect, cause, advice)

@@ -7,7 +7,7 @@
 
 use super::Counters;
 use super::balance::{Forces, Sizes, Start, displace, rounding, unbalanced};
-use super::kept::Kept;
+use super::kept::{Kept, Make};
 use super::stage::StageMap;
 use super::tangents::{Tangents, Which};
 use crate::model::point::Point;
@@ -104,9 +104,9 @@ impl Equations<'_> {
 
     /// Makes the kept factor again where another has taken its place since the last accepted step.
     pub fn recall(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, convex)) = self.kept.missing() else { return Ok(()) };
+        let Some((at, w, make)) = self.kept.missing() else { return Ok(()) };
         let mut spent = Counters::default();
-        self.tangents.freeze(self.system, at, w, convex, &mut spent)?;
+        self.tangents.freeze(self.system, at, w, make, &mut spent)?;
         if self.kept.recalled() {
             *self.counters = self.counters.plus(spent);
         }
@@ -115,8 +115,8 @@ impl Equations<'_> {
 
     /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
-        let Some((at, w)) = self.kept.turn_convex() else { return Ok(false) };
-        Ok(self.tangents.freeze(self.system, at, w, true, self.counters)?.is_some())
+        let Some((at, w, make)) = self.kept.turn_convex() else { return Ok(false) };
+        Ok(self.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
@@ -184,19 +184,23 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
-    fn freeze(&mut self) -> Result<bool, LinearError> {
+    fn freeze(&mut self, reuse: f64) -> Result<bool, LinearError> {
         let w = self.weights();
-        for convex in [false, true] {
-            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, convex, self.counters)? {
+        for make in [false, true].map(|convex| Make { convex, reuse }) {
+            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {
-                    self.kept.take(self.to.state.as_ref(), w, convex);
+                    self.kept.take(self.to.state.as_ref(), w, make);
                     return Ok(true);
                 }
             }
         }
         Ok(false)
+    }
+
+    fn prefers_another(&self, reuse: f64) -> bool {
+        self.tangents.prefers_another(reuse)
     }
 
     fn take_frozen(&mut self) {

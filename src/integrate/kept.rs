@@ -19,6 +19,17 @@ pub struct KeptFactor {
     weights: [f64; 3],
     /// whether it is of the convex tangent
     convex: bool,
+    /// [-] reuse that was expected of it
+    made_for: f64,
+}
+
+/// How a kept factor is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Make {
+    /// of the convex tangent
+    pub convex: bool,
+    /// [-] reuse that is expected of it
+    pub reuse: f64,
 }
 
 /// Why the factor is not the accepted one.
@@ -50,7 +61,7 @@ impl Kept {
     }
 
     /// The factor that has to be made before an attempt, if any.
-    pub fn missing(&mut self) -> Option<(StateRef<'_>, Weights, bool)> {
+    pub fn missing(&mut self) -> Option<(StateRef<'_>, Weights, Make)> {
         self.tried = self.held;
         if self.place == Place::Held {
             return None;
@@ -59,7 +70,8 @@ impl Kept {
             self.place = Place::Held;
             return None;
         }
-        Some((self.at.as_ref(), weights(self.held), self.held.convex))
+        let make = Make { convex: self.held.convex, reuse: self.held.made_for };
+        Some((self.at.as_ref(), weights(self.held), make))
     }
 
     /// It was made; whether that is work that a run without dropped attempts would not have had, and is counted.
@@ -71,18 +83,19 @@ impl Kept {
     pub fn usable(&self, w: Weights) -> Frozen {
         let ratio = w.m / weights(self.held).m;
         let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
-        if near { self.held.frozen } else { Frozen::default() }
+        if near { self.held.frozen } else { self.held.frozen.lost() }
     }
 
     /// A factor was made in this attempt.
-    pub fn take(&mut self, at: StateRef<'_>, w: Weights, convex: bool) {
+    pub fn take(&mut self, at: StateRef<'_>, w: Weights, Make { convex, reuse }: Make) {
         self.place = Place::Taken;
         self.tried_at.copy_from(at);
-        self.tried = KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex };
+        self.tried =
+            KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex, made_for: reuse };
     }
 
     /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing if it is of that already.
-    pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights)> {
+    pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, Make)> {
         if self.tried.convex {
             return None;
         }
@@ -91,7 +104,8 @@ impl Kept {
             self.place = Place::Taken;
         }
         self.tried.convex = true;
-        Some((self.tried_at.as_ref(), weights(self.tried)))
+        let make = Make { convex: true, reuse: self.tried.made_for };
+        Some((self.tried_at.as_ref(), weights(self.tried), make))
     }
 
     /// Another matrix is factorised; if in the same room, there is no kept one any more.
@@ -120,9 +134,9 @@ impl Kept {
         (self.held, self.place) = (self.tried, Place::Held);
     }
 
-    /// Adds the state of the factor to `vectors` and returns the rest; nothing if there is none.
+    /// Adds the state of the factor to `vectors` and returns the rest; nothing if there is none and none was tried.
     pub fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<KeptFactor> {
-        if !self.held.frozen.made {
+        if self.held.frozen == Frozen::default() {
             return None;
         }
         vectors.extend([self.at.x.clone(), self.at.v.clone()]);

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::kept::Make;
 use super::{Counters, StepError};
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;
@@ -173,6 +174,11 @@ impl Tangents {
         made
     }
 
+    /// Whether the kept factor would be of another kind, had this reuse been expected.
+    pub fn prefers_another(&self, reuse: f64) -> bool {
+        self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_another(reuse))
+    }
+
     /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
     ///
     /// # Errors
@@ -182,13 +188,14 @@ impl Tangents {
         system: &dyn TangentSystem,
         at: StateRef<'_>,
         w: Weights,
-        convex: bool,
+        Make { convex, reuse }: Make,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
         self.current = Which::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
         let before = factor.linear.work();
+        factor.linear.expect(reuse);
         let made = factor.linear.prepare(factor.assembler.values());
         counters.tangent_assemblies += 1;
         count(counters, before, factor.linear.work());

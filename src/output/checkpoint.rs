@@ -24,7 +24,7 @@ use crate::case::fingerprint::Fingerprint;
 use crate::drive::Snapshot;
 
 /// Number of the file's layout.
-pub const FORMAT: u32 = 7;
+pub const FORMAT: u32 = 8;
 /// As in PNG: a byte above 127 and both kinds of line end show a transfer that took the file for text.
 const MAGIC: [u8; 8] = *b"\x89CNPY\r\n\x1a";
 /// What comes before the payload: magic, format, length.

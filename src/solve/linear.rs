@@ -44,6 +44,9 @@ const ITERATION_FLOPS: f64 = 350.0;
 /// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the factor at the speed of memory,
 /// a factorisation works on dense blocks.
 pub(super) const SOLVE_SLOWNESS: f64 = 1.6;
+/// [flop] a multiplication and addition in the dense blocks of a factorisation, and an entry of its factor besides
+pub(super) const DENSE_OPERATION: f64 = 0.25;
+pub(super) const FACTOR: f64 = 68.0;
 /// [flop] an entry of W in an assembly
 pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
 
@@ -51,7 +54,10 @@ impl LinearStats {
     /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
     pub fn factor_cost(&self, unknowns: usize) -> f64 {
         let entries = self.factor_nonzeros.unwrap_or(self.matrix_nonzeros) as f64;
-        let making = 2.0 * self.factor_operations.unwrap_or(0.0) + ASSEMBLY_FLOPS * self.matrix_nonzeros as f64;
+        let operations = self.factor_operations.unwrap_or(0.0);
+        // Small factors take the time of their operations; in large ones dense blocks make most of these cheap.
+        let factoring = (2.0 * operations).min(DENSE_OPERATION * operations + FACTOR * entries);
+        let making = factoring + ASSEMBLY_FLOPS * self.matrix_nonzeros as f64;
         making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
     }
 }
@@ -91,6 +97,9 @@ impl Accuracy {
 
 /// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
 pub const KEPT_RELATIVE: f64 = 1e-3;
+
+/// [-] Useful iterations that a kept matrix is expected to serve, over the root of what it costs in iterations, before any was seen.
+pub const EXPECTED_REUSE: f64 = 6.0;
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -222,6 +231,17 @@ pub trait LinearSolver: Send {
     /// What further solves may leave; direct solvers leave what rounding does.
     fn ask(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
+    }
+
+    /// How long the next matrix that is kept will probably serve: useful iterations over the root of what it costs in iterations.
+    fn expect(&mut self, reuse: f64) {
+        let _ = reuse;
+    }
+
+    /// Whether it would serve the last matrix otherwise, had it expected this reuse.
+    fn prefers_another(&self, reuse: f64) -> bool {
+        let _ = reuse;
+        false
     }
 
     /// What it has done so far.

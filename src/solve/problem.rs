@@ -47,12 +47,19 @@ pub trait NonlinearProblem {
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
     /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to be used for many
-    /// solves; `false` if there is none to be had.
+    /// solves; `false` if there is none to be had. `reuse` is what is expected of it ([`super::LinearSolver::expect`]).
     ///
     /// # Errors
     /// A tangent that is not finite.
-    fn freeze(&mut self) -> Result<bool, LinearError> {
+    fn freeze(&mut self, reuse: f64) -> Result<bool, LinearError> {
+        let _ = reuse;
         Ok(false)
+    }
+
+    /// Whether the factor of the last [`NonlinearProblem::freeze`] would be of another kind, had this reuse been expected.
+    fn prefers_another(&self, reuse: f64) -> bool {
+        let _ = reuse;
+        false
     }
 
     /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.

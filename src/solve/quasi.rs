@@ -11,7 +11,7 @@
 
 use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
-use super::{LinearError, forcing, search};
+use super::{EXPECTED_REUSE, LinearError, forcing, search};
 
 /// Pairs kept.
 const PAIRS: usize = 8;
@@ -21,6 +21,8 @@ const WINDOW: usize = 4;
 const EXPECTED: u32 = 6;
 /// Factors made within a step before it is left to the exact tangent.
 const MOST_FACTORS: u32 = 8;
+/// Steps made on the exact tangent at most before a kept factor is tried again.
+const LONGEST_REST: u32 = 64;
 /// A pair whose y . s is below this share of |y||s| tells more of rounding or of a tangent that is not positive definite.
 const CURVED: f64 = 1e-8;
 
@@ -33,6 +35,45 @@ pub struct Frozen {
     pub fresh: u32,
     /// iterations beyond that since
     pub excess: u32,
+    /// iterations made with it in all
+    pub served: u32,
+    /// [-] useful iterations that such factors serve, over the root of what they cost in iterations; 0 as long as none was seen
+    pub reuse: f64,
+    /// steps that are still made on the exact tangent, since a kept factor did not lead through the last ones
+    pub rest: u32,
+    /// how many that will be the next time
+    pub next_rest: u32,
+}
+
+impl Frozen {
+    /// There is no factor; what was learnt of earlier ones stays.
+    pub fn lost(self) -> Self {
+        Frozen { made: false, fresh: 0, excess: 0, served: 0, ..self }
+    }
+
+    /// [-] The reuse to expect of a new factor.
+    pub fn expected_reuse(&self) -> f64 {
+        if self.reuse > 0.0 { self.reuse } else { EXPECTED_REUSE }
+    }
+
+    /// [-] The same after what this one has shown, which costs so many iterations.
+    fn reuse_seen(&self, cost: f64) -> f64 {
+        let useful = f64::from(self.served.saturating_sub(self.excess).max(1));
+        0.5 * (self.expected_reuse() + useful / cost.max(1.0).sqrt())
+    }
+
+    /// A kept factor has not led through a step: the next ones are made on the exact tangent, twice as many as the last time.
+    pub(super) fn gave_up(&mut self) {
+        self.rest = self.next_rest.clamp(1, LONGEST_REST);
+        *self = Frozen { next_rest: 2 * self.rest, ..self.lost() };
+    }
+
+    /// Whether this step is to be made on the exact tangent.
+    pub(super) fn rests(&mut self) -> bool {
+        let rests = self.rest > 0;
+        self.rest = self.rest.saturating_sub(1);
+        rests
+    }
 }
 
 /// Steps of the iteration and what they did to the residual.
@@ -184,7 +225,9 @@ impl Leg {
 
 impl Iteration<'_> {
     fn run(&mut self, z: &mut [f64]) -> Result<Option<NewtonReport>, LinearError> {
-        let serves = self.frozen.made && f64::from(self.frozen.excess) < self.problem.factor_cost();
+        let serves = self.frozen.made
+            && f64::from(self.frozen.excess) < self.problem.factor_cost()
+            && !self.serves_longer_than_expected();
         if !serves && !self.freeze()? {
             return Ok(None);
         }
@@ -247,8 +290,16 @@ impl Iteration<'_> {
         Ok(None)
     }
 
+    /// Whether the factor has served so long that one of another kind, which costs more to make and less to use, would have been chosen.
+    fn serves_longer_than_expected(&self) -> bool {
+        let seen = self.frozen.reuse_seen(self.problem.factor_cost());
+        seen > self.frozen.expected_reuse() && self.problem.prefers_another(seen)
+    }
+
     /// Books what a step has needed.
     fn learn(&mut self, iterations: u32, fresh: bool) {
+        self.frozen.served += iterations;
+        self.frozen.next_rest /= 2;
         if fresh {
             self.frozen.fresh = iterations.max(1);
             self.frozen.excess = 0;
@@ -260,8 +311,11 @@ impl Iteration<'_> {
     /// A factor of the tangent where the residual was last evaluated.
     fn freeze(&mut self) -> Result<bool, LinearError> {
         self.pairs.forget();
-        let made = self.problem.freeze()?;
-        *self.frozen = Frozen { made, fresh: 0, excess: 0 };
+        if self.frozen.made {
+            self.frozen.reuse = self.frozen.reuse_seen(self.problem.factor_cost());
+        }
+        let made = self.problem.freeze(self.frozen.expected_reuse())?;
+        *self.frozen = Frozen { made, ..self.frozen.lost() };
         Ok(made)
     }
 

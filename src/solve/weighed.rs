@@ -2,11 +2,11 @@
 //!
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of conjugate gradients is
 //! the number of iterations that they take to solve W x = b for a fixed pseudo-random b; this trial ends as soon as Cholesky would have been
-//! cheaper. So the choice depends on W alone: not on the machine, nor on what was solved before.
+//! cheaper. So the choice depends on W and on how long matrices were of use before (`quasi`), which is counted as well: not on the machine.
 
 use super::linear::{
-    ASSEMBLY_FLOPS, Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, SOLVE_FLOPS,
-    SOLVE_SLOWNESS, Work,
+    ASSEMBLY_FLOPS, Accuracy, DENSE_OPERATION, EXPECTED_REUSE, FACTOR, Inertia, KEPT_RELATIVE, LinearError,
+    LinearSolver, LinearStats, SOLVE_FLOPS, SOLVE_SLOWNESS, Work,
 };
 use super::ordering::{Elimination, fill_reducing};
 use super::{Cholesky, ConjugateGradients};
@@ -15,27 +15,48 @@ use crate::model::workers::Workers;
 use crate::startup::{Phase, timed};
 use std::sync::Arc;
 
-/// [solves] that a factor serves before it is made anew (cloths of 703 nodes in steps of 1 and 10 ms: 17 to 60), and that a matrix of
-/// conjugate gradients serves (11 to 500).
-const SERVED: [f64; 2] = [20.0, 16.0];
 /// [-] Entries stored of L for one that is counted: supernodes have zeros.
 const PADDING: f64 = 1.3;
 /// [units of work] of an entry of L in a solve (0.9 ns at 703 nodes); the costs below are in the same unit.
 const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
-/// [units of work] of an operation in a factorisation, where dense blocks make it cheap.
-const OPERATION: f64 = 0.25;
-/// [units of work] of an entry of L in a factorisation, besides the operations.
-const FACTOR: f64 = 68.0;
 /// [units of work] of an entry of W in an iteration of conjugate gradients (1.0 to 1.5 ns).
 const ITERATION: f64 = 7.5;
+/// [-] Iterations of an average solve over those of the trial: its right-hand side is smoother, and the last solve of a step need not be exact (0.55 to 0.75 on
+/// square nets of 10,000 and 90,000 nodes).
+const EASIER: f64 = 0.65;
 /// [units of work] of an entry of W in making conjugate gradients ready.
 const READY: f64 = 97.5;
 /// [units of work] of an unknown in one iteration around the solve: a force pass and operations on vectors.
 const AROUND: f64 = 250.0;
-/// [-] Iterations around the solves when these are by conjugate gradients, over those around exact solves (1 to 2).
-const MORE: f64 = 1.2;
+/// [-] Entries of L over those of W from which on a factor takes several times the memory of conjugate gradients, and how much less work it must then be.
+const MUCH_MEMORY: f64 = 10.0;
+const CLEAR_GAIN: f64 = 1.1;
 
-/// What a solve would cost each way, its share of making what it needs and the iteration around it included.
+/// Work of one way to solve, in counted units.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// of an iteration: a solve and what is around it
+    iteration: f64,
+    /// of making what a solve needs
+    making: f64,
+}
+
+impl Cost {
+    /// What a useful iteration costs with all that ageing brings. A matrix that is replaced when its age has cost as many iterations beyond those of a fresh one as
+    /// a new one costs (`quasi`), c = making/iteration, serves for u = reuse sqrt(c) useful iterations, since the cost of age grows with its square; these cost
+    /// u + 2 c iterations.
+    fn with_reuse(self, reuse: f64) -> f64 {
+        self.iteration + 2.0 * (self.making * self.iteration).sqrt() / reuse
+    }
+
+    /// The work of an iteration with which [`Cost::with_reuse`] comes to `total`.
+    fn iteration_for(making: f64, reuse: f64, total: f64) -> f64 {
+        let half = making.sqrt() / reuse;
+        ((half * half + total).sqrt() - half).powi(2)
+    }
+}
+
+/// What a useful iteration would cost each way, its share of making what it needs and of ageing included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prediction {
     /// [-] by Cholesky; of these units an entry of L takes 6.4 in a solve
@@ -66,6 +87,8 @@ pub struct Weighed {
     prediction: Option<Prediction>,
     /// what was asked for
     accuracy: Accuracy,
+    /// [-] reuse that is expected of a matrix
+    reuse: f64,
 }
 
 impl Weighed {
@@ -85,6 +108,7 @@ impl Weighed {
             factored: false,
             prediction: None,
             accuracy: Accuracy::kept(),
+            reuse: EXPECTED_REUSE,
         })
     }
 
@@ -98,31 +122,37 @@ impl Weighed {
         }
     }
 
-    /// Counted work of a solve by Cholesky, and by conjugate gradients that make no iteration.
-    fn fixed_costs(&self, e: &Elimination) -> [f64; 2] {
+    fn cholesky_cost(&self, e: &Elimination) -> Cost {
         let (n, entries) = (self.pattern.n() as f64, self.pattern.nonzeros() as f64);
         let stored = PADDING * e.nonzeros;
-        let factor = OPERATION * e.operations + FACTOR * stored;
-        let making = [factor + ASSEMBLY_FLOPS * entries, (READY + ASSEMBLY_FLOPS) * entries];
-        let cholesky = SOLVE * stored + making[0] / SERVED[0] + AROUND * n;
-        // To begin and to end a solve takes as long as an iteration.
-        [cholesky, MORE * (ITERATION * entries + making[1] / SERVED[1] + AROUND * n)]
+        let gain = if stored > MUCH_MEMORY * entries { CLEAR_GAIN } else { 1.0 };
+        let making = DENSE_OPERATION * e.operations + FACTOR * stored + ASSEMBLY_FLOPS * entries;
+        Cost { iteration: gain * (SOLVE * stored + AROUND * n), making: gain * making }
+    }
+
+    /// Of conjugate gradients that take so many iterations in the trial; to begin and to end a solve takes as long as one.
+    fn cg_cost(&self, iterations: f64) -> Cost {
+        let (n, entries) = (self.pattern.n() as f64, self.pattern.nonzeros() as f64);
+        let iteration = ITERATION * entries * (EASIER * iterations + 1.0) + AROUND * n;
+        Cost { iteration, making: (READY + ASSEMBLY_FLOPS) * entries }
     }
 
     /// Tries conjugate gradients on W, as long as they may be cheaper.
     fn weigh(&mut self) -> Result<Option<Prediction>, LinearError> {
         let Some(e) = &self.elimination else { return Ok(None) };
-        let [cholesky_work, none] = self.fixed_costs(e);
+        let cholesky_work = self.cholesky_cost(e).with_reuse(self.reuse);
         let (factor_nonzeros, factor_operations) = (e.nonzeros, e.operations);
-        let one = MORE * ITERATION * self.pattern.nonzeros() as f64;
-        let most = ((cholesky_work - none) / one).clamp(0.0, f64::from(u32::MAX)) as u32;
+        let none = self.cg_cost(0.0);
+        let one = self.cg_cost(1.0).iteration - none.iteration;
+        let allowed = Cost::iteration_for(none.making, self.reuse, cholesky_work) - none.iteration;
+        let most = (allowed / one).clamp(0.0, f64::from(u32::MAX)) as u32;
         let (cg_iterations, cg_converged) = match self.cg.rehearse(KEPT_RELATIVE, most) {
             Ok(iterations) => (iterations, true),
             Err(LinearError::Stalled { iterations, .. }) => (iterations, false),
             Err(other) => return Err(other),
         };
         let made = f64::from(cg_iterations) + if cg_converged { 0.0 } else { 1.0 };
-        let cg_work = none + one * made;
+        let cg_work = self.cg_cost(made).with_reuse(self.reuse);
         Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
     }
 }
@@ -181,6 +211,15 @@ impl LinearSolver for Weighed {
 
     fn ask(&mut self, accuracy: Accuracy) {
         self.accuracy = accuracy;
+    }
+
+    fn expect(&mut self, reuse: f64) {
+        self.reuse = reuse;
+    }
+
+    fn prefers_another(&self, reuse: f64) -> bool {
+        let (Some(e), Some(p), true) = (&self.elimination, &self.prediction, self.iterates) else { return false };
+        self.cholesky_cost(e).with_reuse(reuse) < self.cg_cost(f64::from(p.cg_iterations)).with_reuse(reuse)
     }
 
     fn work(&self) -> Work {

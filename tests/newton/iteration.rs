@@ -97,7 +97,7 @@ impl NonlinearProblem for Keeping {
         self.kept = false;
         if self.exact_fails { Err(LinearError::Singular { unknown: Some(0) }) } else { Ok(Inertia::Definite) }
     }
-    fn freeze(&mut self) -> Result<bool, LinearError> {
+    fn freeze(&mut self, _: f64) -> Result<bool, LinearError> {
         Ok(true)
     }
     fn take_frozen(&mut self) {
