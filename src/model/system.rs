@@ -218,7 +218,7 @@ pub enum Viscosity {
 /// Sums along the springs that are in Kang's filter of one step, where the filter leaves out springs that are slack.
 /// [`SpringGraph`] has the same of all springs.
 pub trait StepFilter: std::fmt::Debug + Send + Sync {
-    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut where nodes move on as they do. Returns whether they are
+    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut there, or where nodes move on as they do. Returns whether they are
     /// others than those of the last step.
     fn select(&mut self, from: StateRef<'_>, h: f64) -> bool;
 

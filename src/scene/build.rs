@@ -35,7 +35,8 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
-    let mut builder = Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new(), tables: Vec::new() };
+    let mut builder =
+        Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new(), tables: Vec::new() };
     builder.springs_and_dashpots();
     builder.gravity(&fixed, &mass, &start);
     builder.air();

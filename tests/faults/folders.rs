@@ -38,14 +38,19 @@ fn race(force: bool, rounds: usize) {
         if !force {
             let _ = std::fs::remove_dir_all(folder.join("o"));
         }
-        let args = |case: &'static str| [["solve", case, "--out", "o", "-q"].as_slice(), &["--force"][..usize::from(force)]].concat();
+        let args = |case: &'static str| {
+            [["solve", case, "--out", "o", "-q"].as_slice(), &["--force"][..usize::from(force)]].concat()
+        };
         let both = [("a.json", 9.81), ("b.json", 5.0)].map(|(case, g)| (start(folder, &args(case)), g));
         let ended = both.map(|(child, g)| (child.wait_with_output().expect("it ends"), g));
         let (ran, refused): (Vec<_>, Vec<_>) = ended.iter().partition(|(out, _)| out.status.code() == Some(0));
         for (out, _) in &refused {
             let said = String::from_utf8_lossy(&out.stderr);
             assert_eq!(out.status.code(), Some(2), "round {round}: {said}");
-            assert!(said.contains("is being written by another run") || said.contains("already holds results"), "{said}");
+            assert!(
+                said.contains("is being written by another run") || said.contains("already holds results"),
+                "{said}"
+            );
         }
         // Where one begins when the other has ended, --force replaces its results; without, it is refused.
         assert!(ran.len() == 1 || force && ran.len() == 2, "round {round}: {} ran", ran.len());

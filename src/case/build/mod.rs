@@ -58,7 +58,8 @@ pub(crate) fn build(
             let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
             let step = timing.as_ref().map(|t| t.spec.step);
             let spec = network::network(&at, network, geometry.as_deref(), step, faults);
-            if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed)) {
+            if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))
+            {
                 tables::warn_of_short_pulses(&at, network, tables::Steps { h, end: spec.end }, faults);
             }
             (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
