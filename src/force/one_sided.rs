@@ -1,9 +1,10 @@
 //! Springs with a slack law in Kang's filter, which has no part in those that are slack.
 //!
-//! A spring is in the filter of a step of h if it is taut at the step's start, or taut where nodes move on as they do, at x + h v. One that is slack at the start
-//! but not there pulls with k (e - offset) as if it were taut already, e the elongation at x, which together with the filter's h k (v_j - v_i) is the pull at the
-//! end of the step. So backward Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second
-//! rule the step would go past the threshold unbraked and make 1/2 k (h v)^2.
+//! A spring is in the filter of a step of h if it is taut at the step's start, or taut where nodes move on as they do,
+//! at x + h v. One that is slack at the start but not there pulls with k (e - offset) as if it were taut already, e the
+//! elongation at x, which together with the filter's h k (v_j - v_i) is the pull at the end of the step. So backward
+//! Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second rule
+//! the step would go past the threshold unbraked and make 1/2 k (h v)^2.
 
 use super::neighbours::{Neighbours, Slot};
 use super::slack::{Clamped, clamped};
@@ -59,8 +60,8 @@ impl OneSided {
         Some(OneSided { batches, slots, inside, neighbours, correction: vec![DVec3::ZERO; n], corrected })
     }
 
-    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s], and what their pull differs from
-    /// that of a force pass at `x`. Returns whether they are others than before.
+    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
+    /// and what their pull differs from that of a force pass at `x`. Returns whether they are others than before.
     pub fn select(&mut self, x: &[DVec3], v: &[DVec3], h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
         corrected.drain(..).for_each(|node| correction[node as usize] = DVec3::ZERO);

@@ -1,4 +1,5 @@
-//! Loads over time whose tables have corners within fixed steps: impulse is kept by every method, wherever the corners lie.
+//! Loads over time whose tables have corners within fixed steps: impulse is kept by every method, wherever the corners
+//! lie.
 
 use super::program::program;
 use crate::common::run::{case_of, follow, run};
@@ -64,16 +65,18 @@ fn a_pulse_between_steps_moves_what_it_pushes() {
             assert_eq!(outcome.status, Status::Completed, "{}", method.name);
             let off = largest / exact - 1.0;
             assert!(off.abs() < 0.015, "{} from {start} to {end} s: {largest} m, expected {exact}", method.name);
-            // Euler-Richardson and Heun gain (w h)^4/8 a step without any load; HHT and generalised alpha lose as little.
+            // Euler-Richardson and Heun gain (w h)^4/8 a step without any load; HHT and generalised alpha lose as
+            // little.
             let (numerical, work) = (outcome.ledger.numerical.abs(), outcome.ledger.external_work);
             assert!(numerical < 0.03 * work, "{}: {numerical} J of {work} J made or lost", method.name);
         }
     }
 }
 
-/// Velocity of the free masses at the end, against the impulse of the table, some 40 steps after it: generalised alpha hands a force on over many steps, each
-/// with less than half of what is left. Methods of order one take a load at one end of every step; if it is there from the
-/// first step on they are half that step's share off, as with any load that is there at t = 0.
+/// Velocity of the free masses at the end, against the impulse of the table, some 40 steps after it: generalised alpha
+/// hands a force on over many steps, each with less than half of what is left. Methods of order one take a load at one
+/// end of every step; if it is there from the first step on they are half that step's share off, as with any load that
+/// is there at t = 0.
 fn check_impulse(what: &str, table: &[[f64; 2]], step: f64, end: f64) {
     let exact = 3.0 / 2.0 * integral(table);
     let acts = |row: &&[f64; 2]| row[1] != 0.0;
@@ -137,7 +140,8 @@ fn impulse_is_kept_in_odd_tables_and_steps() {
     check_impulse("a dense table", &dense, h, 0.7);
 }
 
-/// A load that is there at t = 0 and goes away within a step; methods that sample one end of a step are off by that of the jump at t = 0.
+/// A load that is there at t = 0 and goes away within a step; methods that sample one end of a step are off by that of
+/// the jump at t = 0.
 #[test]
 fn a_load_that_ends_within_a_step_keeps_its_impulse() {
     let table = [[0.0, 1.0], [0.0537, 1.0], [0.0537 + EDGE, 0.0]];
@@ -223,7 +227,8 @@ fn tables_that_steps_resolve_are_not_warned_of() {
     assert!(case.problem().warnings.is_empty(), "{:?}", case.problem().warnings);
 }
 
-/// A run that is carried further has the bits of one that was not stopped, also where it was stopped in the middle of a pulse.
+/// A run that is carried further has the bits of one that was not stopped, also where it was stopped in the middle of a
+/// pulse.
 #[test]
 fn a_run_carried_further_has_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");
