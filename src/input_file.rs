@@ -7,8 +7,8 @@ use std::path::Path;
 /// Opens a regular file, or what a link to one leads to.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for anything but a regular file and [`ErrorKind::IsADirectory`] for a folder, both without opening it; else the
-/// system's.
+/// [`ErrorKind::InvalidInput`] for anything but a regular file and [`ErrorKind::IsADirectory`] for a folder, both
+/// without opening it; else the system's.
 pub fn open(path: &Path) -> io::Result<File> {
     let kind = fs::metadata(path)?.file_type();
     if kind.is_file() { File::open(path) } else { Err(refusal(kind)) }

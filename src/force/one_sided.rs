@@ -1,19 +1,19 @@
-//! Springs with a slack law in Kang's filter, which takes from them what backward Euler would: nothing of a spring that is slack at the end of the step.
+//! Springs with a slack law in Kang's filter, which has no part in those that are slack.
 //!
-//! The end is foreseen where nodes move on as they do. With e+ the elongation at x + h v and e the one at x, a spring
-//! ```text
-//! e+ >= threshold    is in the filter with its stiffness k, and pulls with k (e - offset), slack or not at the step's start
-//! e+ <  threshold    is not in the filter, and pulls with k (threshold - offset), which is 0 of a tension-only spring
-//! ```
-//! A mass on one spring so moves exactly as by backward Euler: in free flight nothing brakes it, a step in which the spring goes taut ends where
-//! the pull at its end stops it, and no step makes energy, at any h^2 k/m. Leaving out what is slack at the step's start instead would make
-//! 1/2 k (h v)^2 in the step that goes past the threshold.
+//! A spring is in the filter of a step of h if it is taut at the step's start, or taut where nodes move on as they do,
+//! at x + h v. One that is slack at the start but not there pulls with k (e - offset) as if it were taut already, e the
+//! elongation at x, which together with the filter's h k (v_j - v_i) is the pull at the end of the step. So backward
+//! Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second rule
+//! the step would go past the threshold unbraked and make 1/2 k (h v)^2.
 
 use super::neighbours::{Neighbours, Slot};
 use super::slack::{Clamped, clamped};
 use super::spring::{Coefficient, SpringData};
 use glam::DVec3;
 use std::ops::Range;
+
+/// [-] Rounding of a squared length, as a share of it.
+const TAUT: f64 = 8.0 * f64::EPSILON;
 
 /// All springs of a scene, some of which leave the filter while they are slack.
 #[derive(Debug)]
@@ -60,8 +60,8 @@ impl OneSided {
         Some(OneSided { batches, slots, inside, neighbours, correction: vec![DVec3::ZERO; n], corrected })
     }
 
-    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s], and what their pull differs from
-    /// that of a force pass at `x`. Returns whether they are others than before.
+    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
+    /// and what their pull differs from that of a force pass at `x`. Returns whether they are others than before.
     pub fn select(&mut self, x: &[DVec3], v: &[DVec3], h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
         corrected.drain(..).for_each(|node| correction[node as usize] = DVec3::ZERO);
@@ -72,18 +72,18 @@ impl OneSided {
                 let along = |of: &[DVec3]| of[b as usize] - of[a as usize];
                 let (d, limit) = (along(x), data.rest_length[i] + law.threshold);
                 let square = limit.max(0.0).powi(2);
-                let taut = d.length_squared() >= square;
-                let stays = (d + h * along(v)).length_squared() >= square;
-                if stays != *inside {
-                    *inside = stays;
+                // What is taut by rounding alone carries nothing.
+                let taut = d.length_squared() > square * (1.0 + TAUT);
+                let caught = !taut && (d + h * along(v)).length_squared() > square;
+                if (taut || caught) != *inside {
+                    *inside = taut || caught;
                     changed = true;
-                    let k = if stays { data.stiffness.at(i) } else { 0.0 };
+                    let k = if *inside { data.stiffness.at(i) } else { 0.0 };
                     slots.iter().for_each(|slot| neighbours.set(*slot, k));
                 }
-                if stays != taut {
+                if caught {
                     let stretch = data.stretch(x, i);
-                    let beyond = data.stiffness.at(i) * (stretch.length - limit);
-                    let pull = stretch.n * if stays { beyond } else { -beyond };
+                    let pull = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
                     correction[a as usize] += pull;
                     correction[b as usize] -= pull;
                     corrected.extend([a, b]);

@@ -1,29 +1,32 @@
-//! Tables in runs of fixed steps, whose samples miss what lies between them: a pulse within a step would not be seen at all, and one of a step's
-//! length is seen three times over by the four stages of RK4.
+//! Tables in runs of fixed steps, whose samples miss what lies between them: a pulse within a step would not be seen at
+//! all, and one of a step's length is seen three times over by the four stages of RK4.
 //!
-//! Steps t_n = n h stay as they are. A table g that has a corner within steps is replaced by one that is linear within those, through values g_n at their ends
-//! which keep the integral of g, so that every scheme, wherever in a step it samples, passes on the whole impulse. With the deviation e of g from its chord over the
-//! step from t_n to t_{n+1}, s = (t - t_n)/h,
+//! Steps t_n = n h stay as they are. A table g that has a corner within steps is replaced by one that is linear within
+//! those, through values g_n at their ends which keep the integral of g, so that every scheme, wherever in a step it
+//! samples, passes on the whole impulse. With the deviation e of g from its chord over the step from t_n to t_{n+1} and
+//! s = (t - t_n)/h,
 //! ```text
 //! d0 = integral of e ds,   d1 = integral of e s ds,     g_n = g(t_n) + d0 - d1,   g_{n+1} = g(t_{n+1}) + d1
 //! ```
-//! are the values that keep integral and first moment: what is added at t_n acts over the steps on both sides of it, h in all. Where one of the two would leave the
-//! range of g in the step (a jump would overshoot), the excess goes to the other, which keeps the integral alone; an impulse h J that comes up to a step early or late is an error
-//! of second order. Nothing acts before t = 0, where a value counts for half a step only: there all of d0 goes to t_1, and what would leave the range, twice, to t_0.
+//! are the values that keep integral and first moment: what is added at t_n acts over the steps on both sides of it, h
+//! in all. Where one of the two would leave the range of g in the step (a jump would overshoot), the excess goes to the
+//! other, which keeps the integral alone; an impulse h J that comes up to a step early or late is an error of second
+//! order. Nothing acts before t = 0, where a value counts for half a step only: there all of d0 goes to t_1, and what
+//! would leave the range, twice, to t_0.
 //!
-//! Steps without a corner inside, and away from such steps, see the table itself, bit for bit; schemes then have their full order.
+//! Steps without a corner inside, and away from such steps, see the table itself, bit for bit; schemes then have their
+//! full order.
 
 use super::series::interpolate;
 use crate::model::spec::Series;
 
-/// [-] Roundings by which a row at the end of a step may miss it.
+/// [-] Rounding of a time, as a share of it, and of a value after as many steps.
 const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
-/// [-] Deviations below this share of the values are rounding.
-const ROUNDING: f64 = 1e-14;
 /// Rows behind this many steps are never reached.
 const LAST: f64 = 1e15;
 
-/// What replaces a table in steps of `h` [s] from t = 0; `None` if it has no corner within a step. Work: rows times the logarithm of their number.
+/// What replaces a table in steps of `h` [s] from t = 0; `None` if it has no corner within a step. Work: rows times the
+/// logarithm of their number.
 pub fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Option<Series<[f64; N]>> {
     let mut bent = Vec::new();
     let mut corrections: Vec<(u64, [f64; N])> = Vec::new();
@@ -35,7 +38,7 @@ pub fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Opt
         let inside = given.t[first..last].iter().map(|t| (t - start) / h).zip(&given.value[first..last]);
         let ends = [start, end].map(|t| interpolate(given, t));
         let shares: [[f64; 2]; N] = std::array::from_fn(|i| {
-            correction(n == 0, inside.clone().map(|(s, value)| (s, value[i])), ends.map(|value| value[i]))
+            correction(n, inside.clone().map(|(s, value)| (s, value[i])), ends.map(|value| value[i]))
         });
         if shares.iter().all(|share| share.iter().all(|c| c.is_nan())) {
             continue;
@@ -57,22 +60,17 @@ fn time(n: u64, h: f64) -> f64 {
     n as f64 * h
 }
 
-/// The steps, counted from 0 and ascending, that have a row inside, or next to an end at which there are several.
+/// The steps, counted from 0 and ascending, that have a row inside; both steps beside a row at an end, whatever
+/// rounding makes of it.
 fn steps_with_rows(t: &[f64], h: f64) -> Vec<u64> {
-    let end_near = |t: f64| Some((t / h).round()).filter(|n| (t / h - n).abs() <= ROUNDINGS * n.max(1.0));
     let mut steps = Vec::new();
-    for (i, &row) in t.iter().enumerate() {
-        if !(row / h > -ROUNDINGS && row / h < LAST) {
-            continue;
-        }
-        match end_near(row) {
-            None => steps.push((row / h) as u64),
-            Some(n) => {
-                let several = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|j| t.get(j));
-                if several.copied().any(|other| end_near(other) == Some(n)) {
-                    steps.extend([(n as u64).checked_sub(1), Some(n as u64)].into_iter().flatten());
-                }
-            }
+    for at in t.iter().map(|t| t / h).filter(|at| *at > -ROUNDINGS && *at < LAST) {
+        let end = at.round();
+        if (at - end).abs() <= ROUNDINGS * end.max(1.0) {
+            steps.extend((end as u64).checked_sub(1));
+            steps.push(end as u64);
+        } else {
+            steps.push(at as u64);
         }
     }
     steps.sort_unstable();
@@ -80,8 +78,9 @@ fn steps_with_rows(t: &[f64], h: f64) -> Vec<u64> {
     steps
 }
 
-/// What is to be added to the values at the two ends of a step, for a table with rows (s, value) `inside`, s from 0 to 1; NaN where it has no corner in the step.
-fn correction(at_start: bool, inside: impl Iterator<Item = (f64, f64)>, ends: [f64; 2]) -> [f64; 2] {
+/// What is to be added to the values at the two ends of step `n`, for a table with rows (s, value) `inside`, s from 0
+/// to 1; NaN where it has no corner in the step.
+fn correction(n: u64, inside: impl Iterator<Item = (f64, f64)>, ends: [f64; 2]) -> [f64; 2] {
     let chord = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
     let [mut d0, mut d1] = [0.0; 2];
     let [mut low, mut high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
@@ -94,11 +93,11 @@ fn correction(at_start: bool, inside: impl Iterator<Item = (f64, f64)>, ends: [f
         (low, high, largest) = (low.min(value), high.max(value), largest.max(here.1.abs()));
         before = here;
     }
-    if largest <= ROUNDING * low.abs().max(high.abs()) {
+    if largest <= ROUNDINGS * (n + 1) as f64 * low.abs().max(high.abs()) {
         return [f64::NAN; 2];
     }
     let beyond = |value: f64| value - value.clamp(low, high);
-    if at_start {
+    if n == 0 {
         let excess = beyond(ends[1] + d0);
         return [2.0 * excess, d0 - excess];
     }

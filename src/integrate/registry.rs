@@ -195,7 +195,7 @@ static METHODS: &[MethodInfo] = &[
         family: Family::MatrixFree,
         evaluations: [1, 1],
         parameters: &[],
-        stability: "every step for the springs; the air and other forces outside the filter are explicit",
+        stability: "every step for springs that stay taut; the air and other forces outside the filter are explicit",
         linear: LinearStep::PARTITIONED,
         source: "Kang, Choi, Cho & Park 2000; thesis Eq. 52-57",
         build: |_, _| Scheme::Graph(Box::new(Kang::default())),

@@ -122,8 +122,9 @@ pub trait System: Sync {
         Vec::new()
     }
 
-    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss what lies between them, or for any other
-    /// run. What is evaluated from here on is of that run, so runs of one scene go one after the other.
+    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss what
+    /// lies between them, or for any other run. What is evaluated from here on is of that run, so runs of one scene go
+    /// one after the other.
     fn sample_tables(&self, h: Option<f64>) {
         let _ = h;
     }
@@ -218,8 +219,8 @@ pub enum Viscosity {
 /// Sums along the springs that are in Kang's filter of one step, where the filter leaves out springs that are slack.
 /// [`SpringGraph`] has the same of all springs.
 pub trait StepFilter: std::fmt::Debug + Send + Sync {
-    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut where nodes move on as they do. Returns whether they are
-    /// others than those of the last step.
+    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut there, or where nodes
+    /// move on as they do. Returns whether they are others than those of the last step.
     fn select(&mut self, from: StateRef<'_>, h: f64) -> bool;
 
     /// [N/m] `out_i = sum_j k_ij`, of every node.
@@ -231,7 +232,8 @@ pub trait StepFilter: std::fmt::Debug + Send + Sync {
     /// `out_i = sum_j k_ij (u_j - u_i)`, as [`SpringGraph::neighbour_differences`].
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// [N] What the pull of these springs differs from that of the force pass at the step's start; `None` where it is the same.
+    /// [N] What the pull of these springs differs from that of the force pass at the step's start; `None` where it is
+    /// the same.
     fn correction(&self) -> Option<&[f64]>;
 }
 
@@ -255,7 +257,8 @@ pub trait SpringGraph: System {
     /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// The sums of a filter that leaves out slack springs; `None` where no spring can be slack, or all have a dashpot that the filter contains.
+    /// The sums of a filter that leaves out slack springs; `None` where no spring can be slack, or all have a dashpot
+    /// that the filter contains.
     fn step_filter(&self) -> Option<Box<dyn StepFilter>>;
 }
 

@@ -63,13 +63,14 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Makes `dir` ready for the case `name`: creates it if needed and locks it; refuses earlier results unless `force` is given,
-    /// which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
-    /// `frames/NAME_<number>.vtu`, the last two also of the case that `summary.json` is of, and `frames` if it is empty then. Other files stay. A link is removed, never
-    /// followed; a linked `frames` is refused.
+    /// Makes `dir` ready for the case `name`: creates it if needed and locks it; refuses earlier results unless `force`
+    /// is given, which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
+    /// `frames/NAME_<number>.vtu`, the last two also of the case that `summary.json` is of, and `frames` if it is empty
+    /// then. Other files stay. A link is removed, never followed; a linked `frames` is refused.
     ///
     /// # Errors
-    /// When there are results and no `force`, when something else stands in the way, another run uses the folder, or the system refuses.
+    /// When there are results and no `force`, when something else stands in the way, another run uses the folder, or
+    /// the system refuses.
     pub fn prepare(dir: &Path, name: &str, force: bool) -> Result<Self, FolderError> {
         refuse_file(dir)?;
         fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
@@ -98,8 +99,8 @@ impl ResultFolder {
         Ok(folder)
     }
 
-    /// Locks the folder before anything in it is looked at. The lock of `history.csv` keeps earlier versions of the program out,
-    /// and serves alone where a file system cannot lock folders.
+    /// Locks the folder before anything in it is looked at. The lock of `history.csv` keeps earlier versions of the
+    /// program out, and serves alone where a file system cannot lock folders.
     fn locked(dir: &Path, name: &str) -> Result<Self, FolderError> {
         let held = File::open(dir).ok();
         let history = dir.join(HISTORY);

@@ -3,8 +3,8 @@
 use std::fs::{File, TryLockError};
 use std::time::{Duration, Instant};
 
-/// How long to wait for a lock that nobody means to keep: a run is ending, or its process is starting a program, which has a copy of every open
-/// file until it begins.
+/// How long to wait for a lock that nobody means to keep: a run is ending, or its process is starting a program, which
+/// has a copy of every open file until it begins.
 const PATIENCE: Duration = Duration::from_millis(300);
 
 /// Whether a file or folder is free to be written.
@@ -16,8 +16,8 @@ pub enum Lock {
     Elsewhere,
 }
 
-/// Locks a file or folder against a second run. Windows would keep readers out as well, so not there; and where a file system
-/// knows no locks (NFS has none of folders), there are none.
+/// Locks a file or folder against a second run. Windows would keep readers out as well, so not there; and where a file
+/// system knows no locks (NFS has none of folders), there are none.
 pub fn lock(file: &File) -> Lock {
     let began = Instant::now();
     loop {

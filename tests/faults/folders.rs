@@ -21,7 +21,8 @@ fn start(folder: &Path, args: &[&str]) -> Child {
         .expect("it starts")
 }
 
-/// Two cases started at the same moment into one folder: whoever runs has its results whole; whoever is refused says why.
+/// Two cases started at the same moment into one folder: whoever runs has its results whole; whoever is refused says
+/// why.
 fn race(force: bool, rounds: usize) {
     let dir = tempfile::tempdir().expect("a folder");
     let folder = dir.path();
