@@ -4,8 +4,6 @@
 #[path = "faults/adaptive.rs"]
 mod adaptive;
 mod common;
-#[path = "faults/adaptive.rs"]
-mod adaptive;
 #[path = "faults/endless.rs"]
 mod endless;
 #[path = "faults/folders.rs"]
@@ -20,6 +18,9 @@ mod loads;
 mod messages;
 #[path = "faults/program.rs"]
 mod program;
+#[allow(dead_code)] // every test reads its own part
+#[path = "support/read_vtu.rs"]
+mod read_vtu;
 #[cfg(unix)]
 #[path = "faults/signals.rs"]
 mod signals;
@@ -27,9 +28,6 @@ mod signals;
 mod solver;
 #[path = "faults/warnings.rs"]
 mod warnings;
-#[allow(dead_code)] // every test reads its own part
-#[path = "support/read_vtu.rs"]
-mod read_vtu;
 
 use program::program;
 
