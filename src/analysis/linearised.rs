@@ -28,7 +28,7 @@ impl<'a> Linearised<'a> {
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>, stop: Stop<'a>) -> Self {
         let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
         let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
-        let matrices = if worth { Matrices::of(scene, at).map(Arc::new) } else { None };
+        let matrices = if worth && !stop.asked() { Matrices::of(scene, at).map(Arc::new) } else { None };
         Linearised { scene, at, root, matrices, stop }
     }
 

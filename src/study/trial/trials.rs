@@ -111,7 +111,7 @@ impl<'a> Trials<'a> {
     pub fn predict(&mut self, candidate: &Candidate, step: Step) -> Result<Estimate, String> {
         let steps = step.fixed().map(|h| FixedSteps::new(h, self.end).count());
         let implicit = candidate.method.info.family == Family::Implicit;
-        if !implicit && !self.budget.affords(self.beyond(&candidate.method, steps.is_none())) {
+        if !implicit && !self.budget.affords(self.beyond(&candidate.method, steps.is_none(), self.windows.len())) {
             return self.by_passes(&candidate.method, steps);
         }
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
@@ -126,15 +126,15 @@ impl<'a> Trials<'a> {
         };
         let iteration = tangent.iteration_seconds() + self.force.pass_seconds;
         let slot = usize::from(steps.is_some());
-        let trial = self.beyond(&candidate.method, false);
-        if !tangent.measured || self.learnt[slot].is_some() || !self.budget.affords(trial) {
-            return self.by_counts(iteration, self.learnt[slot], steps);
-        }
         let count = match iteration.max(tangent.analysis_seconds) {
             spent if spent > 0.4 * COSTLY => 1,
             spent if spent > 0.05 * COSTLY => 2,
             _ => self.windows.len(),
         };
+        let trial = self.beyond(&candidate.method, false, count);
+        if !tangent.measured || self.learnt[slot].is_some() || !self.budget.affords(trial) {
+            return self.by_counts(iteration, self.learnt[slot], steps);
+        }
         let estimate = self.by_steps(&candidate.method, step, count, steps)?;
         if iteration.max(2.0 * tangent.analysis_seconds) > DEAR {
             self.learnt[slot] = Some(Sample {
@@ -196,11 +196,10 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// [s] What trials of a method nominally take beyond what they are allowed, because their steps are dear.
-    fn beyond(&self, method: &MethodChoice, adaptive: bool) -> f64 {
+    /// [s] What trials of a method from so many states nominally take, where its steps are too dear for what trials are allowed.
+    fn beyond(&self, method: &MethodChoice, adaptive: bool, windows: usize) -> f64 {
         let [step, allowed] = [nominal_step(self.scene, method), ALLOWANCE[usize::from(adaptive)]];
-        let windows = self.windows.len().max(1) as f64;
-        let times = if adaptive { ADAPTIVE } else { windows };
+        let times = if adaptive { ADAPTIVE } else { windows.max(1) as f64 };
         if step < allowed / STEPS { 0.0 } else { times * step * (PATIENCE * allowed / step).clamp(COLD as f64, STEPS) }
     }
 
