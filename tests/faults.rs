@@ -1,7 +1,6 @@
 //! What use of the program found: every case here went wrong once, mostly without a word. Each test keeps the right value.
 //! A test of this kind belongs in the file of its topic in `tests/faults/`.
 
-#[allow(dead_code)] // every topic uses its own part
 mod common;
 #[path = "faults/folders.rs"]
 mod folders;
