@@ -269,7 +269,7 @@ fn a_run_without_end_ends_and_says_so() {
     assert!(failure["advice"].as_str().is_some_and(|advice| advice.contains("time.tolerance")), "{failure}");
 }
 
-/// Everything, which takes minutes: `cargo test --release --test faults every_ramp -- --ignored --nocapture`.
+/// Everything, which takes minutes: `cargo test --release --test faults every_ramp_and -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes"]
 fn every_ramp_and_every_catch() {
