@@ -1,9 +1,9 @@
 //! What use of the program found: every case here went wrong once, mostly without a word. Each test keeps the right value.
 //! A test of this kind belongs in the file of its topic in `tests/faults/`.
 
-mod common;
 #[path = "faults/adaptive.rs"]
 mod adaptive;
+mod common;
 #[path = "faults/endless.rs"]
 mod endless;
 #[path = "faults/folders.rs"]
@@ -18,6 +18,9 @@ mod loads;
 mod messages;
 #[path = "faults/program.rs"]
 mod program;
+#[allow(dead_code)] // every test reads its own part
+#[path = "support/read_vtu.rs"]
+mod read_vtu;
 #[cfg(unix)]
 #[path = "faults/signals.rs"]
 mod signals;
@@ -25,9 +28,6 @@ mod signals;
 mod solver;
 #[path = "faults/warnings.rs"]
 mod warnings;
-#[allow(dead_code)] // every test reads its own part
-#[path = "support/read_vtu.rs"]
-mod read_vtu;
 
 use program::program;
 
