@@ -9,9 +9,9 @@ fn shipped(folder: &Path, command: &str, case: &str, rest: &[&str]) -> Finished 
     program_with(folder, &[&[command, path.to_str().expect("UTF-8")], rest].concat())
 }
 
-/// All that is advised: the words after "take" up to the next sentence.
+/// All that is advised: the words after "take" up to the end of the line or the code of a warning.
 fn advices(text: &str) -> Vec<&str> {
-    text.split("take ").skip(1).map(|rest| rest.lines().next().unwrap_or_default().trim()).collect()
+    text.split("take ").skip(1).map(|rest| rest.split(['\n', '[']).next().unwrap_or_default().trim()).collect()
 }
 
 /// The columns of a row of `history.csv` at a time [s].
