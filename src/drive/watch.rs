@@ -276,7 +276,8 @@ impl Watch {
         let (gain, elastic) = (self.gain(), step.after.elastic);
         let Bounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
-        if elastic > DIVERGED * gain.supplied + rounding {
+        // A scheme whose account lags behind a load that has just come on has not booked its work yet.
+        if elastic > DIVERGED * (gain.supplied + self.account.late_push) + rounding {
             return Sight::Trouble(Trouble::Strain { elastic, gain });
         }
         if gain.made > impossible + rounding {

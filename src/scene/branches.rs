@@ -97,10 +97,11 @@ impl Gap {
             let (g0, g1) = (self.at(s0), self.at(s1));
             if (g0 > 0.0) != (g1 > 0.0) {
                 found = self.root([s0, s1]);
+                before += 0.5 * (found - s0) * g0.abs();
                 if before >= BEGUN * smaller {
                     return found;
                 }
-                before = 0.0;
+                before = 0.5 * (s1 - found) * g1.abs();
             } else {
                 before += 0.5 * (s1 - s0) * (g0 + g1).abs();
             }
