@@ -36,7 +36,9 @@ pub fn blank(text: &str) -> Result<String, OpenComment> {
             for byte in out.iter_mut().skip(i).take(used).filter(|byte| !matches!(**byte, b'\n' | b'\r')) {
                 *byte = b' ';
             }
-        } else if let Some(comma) = last.trailing_comma(i, if inside == Inside::Json { bytes[i] } else { b'"' }) {
+        } else if let Some(comma) =
+            last.trailing_comma(i, if matches!(inside, Inside::Json | Inside::Line) { bytes[i] } else { b'"' })
+        {
             out[comma] = b' ';
         }
         inside = next;
@@ -111,7 +113,7 @@ mod tests {
         for (text, clean) in [
             ("[1, 2, ]", "[1, 2  ]"),
             ("{\"a\": [1,], /* b */ }", "{\"a\": [1 ]          }"),
-            ("[[1, // one\n],\n]", "[[1       \n] \n]"),
+            ("[[1, // one\n],\n]", "[[1        \n] \n]"),
             ("[\",]\", \"a,\",]", "[\",]\", \"a,\" ]"),
             ("[,]", "[,]"),
             ("{,}", "{,}"),
