@@ -251,7 +251,7 @@ impl Shifted {
             if exchanged {
                 b.swap(k, k + 1);
             }
-            b[k + 1] = b[k + 1] - factor * b[k];
+            b[k + 1] -= factor * b[k];
         }
         for (k, row) in self.rows.iter().enumerate().rev() {
             let known: c64 = row.iter().zip(b.iter()).skip(k + 1).map(|(a, b)| a * b).sum();
