@@ -16,6 +16,7 @@ use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::integrate::stepper::Stepper;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{NetworkSpec, Slack, SpringGroup};
+use canopy_fem::model::stop::Stop;
 use canopy_fem::scene::{Scene, build_network};
 use std::error::Error;
 use std::path::Path;
@@ -56,6 +57,7 @@ pub fn swing() -> Result<LedgerRow, Box<dyn Error>> {
         frames_every: None,
         keep_going: false,
         explain: Explain::All,
+        interrupt: Stop::NEVER,
         method: &method,
     };
     let outcome = run(&scene, &mut stepper, spec, &mut [], &AtomicBool::new(false))?;

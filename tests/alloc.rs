@@ -14,6 +14,7 @@ use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
+use canopy_fem::model::stop::Stop;
 use canopy_fem::model::stride::Passed;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
@@ -142,6 +143,7 @@ fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
         frames_every: None,
         keep_going: false,
         explain: Explain::Failures,
+        interrupt: Stop::NEVER,
         method: &choice,
     };
     run(scene, &mut stepper, spec, &mut [&mut marks], &stop).expect("it starts");

@@ -5,6 +5,7 @@ use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
+use crate::model::stop::Stop;
 use crate::output::encode::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 
@@ -46,6 +47,7 @@ impl Problem {
             frames_every: self.output.frames_every,
             keep_going,
             explain: Explain::All,
+            interrupt: Stop::NEVER,
             method: &self.method,
         }
     }

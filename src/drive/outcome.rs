@@ -8,6 +8,7 @@ use super::watch::DOUBTFUL;
 use crate::figures::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
+use crate::model::stop::Stop;
 use crate::solve::LinearStats;
 
 /// What a run looks for the cause of, by an analysis of the scene that takes as long as some hundred steps of a small one. Without it a report still says
@@ -36,6 +37,8 @@ pub struct RunSpec<'a> {
     pub keep_going: bool,
     /// of what the cause is looked for; where a run's cost is measured, of nothing
     pub explain: Explain,
+    /// ends the search for a cause, besides the flag that ends the run
+    pub interrupt: Stop<'a>,
     /// the method that the stepper was made of
     pub method: &'a MethodChoice,
 }

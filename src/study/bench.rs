@@ -13,6 +13,7 @@ use crate::drive::{self, Explain, Outcome, RunError, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
+use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 
@@ -49,6 +50,8 @@ pub struct Try<'a> {
     pub step: Step,
     /// how implicit steps are solved
     pub solver: SolverSpec,
+    /// set when the user interrupts
+    pub interrupt: Stop<'a>,
     /// where an earlier part of the run had come to
     pub from: Option<Snapshot>,
 }
@@ -109,13 +112,14 @@ impl Bench {
     ) -> Result<Outcome, TryError> {
         let scene = &*self.scene;
         let mut stepper = Stepper::bind(what.method.scheme(what.solver), scene.abilities())?;
-        let Try { method, step, .. } = what;
+        let Try { method, step, interrupt, .. } = what;
         let spec = RunSpec {
             end: self.end(),
             step,
             frames_every: Some(self.every),
             keep_going: false,
             explain: Explain::Failures,
+            interrupt,
             method,
         };
         Ok(match what.from {

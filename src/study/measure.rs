@@ -13,6 +13,7 @@ use crate::drive::observer::{
 };
 use crate::drive::{Outcome, RunError, Status};
 use crate::figures::figures;
+use crate::model::stop::Stop;
 use crate::output::process::{Cost, Stopwatch};
 
 /// An unfinished run is kept this often, so that a kill costs no more.
@@ -84,6 +85,7 @@ impl Meter<'_> {
             method: &method,
             step: job.pace.step(),
             solver: self.bench.problem.solver,
+            interrupt: Stop::on(self.interrupt),
             from: earlier.map(|e| e.snapshot),
         };
         let run = self.bench.run(what, &mut [&mut attendant], &stop);
@@ -98,9 +100,13 @@ impl Meter<'_> {
             Err(TryError::Run(RunError::Start(why))) => return Ok(refused(why.to_string())),
             Err(TryError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
         };
+        let interrupted = self.interrupt.load(Ordering::Relaxed);
+        // A failure whose cause was not looked for to the end is not a row yet.
+        if interrupted && (outcome.status == Status::Interrupted || outcome.failure.is_some()) {
+            return Ok(Ended::Interrupted);
+        }
         if outcome.status == Status::Interrupted {
-            let interrupted = self.interrupt.load(Ordering::Relaxed);
-            return Ok(if interrupted { Ended::Interrupted } else { Ended::OutOfTime(outcome.t_end) });
+            return Ok(Ended::OutOfTime(outcome.t_end));
         }
         let seconds = cost.cpu.unwrap_or(cost.wall.as_secs_f64());
         Ok(Ended::Done(measured(&outcome, distance.over(self.motion), seconds)))

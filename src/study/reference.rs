@@ -273,7 +273,7 @@ impl Workshop<'_> {
         let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
         let mut solver: SolverSpec = self.bench.problem.solver;
         solver.newton.relative = solver.newton.relative.min(NEWTON);
-        let what = Try { method, step, solver, from: None };
+        let what = Try { method, step, solver, interrupt: Stop::on(self.stop), from: None };
         let (nominal, stop) = (self.bench.nominal_step(method), AtomicBool::new(self.interrupted()));
         let left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
         let mut limit = Limit { left, user: self.stop, stop: &stop };

@@ -116,7 +116,7 @@ impl Run<'_> {
 
     pub(super) fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
         let &Run { scene, ref from, spec, stop, .. } = self;
-        let RunSpec { method, end, explain, .. } = spec;
-        Scenery { scene, method, from, step: self.steps + 1, h, t, end, explain, stop }
+        let RunSpec { method, end, explain, interrupt, .. } = spec;
+        Scenery { scene, method, from, step: self.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
     }
 }

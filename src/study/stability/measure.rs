@@ -203,7 +203,7 @@ impl<'a> Bench<'a> {
         before(h, steps)?;
         // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is nothing to it.
         let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
-        let (outcome, judge) = self.run(h, steps, swings)?;
+        let (outcome, judge) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);
         }
@@ -239,7 +239,7 @@ impl<'a> Bench<'a> {
         below.is_some_and(|row| lively > LIVELY[0] * row.lively && lively > LIVELY[1])
     }
 
-    fn run(&self, h: f64, steps: u64, keep_going: bool) -> Result<(Outcome, Judge<'a>), Halt> {
+    fn run(&self, h: f64, steps: u64, keep_going: bool, explain: Explain) -> Result<(Outcome, Judge<'a>), Halt> {
         let scene = self.scene();
         let refused = |why: &dyn std::fmt::Display| Halt::Refused(why.to_string());
         let mut stepper =
@@ -249,7 +249,8 @@ impl<'a> Bench<'a> {
             step: Step::Fixed(h),
             frames_every: None,
             keep_going,
-            explain: Explain::Failures,
+            explain,
+            interrupt: self.stop(),
             method: self.method,
         };
         let mut judge = Judge::new(self, steps, self.interrupt);
@@ -262,7 +263,7 @@ impl<'a> Bench<'a> {
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.
     pub fn failure(&self, h: f64) -> Option<Failure> {
-        self.run(h, self.steps(h), false).ok().and_then(|(outcome, _)| outcome.failure)
+        self.run(h, self.steps(h), false, Explain::Failures).ok().and_then(|(outcome, _)| outcome.failure)
     }
 
     /// The run at exactly this step.

@@ -20,6 +20,7 @@ use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::state::{State, StateRef};
+use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -132,6 +133,7 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
         frames_every: None,
         keep_going: false,
         explain: Explain::Nothing,
+        interrupt: Stop::NEVER,
         method: &method,
     };
     let left = AtomicBool::new(false);

@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 /// [-] Share of the run, and what is always allowed [s].
 const SHARE: f64 = 0.25;
-const LEAST: f64 = 1.0;
+const LEAST: f64 = 3.0;
 /// [s] A search of the spectrum for critical steps, a degree of freedom: some two hundred tangent products.
 const SEARCH: f64 = 1e-5;
 /// [-] Part of what is allowed that such a search may take.

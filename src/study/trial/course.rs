@@ -9,6 +9,7 @@ use crate::drive::{self, Explain, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
+use crate::model::stop::Stop;
 use crate::scene::Scene;
 
 /// States kept at most.
@@ -59,6 +60,7 @@ impl Course {
             frames_every: None,
             keep_going: false,
             explain: Explain::Nothing,
+            interrupt: Stop::NEVER,
             method: pilot.method,
         };
         let stop = AtomicBool::new(false);

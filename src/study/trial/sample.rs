@@ -14,6 +14,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
+use crate::model::stop::Stop;
 use crate::output::schedule::Schedule;
 use crate::scene::Scene;
 
@@ -45,7 +46,15 @@ impl<'a> Attempted<'a> {
     /// Its run.
     pub(super) fn spec(self) -> RunSpec<'a> {
         let Attempted { method, step, end, frames_every, .. } = self;
-        RunSpec { end, step, frames_every, keep_going: false, explain: Explain::Nothing, method }
+        RunSpec {
+            end,
+            step,
+            frames_every,
+            keep_going: false,
+            explain: Explain::Nothing,
+            interrupt: Stop::NEVER,
+            method,
+        }
     }
 }
 

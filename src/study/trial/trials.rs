@@ -1,6 +1,6 @@
 //! Every method tried along the way of one run.
 
-use super::beginning::beginning;
+use super::beginning::{Beginning, beginning};
 use super::budget::Budget;
 use super::cost::{ForceCost, TangentCost};
 use super::course::{Course, Pilot, Window};
@@ -38,6 +38,8 @@ const ADAPTIVE: f64 = 4.0;
 /// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that no trial tells.
 const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
+/// [s] A run with fixed steps that nominally takes less is made whole.
+const WHOLE: f64 = 0.06;
 /// [s] What a run may take from its start that has failed in a trial.
 const FAILING: f64 = 0.1;
 /// Steps that adaptive steps take at least: none is longer than a tenth of the run.
@@ -176,6 +178,15 @@ impl<'a> Trials<'a> {
         let mut stepper = bound.map_err(|e| e.to_string())?;
         let allowance = ALLOWANCE[usize::from(steps.is_none())];
         let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance };
+        if let Some(steps) = steps
+            && steps as f64 * nominal_step(self.scene, method) < WHOLE
+        {
+            let tried = Attempted { allowance: PATIENCE * WHOLE, ..tried };
+            let Beginning { sample, .. } = beginning(self.scene, &mut stepper, tried).map_err(|e| e.to_string())?;
+            if sample.steps >= steps as f64 {
+                return Ok(Estimate::from_one(&sample, self.end, sample.steps));
+            }
+        }
         // Of fewer states those in the middle.
         let skip = (self.windows.len() - count.min(self.windows.len())) / 2;
         let mut samples = Vec::new();

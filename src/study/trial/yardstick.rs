@@ -18,6 +18,7 @@ use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
+use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::study::bench::{interval, nominal_step, reference_tolerance};
 use crate::study::frames::{Distance, Frames, Sampler};
@@ -199,6 +200,7 @@ impl<'a> Yardstick<'a> {
             frames_every: Some(self.every),
             keep_going: false,
             explain: Explain::Nothing,
+            interrupt: Stop::NEVER,
             method,
         };
         let outcome = drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()?;
