@@ -5,9 +5,12 @@ use crate::scene::Scene;
 use crate::study::bench::nominal_step;
 use std::cell::Cell;
 
-/// [-] Share of the run, and what is always allowed [s].
+/// [-] Share of the run.
 const SHARE: f64 = 0.25;
+/// [s] What is always allowed on scenes of up to so many degrees of freedom. On larger ones it falls as these grow: to build them
+/// and to choose their solver costs time that is not counted here.
 const LEAST: f64 = 3.0;
+const SMALL: f64 = 60_000.0;
 /// [s] A search of the spectrum for critical steps, a degree of freedom: some two hundred tangent products.
 const SEARCH: f64 = 1e-5;
 /// [-] Part of what is allowed that such a search may take.
@@ -25,7 +28,8 @@ impl Budget {
     pub fn of(scene: &dyn Scene, problem: &Problem) -> Self {
         let steps = problem.time.step.fixed().map_or(0.0, |step| (problem.time.end / step).ceil());
         let run = steps * nominal_step(scene, &problem.method);
-        Budget { left: Cell::new((SHARE * run).max(LEAST)) }
+        let least = LEAST * (SMALL / scene.n_dof().max(1) as f64).min(1.0);
+        Budget { left: Cell::new((SHARE * run).max(least)) }
     }
 
     /// [s] What is left.
