@@ -14,7 +14,7 @@ use crate::model::point::Point;
 use crate::model::system::{TangentSystem, Weights};
 use crate::solve::newton::{Curvature, NonlinearProblem, Scales};
 use crate::solve::norms::norm;
-use crate::solve::{Accuracy, Inertia, LinearError};
+use crate::solve::{Accuracy, Expected, Inertia, LinearError};
 
 /// F(z) = 0 of one step.
 pub(super) struct Equations<'a> {
@@ -184,9 +184,9 @@ impl NonlinearProblem for Equations<'_> {
         self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
-    fn freeze(&mut self, reuse: f64) -> Result<bool, LinearError> {
+    fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
         let w = self.weights();
-        for make in [false, true].map(|convex| Make { convex, reuse }) {
+        for make in [false, true].map(|convex| Make { convex, expected }) {
             match self.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
@@ -199,8 +199,12 @@ impl NonlinearProblem for Equations<'_> {
         Ok(false)
     }
 
-    fn prefers_another(&self, reuse: f64) -> bool {
-        self.tangents.prefers_another(reuse)
+    fn prefers_another(&self, expected: Expected) -> bool {
+        self.tangents.prefers_another(expected)
+    }
+
+    fn cg_iterations(&self) -> u64 {
+        self.counters.cg_iterations
     }
 
     fn take_frozen(&mut self) {

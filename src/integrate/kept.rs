@@ -3,6 +3,7 @@
 
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
+use crate::solve::Expected;
 use crate::solve::quasi::Frozen;
 
 /// Ratio of two steps' mass weights beyond which a factor of one is of no use to the other.
@@ -19,8 +20,8 @@ pub struct KeptFactor {
     weights: [f64; 3],
     /// whether it is of the convex tangent
     convex: bool,
-    /// [-] reuse that was expected of it
-    made_for: f64,
+    /// what was expected of it
+    made_for: Expected,
 }
 
 /// How a kept factor is made.
@@ -28,8 +29,8 @@ pub struct KeptFactor {
 pub(super) struct Make {
     /// of the convex tangent
     pub convex: bool,
-    /// [-] reuse that is expected of it
-    pub reuse: f64,
+    /// what is expected of it
+    pub expected: Expected,
 }
 
 /// Why the factor is not the accepted one.
@@ -70,7 +71,7 @@ impl Kept {
             self.place = Place::Held;
             return None;
         }
-        let make = Make { convex: self.held.convex, reuse: self.held.made_for };
+        let make = Make { convex: self.held.convex, expected: self.held.made_for };
         Some((self.at.as_ref(), weights(self.held), make))
     }
 
@@ -83,15 +84,15 @@ impl Kept {
     pub fn usable(&self, w: Weights) -> Frozen {
         let ratio = w.m / weights(self.held).m;
         let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
-        if near { self.held.frozen } else { self.held.frozen.lost() }
+        if near { self.held.frozen } else { self.held.frozen.of_another_step() }
     }
 
     /// A factor was made in this attempt.
-    pub fn take(&mut self, at: StateRef<'_>, w: Weights, Make { convex, reuse }: Make) {
+    pub fn take(&mut self, at: StateRef<'_>, w: Weights, Make { convex, expected }: Make) {
         self.place = Place::Taken;
         self.tried_at.copy_from(at);
         self.tried =
-            KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex, made_for: reuse };
+            KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex, made_for: expected };
     }
 
     /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing if it is of that already.
@@ -104,7 +105,7 @@ impl Kept {
             self.place = Place::Taken;
         }
         self.tried.convex = true;
-        let make = Make { convex: true, reuse: self.tried.made_for };
+        let make = Make { convex: true, expected: self.tried.made_for };
         Some((self.tried_at.as_ref(), weights(self.tried), make))
     }
 

@@ -11,7 +11,8 @@ use crate::model::system::{TangentSystem, Weights};
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{
-    Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for, solver_for,
+    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for,
+    solver_for,
 };
 
 /// A matrix with its solver.
@@ -55,7 +56,7 @@ pub fn kept_factor(
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
     let factor = Factor::kept(assembler, choice, system.workers())?;
     // What is not factorised is cheap to make, and cheaper to keep.
-    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost());
+    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), factor.assembler.pattern.n());
     Ok(keeps.then_some(factor))
 }
 
@@ -174,9 +175,9 @@ impl Tangents {
         made
     }
 
-    /// Whether the kept factor would be of another kind, had this reuse been expected.
-    pub fn prefers_another(&self, reuse: f64) -> bool {
-        self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_another(reuse))
+    /// Whether the kept factor would be of another kind, had this been expected.
+    pub fn prefers_another(&self, expected: Expected) -> bool {
+        self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_another(expected))
     }
 
     /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
@@ -188,14 +189,14 @@ impl Tangents {
         system: &dyn TangentSystem,
         at: StateRef<'_>,
         w: Weights,
-        Make { convex, reuse }: Make,
+        Make { convex, expected }: Make,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
         self.current = Which::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
         let before = factor.linear.work();
-        factor.linear.expect(reuse);
+        factor.linear.anticipate(expected);
         let made = factor.linear.prepare(factor.assembler.values());
         counters.tangent_assemblies += 1;
         count(counters, before, factor.linear.work());

@@ -98,8 +98,21 @@ impl Accuracy {
 /// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
 pub const KEPT_RELATIVE: f64 = 1e-3;
 
-/// [-] Useful iterations that a kept matrix is expected to serve, over the root of what it costs in iterations, before any was seen.
-pub const EXPECTED_REUSE: f64 = 6.0;
+/// What is expected of a matrix that is kept.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Expected {
+    /// [-] useful iterations that it will serve, over the root of what it costs in iterations
+    pub reuse: f64,
+    /// [-] iterations of conjugate gradients in an average solve; 0 as long as none was seen
+    pub cg_iterations: f64,
+}
+
+impl Default for Expected {
+    /// Before any matrix was seen.
+    fn default() -> Self {
+        Expected { reuse: 6.0, cg_iterations: 0.0 }
+    }
+}
 
 /// Why a linear system cannot be solved.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -233,14 +246,14 @@ pub trait LinearSolver: Send {
         let _ = accuracy;
     }
 
-    /// How long the next matrix that is kept will probably serve: useful iterations over the root of what it costs in iterations.
-    fn expect(&mut self, reuse: f64) {
-        let _ = reuse;
+    /// What the next matrix that is kept will probably be used for.
+    fn anticipate(&mut self, expected: Expected) {
+        let _ = expected;
     }
 
-    /// Whether it would serve the last matrix otherwise, had it expected this reuse.
-    fn prefers_another(&self, reuse: f64) -> bool {
-        let _ = reuse;
+    /// Whether it would serve the last matrix otherwise, had it expected this.
+    fn prefers_another(&self, expected: Expected) -> bool {
+        let _ = expected;
         false
     }
 

@@ -24,8 +24,8 @@ mod weighed;
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
 pub use linear::{
-    Accuracy, EXPECTED_REUSE, Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction,
-    Work, kept_solver_for, solver_for,
+    Accuracy, Expected, Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work,
+    kept_solver_for, solver_for,
 };
 pub use lu::Lu;
 pub use ordering::{Elimination, Permutation, fill_reducing};

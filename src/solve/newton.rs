@@ -29,11 +29,11 @@ pub enum Strategy {
 }
 
 impl Strategy {
-    /// Whether a factor is kept that costs so many iterations on one that is there; 0: there is none to keep.
-    pub fn keeps(self, factor_cost: f64) -> bool {
+    /// Whether a factor of so many unknowns is kept that costs so many iterations on one that is there; 0: there is none to keep.
+    pub fn keeps(self, factor_cost: f64, unknowns: usize) -> bool {
         match self {
             Strategy::Full => false,
-            Strategy::Auto => factor_cost >= WORTH_KEEPING,
+            Strategy::Auto => factor_cost >= if unknowns < FEW { WORTH_KEEPING_SMALL } else { WORTH_KEEPING },
             Strategy::Modified | Strategy::Quasi => factor_cost > 0.0,
         }
     }
@@ -68,10 +68,13 @@ pub struct NewtonReport {
 /// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
 const CRAWL: f64 = 0.125;
 
-/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are kept: that of chains, and of nets of a dozen unknowns. Nets of
-/// 24 to 240 unknowns take 0.15 to 0.77 of the time then, chains of 700 to 10,000 nodes 0.6 to 0.75; smaller nets would gain little, and keep the
-/// digits of the exact tangent.
+/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are kept: that of chains. Those of 700 to 10,000 nodes take 0.6 to
+/// 0.75 of the time then.
 const WORTH_KEEPING: f64 = 0.7;
+/// [-] The same for few unknowns: that of nets of 24. They take 0.15 to 0.77 of the time then; short chains and smaller nets would gain little, and keep the
+/// digits of the exact tangent, which finds motions that are small beside the rounding of forces.
+const WORTH_KEEPING_SMALL: f64 = 1.0;
+const FEW: usize = 1000;
 
 /// [-] Residual over the forces of the step up to which it is accepted where all of it is rounding. Above, the residual alone tells nothing of soft
 /// springs beside stiff ones: the next correction must be small as well.

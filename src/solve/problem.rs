@@ -1,6 +1,6 @@
 //! What Newton's iteration asks of a problem.
 
-use super::{Accuracy, Inertia, LinearError};
+use super::{Accuracy, Expected, Inertia, LinearError};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,19 +47,24 @@ pub trait NonlinearProblem {
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
     /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to be used for many
-    /// solves; `false` if there is none to be had. `reuse` is what is expected of it ([`super::LinearSolver::expect`]).
+    /// solves; `false` if there is none to be had. `expected` is what it will be used for ([`super::LinearSolver::anticipate`]).
     ///
     /// # Errors
     /// A tangent that is not finite.
-    fn freeze(&mut self, reuse: f64) -> Result<bool, LinearError> {
-        let _ = reuse;
+    fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
+        let _ = expected;
         Ok(false)
     }
 
-    /// Whether the factor of the last [`NonlinearProblem::freeze`] would be of another kind, had this reuse been expected.
-    fn prefers_another(&self, reuse: f64) -> bool {
-        let _ = reuse;
+    /// Whether the factor of the last [`NonlinearProblem::freeze`] would be of another kind, had this been expected.
+    fn prefers_another(&self, expected: Expected) -> bool {
+        let _ = expected;
         false
+    }
+
+    /// Iterations of conjugate gradients so far.
+    fn cg_iterations(&self) -> u64 {
+        0
     }
 
     /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.

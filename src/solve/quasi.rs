@@ -11,7 +11,7 @@
 
 use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
-use super::{EXPECTED_REUSE, LinearError, forcing, search};
+use super::{Expected, LinearError, forcing, search};
 
 /// Pairs kept.
 const PAIRS: usize = 8;
@@ -37,8 +37,12 @@ pub struct Frozen {
     pub excess: u32,
     /// iterations made with it in all
     pub served: u32,
-    /// [-] useful iterations that such factors serve, over the root of what they cost in iterations; 0 as long as none was seen
-    pub reuse: f64,
+    /// what is expected of such factors by what was seen of them
+    pub expected: Expected,
+    /// solves by conjugate gradients with this one
+    pub cg_solves: u32,
+    /// their iterations
+    pub cg_iterations: u32,
     /// steps that are still made on the exact tangent, since a kept factor did not lead through the last ones
     pub rest: u32,
     /// how many that will be the next time
@@ -48,18 +52,24 @@ pub struct Frozen {
 impl Frozen {
     /// There is no factor; what was learnt of earlier ones stays.
     pub fn lost(self) -> Self {
-        Frozen { made: false, fresh: 0, excess: 0, served: 0, ..self }
+        Frozen { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
     }
 
-    /// [-] The reuse to expect of a new factor.
-    pub fn expected_reuse(&self) -> f64 {
-        if self.reuse > 0.0 { self.reuse } else { EXPECTED_REUSE }
+    /// The same where steps are of another size: they need other numbers of iterations.
+    pub fn of_another_step(self) -> Self {
+        let expected = Expected { cg_iterations: 0.0, ..self.expected };
+        Frozen { expected, ..self.lost() }
     }
 
-    /// [-] The same after what this one has shown, which costs so many iterations.
-    fn reuse_seen(&self, cost: f64) -> f64 {
+    /// What to expect after what this one has shown, which costs so many iterations.
+    fn seen(&self, cost: f64) -> Expected {
         let useful = f64::from(self.served.saturating_sub(self.excess).max(1));
-        0.5 * (self.expected_reuse() + useful / cost.max(1.0).sqrt())
+        let reuse = 0.5 * (self.expected.reuse + useful / cost.max(1.0).sqrt());
+        let cg_iterations = match self.cg_solves {
+            0 => self.expected.cg_iterations,
+            solves => f64::from(self.cg_iterations) / f64::from(solves),
+        };
+        Expected { reuse, cg_iterations }
     }
 
     /// A kept factor has not led through a step: the next ones are made on the exact tangent, twice as many as the last time.
@@ -227,7 +237,7 @@ impl Iteration<'_> {
     fn run(&mut self, z: &mut [f64]) -> Result<Option<NewtonReport>, LinearError> {
         let serves = self.frozen.made
             && f64::from(self.frozen.excess) < self.problem.factor_cost()
-            && !self.serves_longer_than_expected();
+            && !self.another_would_serve();
         if !serves && !self.freeze()? {
             return Ok(None);
         }
@@ -290,10 +300,13 @@ impl Iteration<'_> {
         Ok(None)
     }
 
-    /// Whether the factor has served so long that one of another kind, which costs more to make and less to use, would have been chosen.
-    fn serves_longer_than_expected(&self) -> bool {
-        let seen = self.frozen.reuse_seen(self.problem.factor_cost());
-        seen > self.frozen.expected_reuse() && self.problem.prefers_another(seen)
+    /// Whether a factor of another kind, which costs more to make and less to use, would have been chosen, had it been known how long this one serves and how
+    /// many iterations its solves take.
+    fn another_would_serve(&self) -> bool {
+        let (seen, expected) = (self.frozen.seen(self.problem.factor_cost()), self.frozen.expected);
+        // As long as it is of use no longer than was expected, it is too early to tell how long it will be.
+        let reuse = seen.reuse.max(expected.reuse);
+        self.problem.prefers_another(Expected { reuse, ..seen })
     }
 
     /// Books what a step has needed.
@@ -312,9 +325,9 @@ impl Iteration<'_> {
     fn freeze(&mut self) -> Result<bool, LinearError> {
         self.pairs.forget();
         if self.frozen.made {
-            self.frozen.reuse = self.frozen.reuse_seen(self.problem.factor_cost());
+            self.frozen.expected = self.frozen.seen(self.problem.factor_cost());
         }
-        let made = self.problem.freeze(self.frozen.expected_reuse())?;
+        let made = self.problem.freeze(self.frozen.expected)?;
         *self.frozen = Frozen { made, ..self.frozen.lost() };
         Ok(made)
     }
@@ -348,7 +361,13 @@ impl Iteration<'_> {
         self.problem.ask(forcing::kept(norm(r), self.goal.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
+        let before = self.problem.cg_iterations();
         self.pairs.apply(dz, |b| self.problem.solve(b))?;
+        let iterations = self.problem.cg_iterations() - before;
+        if iterations > 0 {
+            self.frozen.cg_solves = self.frozen.cg_solves.saturating_add(1);
+            self.frozen.cg_iterations = self.frozen.cg_iterations.saturating_add(iterations as u32);
+        }
         dz.iter_mut().for_each(|dz| *dz = -*dz);
         let Some(lambda) = self.search(z) else { return Ok(Step::Stuck) };
         self.pairs.push(lambda, &self.newton.dz, &self.newton.r);

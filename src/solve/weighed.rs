@@ -1,12 +1,13 @@
 //! Cholesky or conjugate gradients for a W that is kept over many solves, by counted work.
 //!
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of conjugate gradients is
-//! the number of iterations that they take to solve W x = b for a fixed pseudo-random b; this trial ends as soon as Cholesky would have been
-//! cheaper. So the choice depends on W and on how long matrices were of use before (`quasi`), which is counted as well: not on the machine.
+//! the number of iterations that real solves with earlier matrices have taken. For the first matrix a trial solves W x = b for a fixed pseudo-random b; it
+//! ends as soon as Cholesky would have been cheaper. So the choice depends on W and on what earlier matrices have shown (`quasi`), which is counted as
+//! well: not on the machine.
 
 use super::linear::{
-    ASSEMBLY_FLOPS, Accuracy, DENSE_OPERATION, EXPECTED_REUSE, FACTOR, Inertia, KEPT_RELATIVE, LinearError,
-    LinearSolver, LinearStats, SOLVE_FLOPS, SOLVE_SLOWNESS, Work,
+    ASSEMBLY_FLOPS, Accuracy, DENSE_OPERATION, Expected, FACTOR, Inertia, LinearError, LinearSolver, LinearStats,
+    SOLVE_FLOPS, SOLVE_SLOWNESS, Work,
 };
 use super::ordering::{Elimination, fill_reducing};
 use super::{Cholesky, ConjugateGradients};
@@ -24,6 +25,11 @@ const ITERATION: f64 = 7.5;
 /// [-] Iterations of an average solve over those of the trial: its right-hand side is smoother, and the last solve of a step need not be exact (0.55 to 0.75 on
 /// square nets of 10,000 and 90,000 nodes).
 const EASIER: f64 = 0.65;
+/// [-] What the trial may leave of its right-hand side; to leave its square, as solves may, takes twice as many iterations.
+const TRIAL: f64 = 0.0316;
+/// [-] The first matrix gets conjugate gradients even if the trial says that they cost so many times the iterations: they cost little to make, and real solves
+/// soon tell whether they are dearer, while the cost of a factor that is not needed is lost.
+const DOUBT: f64 = 1.3;
 /// [units of work] of an entry of W in making conjugate gradients ready.
 const READY: f64 = 97.5;
 /// [units of work] of an unknown in one iteration around the solve: a force pass and operations on vectors.
@@ -61,11 +67,11 @@ impl Cost {
 pub struct Prediction {
     /// [-] by Cholesky; of these units an entry of L takes 6.4 in a solve
     pub cholesky_work: f64,
-    /// [-] by conjugate gradients; where they were given up, with the one iteration more that made them dearer
+    /// [-] by conjugate gradients; where they were given up, with the iterations that made them dearer
     pub cg_work: f64,
-    /// iterations of conjugate gradients
+    /// iterations of conjugate gradients in an average solve: seen, or foretold by a trial
     pub cg_iterations: u32,
-    /// whether they came to an end; else they were given up where Cholesky was cheaper
+    /// whether they were cheaper; else a trial was given up where Cholesky was
     pub cg_converged: bool,
     /// entries of L
     pub factor_nonzeros: f64,
@@ -87,8 +93,8 @@ pub struct Weighed {
     prediction: Option<Prediction>,
     /// what was asked for
     accuracy: Accuracy,
-    /// [-] reuse that is expected of a matrix
-    reuse: f64,
+    /// what is expected of a matrix
+    expected: Expected,
 }
 
 impl Weighed {
@@ -108,7 +114,7 @@ impl Weighed {
             factored: false,
             prediction: None,
             accuracy: Accuracy::kept(),
-            reuse: EXPECTED_REUSE,
+            expected: Expected::default(),
         })
     }
 
@@ -130,29 +136,36 @@ impl Weighed {
         Cost { iteration: gain * (SOLVE * stored + AROUND * n), making: gain * making }
     }
 
-    /// Of conjugate gradients that take so many iterations in the trial; to begin and to end a solve takes as long as one.
+    /// Of conjugate gradients that take so many iterations in an average solve; to begin and to end a solve takes as long as one.
     fn cg_cost(&self, iterations: f64) -> Cost {
         let (n, entries) = (self.pattern.n() as f64, self.pattern.nonzeros() as f64);
-        let iteration = ITERATION * entries * (EASIER * iterations + 1.0) + AROUND * n;
+        let iteration = ITERATION * entries * (iterations + 1.0) + AROUND * n;
         Cost { iteration, making: (READY + ASSEMBLY_FLOPS) * entries }
     }
 
-    /// Tries conjugate gradients on W, as long as they may be cheaper.
+    /// Compares the two: by the iterations of earlier solves, or, where there were none, by a trial that lasts as long as conjugate gradients may be cheaper.
     fn weigh(&mut self) -> Result<Option<Prediction>, LinearError> {
         let Some(e) = &self.elimination else { return Ok(None) };
-        let cholesky_work = self.cholesky_cost(e).with_reuse(self.reuse);
+        let cholesky_work = self.cholesky_cost(e).with_reuse(self.expected.reuse);
         let (factor_nonzeros, factor_operations) = (e.nonzeros, e.operations);
         let none = self.cg_cost(0.0);
         let one = self.cg_cost(1.0).iteration - none.iteration;
-        let allowed = Cost::iteration_for(none.making, self.reuse, cholesky_work) - none.iteration;
-        let most = (allowed / one).clamp(0.0, f64::from(u32::MAX)) as u32;
-        let (cg_iterations, cg_converged) = match self.cg.rehearse(KEPT_RELATIVE, most) {
-            Ok(iterations) => (iterations, true),
-            Err(LinearError::Stalled { iterations, .. }) => (iterations, false),
-            Err(other) => return Err(other),
+        let allowed = Cost::iteration_for(none.making, self.expected.reuse, cholesky_work) - none.iteration;
+        let known = self.expected.cg_iterations > 0.0;
+        let allowed = allowed / one * if known { 1.0 } else { DOUBT };
+        let (iterations, cg_converged) = match self.expected.cg_iterations {
+            seen if known => (seen, seen <= allowed),
+            _ => {
+                let twice = 2.0 * EASIER;
+                match self.cg.rehearse(TRIAL, (allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                    Ok(iterations) => (twice * f64::from(iterations), true),
+                    Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
+                    Err(other) => return Err(other),
+                }
+            }
         };
-        let made = f64::from(cg_iterations) + if cg_converged { 0.0 } else { 1.0 };
-        let cg_work = self.cg_cost(made).with_reuse(self.reuse);
+        let cg_work = self.cg_cost(iterations).with_reuse(self.expected.reuse);
+        let cg_iterations = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) }).round() as u32;
         Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
     }
 }
@@ -213,13 +226,13 @@ impl LinearSolver for Weighed {
         self.accuracy = accuracy;
     }
 
-    fn expect(&mut self, reuse: f64) {
-        self.reuse = reuse;
+    fn anticipate(&mut self, expected: Expected) {
+        self.expected = expected;
     }
 
-    fn prefers_another(&self, reuse: f64) -> bool {
-        let (Some(e), Some(p), true) = (&self.elimination, &self.prediction, self.iterates) else { return false };
-        self.cholesky_cost(e).with_reuse(reuse) < self.cg_cost(f64::from(p.cg_iterations)).with_reuse(reuse)
+    fn prefers_another(&self, Expected { reuse, cg_iterations }: Expected) -> bool {
+        let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
+        self.cholesky_cost(e).with_reuse(reuse) < self.cg_cost(cg_iterations).with_reuse(reuse)
     }
 
     fn work(&self) -> Work {
