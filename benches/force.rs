@@ -1,5 +1,5 @@
-//! Force passes and explicit steps of the 703-node cloth, the spring pass beside a plain C loop compiled in this run with
-//! `cc -O3` (left out, with a message, where there is no C compiler).
+//! Force passes and explicit steps of the 703-node cloth, the spring pass beside a plain C loop compiled in this run
+//! with `cc -O3` (left out, with a message, where there is no C compiler).
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench force

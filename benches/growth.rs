@@ -1,4 +1,5 @@
-//! How the cost of a step grows with the number of nodes: the sagging annulus of `assets/cases/big` from 1,000 nodes up.
+//! How the cost of a step grows with the number of nodes: the sagging annulus of `assets/cases/big` from 1,000 nodes
+//! up.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench growth -- --most 100000            # a minute; a million nodes (the default) take a quarter of an hour and 8 GB
@@ -6,9 +7,10 @@
 //! cargo bench -p canopy-fem-benches --bench growth -- --svg growth.svg            # the curves too
 //! ```
 //!
-//! Processor time of all threads, output and start-up apart. An exponent is that of the power law between a size and the one before it.
-//! Explicit steps are as short as the size demands, take two passes over the forces each (the dashpots), and are measured after a warm-up; implicit steps are the first ten of 1 ms, the first
-//! factorisation included, the median of as many such runs as fill a second.
+//! Processor time of all threads, output and start-up apart. An exponent is that of the power law between a size and
+//! the one before it. Explicit steps are as short as the size demands, take two passes over the forces each (the
+//! dashpots), and are measured after a warm-up; implicit steps are the first ten of 1 ms, the first factorisation
+//! included, the median of as many such runs as fill a second.
 
 mod fixture;
 

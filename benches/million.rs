@@ -1,18 +1,19 @@
-//! A velocity-Verlet step of a million nodes beside what the memory can do: a STREAM triad (McCalpin 1995) in the same run, one thread and
-//! two, all in turn. Steps one by one, and in strides, with the account that a run takes of each.
+//! A velocity-Verlet step of a million nodes beside what the memory can do: a STREAM triad (McCalpin 1995) in the same
+//! run, one thread and two, all in turn. Steps one by one, and in strides, with the account that a run takes of each.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench million
 //! cargo bench -p canopy-fem-benches --bench million -- --svg roofline.svg     # the roofline too
 //! ```
-//! The limits count what a step must move, as STREAM counts: each vector read or written once a pass, over the nodes in two passes or, as a step does
-//! it, in one.
+//! The limits count what a step must move, as STREAM counts: each vector read or written once a pass, over the nodes in
+//! two passes or, as a step does it, in one.
 //! ```text
 //! kick and drift: read x, v, f, 1/m, write x, v        forces and kick: read x, v, 1/m, write f, v        springs: 4 bytes of nodes, 8 of l0
 //! in one:         read x, v, f, 1/m, write x, v, f
 //! ```
-//! The roofline (Williams, Waterman & Patterson 2009) has operations over time above operations over bytes. Its slopes are the triads, its ceilings what steps reach whose scene stays in the
-//! caches. A root and a quotient count as one operation each. Steps of a stride cross memory together.
+//! The roofline (Williams, Waterman & Patterson 2009) has operations over time above operations over bytes. Its slopes
+//! are the triads, its ceilings what steps reach whose scene stays in the caches. A root and a quotient count as one
+//! operation each. Steps of a stride cross memory together.
 
 mod fixture;
 

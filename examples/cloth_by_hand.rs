@@ -1,7 +1,7 @@
 //! A scene built without a case file: a square metre of cloth held along one edge swings down, with implicit Newmark.
 //!
-//! The springs are undamped and go slack, on which Newmark 1/4 makes energy in large steps: at 2 ms instead of 0.2 ms the
-//! ledger's `numerical` shows hundreds of joules out of nothing.
+//! The springs are undamped and go slack, on which Newmark 1/4 makes energy in large steps: at 2 ms instead of 0.2 ms
+//! the ledger's `numerical` shows hundreds of joules out of nothing.
 //!
 //! ```text
 //! cargo run --release --example cloth_by_hand

@@ -1,5 +1,5 @@
-//! Runs the damped oscillator of the thesis' Appendix A with every method and prints what each is off from the closed form,
-//! and what it cost.
+//! Runs the damped oscillator of the thesis' Appendix A with every method and prints what each is off from the closed
+//! form, and what it cost.
 //!
 //! ```text
 //! cargo run --release --example compare_methods

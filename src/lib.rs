@@ -1,12 +1,14 @@
 //! canopy-fem: parachute canopies and cloth as mass-spring networks, integrated the way a finite-element code would.
 //!
-//! All is M a = f(t, x, v) with a lumped mass M. `f` is the force on the nodes; its tangents are K = -df/dx and C = -df/dv, so that springs at rest and
-//! dashpots have positive ones, and implicit schemes solve with W = cm M + cc C + ck K. Units are SI: m, kg, s, N, Pa, J; every number's doc
-//! begins with its own. Specifications, meshes, frames and messages number nodes as the user does; states and forces within a run have
-//! [a numbering of the engine](model::state).
+//! All is M a = f(t, x, v) with a lumped mass M. `f` is the force on the nodes; its tangents are K = -df/dx and C =
+//! -df/dv, so that springs at rest and dashpots have positive ones, and implicit schemes solve with W = cm M + cc C +
+//! ck K. Units are SI: m, kg, s, N, Pa, J; every number's doc begins with its own. Specifications, meshes, frames and
+//! messages number nodes as the user does; states and forces within a run have [a numbering of the
+//! engine](model::state).
 //!
-//! The program is [`cli`]; a library's way is the same: a case, or a [`NetworkSpec`](model::spec::NetworkSpec) made by hand
-//! (`examples/cloth_by_hand.rs`), a scene built of it, a method bound to the scene, and [`drive::run`] with observers.
+//! The program is [`cli`]; a library's way is the same: a case, or a [`NetworkSpec`](model::spec::NetworkSpec) made by
+//! hand (`examples/cloth_by_hand.rs`), a scene built of it, a method bound to the scene, and [`drive::run`] with
+//! observers.
 //!
 //! ```
 //! use canopy_fem::{case::Case, simulation::{FollowSpec, follow}};

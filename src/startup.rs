@@ -1,7 +1,8 @@
 //! Where the time before the first step goes.
 //!
-//! Phases lie in many layers, and most of what they call has no business with clocks. So each is timed where it is called,
-//! into an account of the thread that makes a run ready; without an account nothing is measured. Seconds are told, they decide nothing.
+//! Phases lie in many layers, and most of what they call has no business with clocks. So each is timed where it is
+//! called, into an account of the thread that makes a run ready; without an account nothing is measured. Seconds are
+//! told, they decide nothing.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -40,8 +41,8 @@ pub enum Phase {
     Factorization,
 }
 
-/// [s] Processor time by phase (time on the clock where the system tells no other), 0 for one that did not take place; each without the
-/// phases inside it.
+/// [s] Processor time by phase (time on the clock where the system tells no other), 0 for one that did not take place;
+/// each without the phases inside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Startup {
@@ -173,8 +174,8 @@ thread_local! {
     static BOOK: RefCell<Option<Book>> = const { RefCell::new(None) };
 }
 
-/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked; the matrices that the search
-/// for the largest stable step makes are part of that search.
+/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked; the
+/// matrices that the search for the largest stable step makes are part of that search.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
         let first = |b: &Book| phase != Phase::Factorization || b.found.factorization == 0.0;

@@ -15,7 +15,8 @@ use common::run::{asset, case_of, changed, run};
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
 
-/// A small cloth that goes slack, in a gust that begins and ends within a hundredth of a millisecond: every corner makes steps fail.
+/// A small cloth that goes slack, in a gust that begins and ends within a hundredth of a millisecond: every corner
+/// makes steps fail.
 fn gusty(method: &str, tolerance: &str) -> Case {
     let wind = "[[0, 0, 0, 5], [0.02, 0, 0, 5], [0.02001, 0, 0, 60], [0.03, 0, 0, 60], [0.03001, 0, 0, 5]]";
     asset(
@@ -178,7 +179,8 @@ fn unsolved_steps_shrink() {
     }
 }
 
-/// Where rounding of positions is larger than what the tolerance allows, no step is small enough; the report says so and names a node.
+/// Where rounding of positions is larger than what the tolerance allows, no step is small enough; the report says so
+/// and names a node.
 #[test]
 fn a_floor_ends_in_a_diagnosis() {
     let case = |relative: f64, absolute: f64| -> Value {
@@ -206,7 +208,8 @@ fn a_floor_ends_in_a_diagnosis() {
     assert_eq!(run(&case_of(&case(0.1, 1e-4), &[])).outcome.status, Status::Completed);
 }
 
-/// An explicit scheme at a loose tolerance runs into its stability limit, not into the ground: errors grow first, and steps shrink.
+/// An explicit scheme at a loose tolerance runs into its stability limit, not into the ground: errors grow first, and
+/// steps shrink.
 #[test]
 fn stiff_scenes_hold_explicit_steps_near_their_limit() {
     for (method, most) in [("velocity-verlet", 2.0), ("rk4", 2.0)] {
@@ -227,8 +230,8 @@ fn stiff_scenes_hold_explicit_steps_near_their_limit() {
     }
 }
 
-/// A scene at rest until a load sets in: the error of velocity counts before anything has moved. (Explicit Euler's positions say nothing of
-/// the load in the first step; two steps over the whole ramp once passed for exact.)
+/// A scene at rest until a load sets in: the error of velocity counts before anything has moved. (Explicit Euler's
+/// positions say nothing of the load in the first step; two steps over the whole ramp once passed for exact.)
 #[test]
 fn a_late_load_is_met_at_every_tolerance() {
     let case = |method: &str, step: &Value| {
@@ -254,8 +257,8 @@ fn a_late_load_is_met_at_every_tolerance() {
     }
 }
 
-/// Steps that a tolerance lets go above the limit of stiff dashpots for a moment: the motion stays right, and the account does not lose what the dashpots took.
-/// Where it does, because the scheme makes energy, the run is doubted.
+/// Steps that a tolerance lets go above the limit of stiff dashpots for a moment: the motion stays right, and the
+/// account does not lose what the dashpots took. Where it does, because the scheme makes energy, the run is doubted.
 #[test]
 fn dashpots_keep_their_account_where_steps_overshoot() {
     let ended = |method: &str, tolerance: f64| {
@@ -285,7 +288,8 @@ fn dashpots_keep_their_account_where_steps_overshoot() {
     }
 }
 
-/// Where steps resolve an oscillation coarsely, around its turning points the ends of a step know nothing of what lies between: the stages count.
+/// Where steps resolve an oscillation coarsely, around its turning points the ends of a step know nothing of what lies
+/// between: the stages count.
 #[test]
 fn coarse_steps_that_resolve_keep_the_account_of_their_stages() {
     for (step, allowed) in [("0.4", 1e-9), ("0.8", 1e-6), ("1.2", 1e-4)] {

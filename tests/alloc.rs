@@ -1,4 +1,5 @@
-//! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky or conjugate gradients. LU allocates inside the library.
+//! No allocation in a step after warm-up: explicit schemes, Kang, and Newton with Cholesky or conjugate gradients. LU
+//! allocates inside the library.
 //!
 //! A plain `main` without the test harness, whose own thread allocates beside the measurement.
 

@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn sources(folder: &str) -> Vec<(PathBuf, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
-    let mut open = vec![root];
+    sources_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder))
+}
+
+fn sources_below(root: &Path) -> Vec<(PathBuf, String)> {
+    let mut open = vec![root.to_owned()];
     let mut found = Vec::new();
     while let Some(dir) = open.pop() {
         for entry in std::fs::read_dir(&dir).expect("a folder of the crate") {
@@ -18,7 +21,7 @@ fn sources(folder: &str) -> Vec<(PathBuf, String)> {
             }
         }
     }
-    assert!(!found.is_empty(), "{folder} holds no sources");
+    assert!(!found.is_empty(), "{} holds no sources", root.display());
     found
 }
 
@@ -166,7 +169,8 @@ fn nothing_a_user_can_cause_panics_by_design() {
     }
 }
 
-/// What a diagnosis or a scheme wants to know of a force is in its `TermInfo`: a list of names would miss the next force.
+/// What a diagnosis or a scheme wants to know of a force is in its `TermInfo`: a list of names would miss the next
+/// force.
 #[test]
 fn forces_are_known_by_what_they_say_and_not_by_name() {
     let named = |line: &str| Some(line.split_once("name: \"")?.1.split_once('"')?.0.to_owned());
@@ -183,8 +187,9 @@ fn forces_are_known_by_what_they_say_and_not_by_name() {
     }
 }
 
-/// `cargo test` after `cargo build` compiles what is new for the tests and nothing again: a development dependency that turns a
-/// feature on in a crate that the program is built from would have that crate and all that use it compiled twice.
+/// `cargo test` after `cargo build` compiles what is new for the tests and nothing again: a development dependency that
+/// turns a feature on in a crate that the program is built from would have that crate and all that use it compiled
+/// twice.
 #[test]
 fn dependencies_of_the_tests_change_no_features_of_the_program() {
     let features = |edges: &str| -> BTreeMap<String, String> {
@@ -202,4 +207,23 @@ fn dependencies_of_the_tests_change_no_features_of_the_program() {
     for (package, with) in &program {
         assert_eq!(with, &tests[package], "the features of {package}");
     }
+}
+
+/// Comments are no wider than code, which rustfmt checks without them. Formulas between fences may be wider.
+#[test]
+fn comments_are_at_most_120_columns_wide() {
+    let mut too_wide = Vec::new();
+    for folder in ["src", "tests", "benches", "examples"] {
+        for (path, text) in sources_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)) {
+            let mut fenced = false;
+            for (number, line) in text.lines().enumerate() {
+                let comment = line.trim_start().starts_with("//");
+                fenced = comment && (fenced != line.contains("```"));
+                if comment && !fenced && line.chars().count() > 120 {
+                    too_wide.push(format!("{}:{}", path.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert!(too_wide.is_empty(), "{}", too_wide.join("\n"));
 }

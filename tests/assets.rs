@@ -29,7 +29,8 @@ fn fits(method: &MethodInfo, case: &Case) -> bool {
     !(method.family == Family::MatrixFree && matches!(case.problem().system, SystemSpec::Pendulum(_)))
 }
 
-/// The big annuli ask for the nodes they are named after, and are one sheet at every size: with as many nodes they are one case.
+/// The big annuli ask for the nodes they are named after, and are one sheet at every size: with as many nodes they are
+/// one case.
 #[test]
 fn the_big_annuli_differ_in_nothing_but_size() {
     let mut sheets = Vec::new();
@@ -108,7 +109,8 @@ fn implicit_methods_take_the_cloths_in_steps_of_ten_milliseconds() {
     }
 }
 
-/// The thesis' Table 4: at V = 1e12 m/s every explicit scheme diverges within tens of picoseconds, and the air is to blame.
+/// The thesis' Table 4: at V = 1e12 m/s every explicit scheme diverges within tens of picoseconds, and the air is to
+/// blame.
 #[test]
 fn the_original_parachute_diverges_because_of_the_air() {
     let base = asset("parachute-original", &[]);
@@ -117,7 +119,8 @@ fn the_original_parachute_diverges_because_of_the_air() {
         assert_eq!(outcome.status, Status::Diverged, "{}", method.name);
         let failure = outcome.failure.expect("a report");
         println!("{}: {:.2e} s, {}", method.name, failure.time, failure.cause);
-        // Explicit Euler lags behind the wind for longest, dop853 resolves most of it: 4.6e-11 and 4.9e-11 s on this mesh.
+        // Explicit Euler lags behind the wind for longest, dop853 resolves most of it: 4.6e-11 and 4.9e-11 s on this
+        // mesh.
         let last = if ["explicit-euler", "dop853"].contains(&method.name) { 5.0e-11 } else { 4.5e-11 };
         assert!((2.5e-11..last).contains(&failure.time), "{}: {:e}", method.name, failure.time);
         assert_eq!(failure.term.as_deref(), Some("air"), "{}", method.name);
@@ -134,8 +137,8 @@ fn height(run: &Run) -> f64 {
     heights.iter().sum::<f64>() / heights.len() as f64
 }
 
-/// Two schemes that share nothing but the forces rise to the same height; each one's own error is estimated with half the
-/// step, and the difference is no more than theirs together.
+/// Two schemes that share nothing but the forces rise to the same height; each one's own error is estimated with half
+/// the step, and the difference is no more than theirs together.
 #[test]
 fn verlet_and_newmark_rise_to_the_same_height() {
     let base = asset("cloth-k1000", &[("time.end", "0.2")]);

@@ -1,7 +1,7 @@
 //! Case files: what is accepted, what is refused and how, and what a case becomes.
 //!
-//! Where tests go: a fault that a value causes is one row of a table in `refused`; what a good case turns into stands in
-//! `built`; text, encoding and syntax in `reading`; the schema in `schema`.
+//! Where tests go: a fault that a value causes is one row of a table in `refused`; what a good case turns into stands
+//! in `built`; text, encoding and syntax in `reading`; the schema in `schema`.
 
 #[path = "case/built.rs"]
 mod built;

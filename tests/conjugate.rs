@@ -1,4 +1,5 @@
-//! Conjugate gradients: solutions, what they notice, the trajectories of runs that use them, and when `auto` takes them.
+//! Conjugate gradients: solutions, what they notice, the trajectories of runs that use them, and when `auto` takes
+//! them.
 
 mod common;
 
@@ -59,7 +60,8 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
 }
 
-/// Solutions are those of Cholesky, to what was asked for, in fewer iterations where less was asked; nodes that are partly held included.
+/// Solutions are those of Cholesky, to what was asked for, in fewer iterations where less was asked; nodes that are
+/// partly held included.
 #[test]
 fn solutions_are_those_of_cholesky() {
     let pattern = sheet(12).assembler().expect("small").pattern;
@@ -98,7 +100,8 @@ fn compressed(scene: &Network, scale: f64) -> (Arc<Pattern>, Vec<f64>) {
     (assembler.pattern.clone(), assembler.values().to_vec())
 }
 
-/// An indefinite matrix is an error that leaves the right-hand side, or found before any solve; whichever is chosen automatically says so.
+/// An indefinite matrix is an error that leaves the right-hand side, or found before any solve; whichever is chosen
+/// automatically says so.
 #[test]
 fn an_indefinite_matrix_is_noticed() {
     for scale in [0.9, 0.7, 0.3] {
@@ -158,8 +161,8 @@ fn chain(n: u32) -> Pattern {
     }
 }
 
-/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate gradients from its solution. Their
-/// error has its numbers, and the solver that chooses gives the matrix to Cholesky.
+/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate
+/// gradients from its solution. Their error has its numbers, and the solver that chooses gives the matrix to Cholesky.
 #[test]
 fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     let n = 600;
@@ -189,7 +192,8 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     assert!(stats.name == "cholesky" && stats.prediction.is_some_and(|p| !p.cg_converged), "{stats:?}");
 }
 
-/// W of a sheet at rest, `side` springs along an edge, with unit springs and m of a node's mass; every `nth` spring is `stiffer` times as stiff.
+/// W of a sheet at rest, `side` springs along an edge, with unit springs and m of a node's mass; every `nth` spring is
+/// `stiffer` times as stiff.
 fn at_rest(side: u32, m: f64, springs: (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
     of_unit_springs(square(side, m), springs)
 }
@@ -206,7 +210,8 @@ fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<
     (assembler.pattern.clone(), assembler.values().to_vec())
 }
 
-/// A right-hand side that has a part of every motion, its solution to a relative residual, and the iterations that took.
+/// A right-hand side that has a part of every motion, its solution to a relative residual, and the iterations that
+/// took.
 fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec<f64>, Vec<f64>, u64) {
     let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
     assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
@@ -216,8 +221,8 @@ fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec
     (b, x, solver.work().iterations - before)
 }
 
-/// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth: iterations stay few however long it is. Pivots that were blocks of W
-/// (symmetric Gauss-Seidel) took 37, 210 and 244.
+/// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth:
+/// iterations stay few however long it is. Pivots that were blocks of W (symmetric Gauss-Seidel) took 37, 210 and 244.
 #[test]
 fn a_long_chain_takes_few_iterations() {
     let found = [100, 1000, 10_000].map(|n| {
@@ -228,7 +233,8 @@ fn a_long_chain_takes_few_iterations() {
     assert_eq!(found, [10, 45, 51]);
 }
 
-/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two halves, and takes 14 and 30 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
+/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two
+/// halves, and takes 14 and 30 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
 #[test]
 fn sheets_take_few_iterations() {
     let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
@@ -249,8 +255,9 @@ fn wrinkled(side: u32, m: f64, amplitude: f64, patch: Option<f64>) -> (Arc<Patte
     of_unit_springs(spec, (1, 1.0))
 }
 
-/// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell nothing (1,107 iterations in the second case, 2,176
-/// in the last), so pivots are made without. Symmetric Gauss-Seidel took 26, 83, 33 and 104 in the first four.
+/// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell
+/// nothing (1,107 iterations in the second case, 2,176 in the last), so pivots are made without. Symmetric Gauss-Seidel
+/// took 26, 83, 33 and 104 in the first four.
 #[test]
 fn wrinkled_sheets() {
     let waves = [(0.3, 1e-2, 35), (0.3, 1e-3, 90), (1.0, 1e-2, 35), (1.0, 1e-3, 115)];
@@ -272,8 +279,9 @@ fn apart_from_cholesky(system: &(Arc<Pattern>, Vec<f64>), relative: f64) -> (f64
     (difference(&x, &expected), iterations)
 }
 
-/// Where springs a thousand times stiffer than their neighbours meet them, fill would leave nothing of pivots, and is left out: solutions are those of Cholesky, as
-/// near as residuals of 1e-6 tell there. Symmetric Gauss-Seidel took 699, 605 and 155.
+/// Where springs a thousand times stiffer than their neighbours meet them, fill would leave nothing of pivots, and is
+/// left out: solutions are those of Cholesky, as near as residuals of 1e-6 tell there. Symmetric Gauss-Seidel took 699,
+/// 605 and 155.
 #[test]
 fn stiff_springs_among_soft_ones() {
     for (springs, near, most) in [((7, 1e3), 1e-3, 450), ((37, 1e5), 1e-2, 580), ((3, 1e-3), 1e-3, 180)] {
@@ -284,7 +292,8 @@ fn stiff_springs_among_soft_ones() {
 
 const DEAD: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "dead", "direction": [0, 0, 1]}]"#;
 
-/// The 703-node cloth in the wind, whose tangent is not symmetric; and under a dead pressure, with springs that go slack.
+/// The 703-node cloth in the wind, whose tangent is not symmetric; and under a dead pressure, with springs that go
+/// slack.
 fn scenes() -> [(&'static str, Case); 2] {
     let base = asset("cloth-k1000", &[("time.end", "0.05"), ("output", "{}")]);
     let calm = [
@@ -302,8 +311,8 @@ fn solved(case: &Case, sets: &[(&str, &str)]) -> Run {
     found
 }
 
-/// However the linear systems are solved, steps end at the same residual: trajectories agree to 1e-6 of the motion, as those of the strategies do, and
-/// nothing is factorised.
+/// However the linear systems are solved, steps end at the same residual: trajectories agree to 1e-6 of the motion, as
+/// those of the strategies do, and nothing is factorised.
 #[test]
 fn trajectories_are_those_of_direct_solvers() {
     for (scene, case) in scenes() {
@@ -330,8 +339,8 @@ fn trajectories_are_those_of_direct_solvers() {
     }
 }
 
-/// Buckled springs make the tangent indefinite; the convex one takes over. Such a net has several ways to bulge, which differ by less than a hundredth
-/// in energy; either solver finds one.
+/// Buckled springs make the tangent indefinite; the convex one takes over. Such a net has several ways to bulge, which
+/// differ by less than a hundredth in energy; either solver finds one.
 #[test]
 fn compressed_springs_are_no_obstacle() {
     let case = asset(
@@ -356,7 +365,8 @@ fn compressed_springs_are_no_obstacle() {
     }
 }
 
-/// `auto` takes conjugate gradients in small steps of soft cloths and Cholesky in long ones of stiff cloths, and tells both prices.
+/// `auto` takes conjugate gradients in small steps of soft cloths and Cholesky in long ones of stiff cloths, and tells
+/// both prices.
 #[test]
 fn auto_takes_what_costs_less() {
     let base = asset("cloth-k1000", &[("time.end", "0.01"), ("time.method", "newmark"), ("output", "{}")]);
@@ -387,7 +397,8 @@ fn the_work_of_conjugate_gradients() {
     );
 }
 
-/// Nets of some thousand nodes are eliminated in two halves, which threads share: the bits and the work do not depend on their number.
+/// Nets of some thousand nodes are eliminated in two halves, which threads share: the bits and the work do not depend
+/// on their number.
 #[test]
 fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
     let case = asset("big/annulus-10k", &[("time.end", "4e-3"), ("output", "{}"), ("solver.linear", "cg")]);

@@ -1,5 +1,5 @@
-//! The work of one short run of every method, counted: the same on every machine and for every number of threads, unlike
-//! seconds. A change here is a change of cost that somebody meant to make.
+//! The work of one short run of every method, counted: the same on every machine and for every number of threads,
+//! unlike seconds. A change here is a change of cost that somebody meant to make.
 
 mod common;
 

@@ -173,8 +173,8 @@ fn a_chain_has_its_closed_form() {
     assert_eq!(critical(&*scene, "newmark").step, f64::INFINITY);
 }
 
-/// Prestress adds T/l across every spring: two springs pulled to (1 + e) l0 along x carry a mass with 2 k along, 2 T/l across.
-/// Shortened ones (e < 0) push it away across, which limits no step.
+/// Prestress adds T/l across every spring: two springs pulled to (1 + e) l0 along x carry a mass with 2 k along, 2 T/l
+/// across. Shortened ones (e < 0) push it away across, which limits no step.
 #[test]
 fn prestress_counts_and_compression_limits_nothing() {
     for (strain, square) in [(0.0, 200.0), (1.5, 200.0), (-0.3, 200.0)] {
@@ -296,8 +296,8 @@ fn agrees(scene: &dyn Scene, what: &str) {
     }
 }
 
-/// Runge-Kutta schemes by their polynomial and the multistep one by Adams-Bashforth 2, on the eigenvalues of dense L: a net out of
-/// balance moves so far in one step that a difference of steps is not the tangent at its start.
+/// Runge-Kutta schemes by their polynomial and the multistep one by Adams-Bashforth 2, on the eigenvalues of dense L: a
+/// net out of balance moves so far in one step that a difference of steps is not the tangent at its start.
 fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     if ["euler-cromer", "velocity-verlet"].contains(&name) {
         return dense_limit(scene, name, most);
@@ -341,8 +341,8 @@ fn dense_limit_of_carrying(scene: &dyn Scene, name: &str, most: f64) -> f64 {
     stable
 }
 
-/// A bent net that is held nowhere, pressed together so that it buckles: motions that grow by themselves limit no step, as the
-/// growing motions of dense steps are told from those of the scene by their number.
+/// A bent net that is held nowhere, pressed together so that it buckles: motions that grow by themselves limit no step,
+/// as the growing motions of dense steps are told from those of the scene by their number.
 #[test]
 fn growth_of_the_scene_itself_limits_no_step() {
     let axial = |coefficient: f64| json!({"axial": {"coefficient": coefficient}});
@@ -388,7 +388,8 @@ fn bent_net(side: usize, rest_scale: f64, dashpot: Option<Value>, air: Option<Va
     net
 }
 
-/// [s] First step, from well below `about` on, whose map has more growing motions than the scene has, by dense eigenvalues.
+/// [s] First step, from well below `about` on, whose map has more growing motions than the scene has, by dense
+/// eigenvalues.
 fn dense_limit_beside_growth(scene: &dyn Scene, name: &str, about: f64) -> f64 {
     let (k, _) = dense(scene, Weights { m: 0.0, c: 0.0, k: 1.0 });
     let (c, free) = dense(scene, Weights { m: 0.0, c: 1.0, k: 0.0 });
@@ -443,7 +444,8 @@ fn the_stiffest_corner_is_named() {
     assert_eq!(scene.fastest_spring(found.dof), Some(stiff as u32));
 }
 
-/// What the interval says is what runs do: a hundredth below it the motion stays as small as it was, two above it grows without end.
+/// What the interval says is what runs do: a hundredth below it the motion stays as small as it was, two above it grows
+/// without end.
 #[test]
 fn runs_below_the_certified_limit_stay_and_runs_above_diverge() {
     let mut net = random_net(41, 6, 0.3);
@@ -466,9 +468,9 @@ fn runs_below_the_certified_limit_stay_and_runs_above_diverge() {
     }
 }
 
-/// A flat net in the wind, with dashpots: its step map has nearly parallel eigenvectors (across itself it has no stiffness), so Ritz values beyond 1
-/// with small residuals are not eigenvalues. Real runs hold just below the limit that is told, and diverge just beyond it
-/// (4.44e-5 s by dense eigenvalues for 80 nodes and 5e-4 s).
+/// A flat net in the wind, with dashpots: its step map has nearly parallel eigenvectors (across itself it has no
+/// stiffness), so Ritz values beyond 1 with small residuals are not eigenvalues. Real runs hold just below the limit
+/// that is told, and diverge just beyond it (4.44e-5 s by dense eigenvalues for 80 nodes and 5e-4 s).
 #[test]
 fn a_flat_net_in_the_wind_is_not_told_too_small_a_limit() {
     for (nodes, time) in [(60, 5e-4), (80, 5e-4), (80, 7e-4), (100, 5e-4)] {

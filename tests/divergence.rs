@@ -117,8 +117,9 @@ fn follow_advice(case: &Case, failure: &Failure) -> Result<(), String> {
     Ok(())
 }
 
-/// Steps beyond the limit, from a hair to a lot: found at most six steps after the picture is wrong by all its motion, with no node
-/// ten sizes away, and mended by following the advice. A run that gets through is right, or says that it is not.
+/// Steps beyond the limit, from a hair to a lot: found at most six steps after the picture is wrong by all its motion,
+/// with no node ten sizes away, and mended by following the advice. A run that gets through is right, or says that it
+/// is not.
 #[test]
 fn explicit_steps_beyond_the_limit_are_found_and_the_advice_works() {
     let (mut found, mut wrong) = (0, Vec::new());

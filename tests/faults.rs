@@ -1,5 +1,5 @@
-//! What use of the program found: every case here went wrong once, mostly without a word. Each test keeps the right value.
-//! A test of this kind belongs in the file of its topic in `tests/faults/`.
+//! What use of the program found: every case here went wrong once, mostly without a word. Each test keeps the right
+//! value. A test of this kind belongs in the file of its topic in `tests/faults/`.
 
 #[path = "faults/adaptive.rs"]
 mod adaptive;

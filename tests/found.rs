@@ -1,4 +1,5 @@
-//! What the fuzzers found, and what they start from, goes through the functions of the fuzz targets again (`tests/fuzz`).
+//! What the fuzzers found, and what they start from, goes through the functions of the fuzz targets again
+//! (`tests/fuzz`).
 
 #[path = "fuzz/oracle/case.rs"]
 mod case;

@@ -83,8 +83,8 @@ fn large_steps_end_on_the_branch_of_small_ones() {
     }
 }
 
-/// A chain of nearly inextensible links that starts as an arc with its links a little too short: the residual of the links
-/// hides everything else from a search that looks at its norm.
+/// A chain of nearly inextensible links that starts as an arc with its links a little too short: the residual of the
+/// links hides everything else from a search that looks at its norm.
 #[test]
 fn a_stiff_chain_finds_its_catenary() {
     let links = 40_usize;
@@ -111,12 +111,14 @@ fn a_stiff_chain_finds_its_catenary() {
         let done = run(&case_of(&case, &[]));
         assert_eq!(done.outcome.status, Status::Completed, "step {step}: {:?}", done.outcome.failure);
         let lowest = done.positions.iter().fold(0.0_f64, |m, p| m.min(p[2]));
-        // y = a cosh(x/a) of length pi over a span of 2: a = 0.5816, sag a (cosh(1/a) - 1) = 1.0934; links of pi/40 are off by less than 1 %.
+        // y = a cosh(x/a) of length pi over a span of 2: a = 0.5816, sag a (cosh(1/a) - 1) = 1.0934; links of pi/40 are
+        // off by less than 1 %.
         assert!((lowest + 1.0934).abs() < 0.02, "step {step}: sag {lowest}");
     }
 }
 
-/// A first guess is looked at half way only where a spring points away from where it pointed, or has no direction: nodes of the patch are 1 m apart.
+/// A first guess is looked at half way only where a spring points away from where it pointed, or has no direction:
+/// nodes of the patch are 1 m apart.
 #[test]
 fn a_spring_that_turns_over_is_seen() {
     let mut spec = patch();

@@ -1,5 +1,5 @@
-//! The linear solvers on tangents of real networks: positive definite, indefinite (compressed springs), singular, non-symmetric;
-//! and the fill-reducing ordering.
+//! The linear solvers on tangents of real networks: positive definite, indefinite (compressed springs), singular,
+//! non-symmetric; and the fill-reducing ordering.
 
 mod common;
 
@@ -143,7 +143,8 @@ fn the_ordering_is_a_permutation_that_keeps_nodes_together_and_saves_fill() {
     }
 }
 
-/// A factor that is kept solves in single precision where that is enough, and exactly where more is asked for or single precision is not enough.
+/// A factor that is kept solves in single precision where that is enough, and exactly where more is asked for or single
+/// precision is not enough.
 #[test]
 fn a_kept_factor_solves_as_exactly_as_it_is_asked_to() {
     for (side, scale, soft) in [(3, 1.0, true), (12, 1e-12, true), (40, 1e12, true), (40, 1.0, false)] {

@@ -124,8 +124,8 @@ fn discs_are_fair() {
     }
 }
 
-/// Large meshes, which are made with less work a node, are as sound as small ones and their triangles on average as good; and most edges
-/// join nodes that are near each other in memory.
+/// Large meshes, which are made with less work a node, are as sound as small ones and their triangles on average as
+/// good; and most edges join nodes that are near each other in memory.
 #[test]
 fn large_meshes_are_fair() {
     let annulus = |inner_radius, nodes, seams| {

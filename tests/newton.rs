@@ -1,5 +1,5 @@
-//! Newton's iteration in situations where a plausible result would be wrong: large steps past a spring's anchor, scenes of very
-//! different stiffness, scenes that start without any force.
+//! Newton's iteration in situations where a plausible result would be wrong: large steps past a spring's anchor, scenes
+//! of very different stiffness, scenes that start without any force.
 
 mod common;
 #[path = "newton/iteration.rs"]
@@ -96,8 +96,8 @@ fn a_scene_without_any_force_at_the_start_is_solved() {
 
 #[test]
 fn a_stiff_spring_is_followed_through_a_turn() {
-    // The benchmark of Kuhl and Crisfield (1999) at their step: while the mass moves 8 cm across the spring, the norm of the residual
-    // first rises a hundredfold, as it only sees the spring.
+    // The benchmark of Kuhl and Crisfield (1999) at their step: while the mass moves 8 cm across the spring, the norm
+    // of the residual first rises a hundredfold, as it only sees the spring.
     for method in IMPLICIT {
         let case = json!({
             "name": "turn",

@@ -70,9 +70,9 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
-/// The oscillator's pictures against its closed form x = 2 m cos(w0 t), w0^2 = 3/2 s^-2. A drawing unit is 0.1 px; in the picture of
-/// 700 px by 440 px half a unit at the curve and at the numbers of both axes is 0.001 m and 0.003 s, and 0.003 s are 0.007 m at the
-/// largest speed, 2.45 m/s. The scheme adds 2 m w0 t (w0 h)^2/24 = 0.0003 m.
+/// The oscillator's pictures against its closed form x = 2 m cos(w0 t), w0^2 = 3/2 s^-2. A drawing unit is 0.1 px; in
+/// the picture of 700 px by 440 px half a unit at the curve and at the numbers of both axes is 0.001 m and 0.003 s, and
+/// 0.003 s are 0.007 m at the largest speed, 2.45 m/s. The scheme adds 2 m w0 t (w0 h)^2/24 = 0.0003 m.
 #[test]
 fn the_oscillator_is_drawn_as_it_moves() {
     let desk = Desk::new();
@@ -97,8 +97,9 @@ fn the_oscillator_is_drawn_as_it_moves() {
     let error = largest(curves[0].iter().map(|(x, v)| x.hypot(v / w0) - 2.0));
     assert!(error < 0.004, "{error} m from the circle");
 
-    // 1/2 k x0^2 = 6 J, all of it elastic at the start. Half a unit is 0.0007 J; the scheme's energy leaves 6 J by (w0 h)^2/4 of it,
-    // 0.0002 J, at most; and 0.003 s are 0.02 J where the elastic energy changes fastest, by 6 J w0 a second.
+    // 1/2 k x0^2 = 6 J, all of it elastic at the start. Half a unit is 0.0007 J; the scheme's energy leaves 6 J by (w0
+    // h)^2/4 of it, 0.0002 J, at most; and 0.003 s are 0.02 J where the elastic energy changes fastest, by 6 J w0 a
+    // second.
     let energy = desk.picture("out/energy.svg");
     let sum = energy.curves(BLACK);
     let error = largest(sum[0].iter().map(|(_, e)| e - 6.0));
@@ -110,8 +111,8 @@ fn the_oscillator_is_drawn_as_it_moves() {
     assert!(!energy.says("gravity") && !energy.says("dissipated"), "entries that are zero are left out");
 }
 
-/// Frames every 2.5 steps of explicit Euler lie on its spiral, r = 2 m (1 + (w0 h)^2)^(t/2h): between two steps the velocity is that of
-/// the chord, which cuts the turn w0 h of a step by (w0 h)^2/8 of r.
+/// Frames every 2.5 steps of explicit Euler lie on its spiral, r = 2 m (1 + (w0 h)^2)^(t/2h): between two steps the
+/// velocity is that of the chord, which cuts the turn w0 h of a step by (w0 h)^2/8 of r.
 #[test]
 fn euler_spirals_between_its_steps() {
     let desk = Desk::new();
@@ -143,7 +144,8 @@ fn several_runs_are_overlaid() {
         let curves = picture.curves(color);
         assert_eq!(curves.len(), 1, "{method}");
         let extreme = largest(curves[0].iter().map(|p| p.1));
-        // Explicit Euler grows by sqrt(1 + (w0 h)^2) a step; its last extreme is at about 18 s. A frame is at most 0.05 s from it.
+        // Explicit Euler grows by sqrt(1 + (w0 h)^2) a step; its last extreme is at about 18 s. A frame is at most 0.05
+        // s from it.
         let expected = if method == "explicit-euler" { 2.0 * 1.00375_f64.powf(0.5 * 18.0 / 0.05) } else { 2.0 };
         assert!((extreme / expected - 1.0).abs() < 0.003, "{method} swings to {extreme} m, not {expected} m");
     }
@@ -197,8 +199,8 @@ fn unlike_cases_are_overlaid() {
     let (start, farthest) = (bob[0].1, largest(bob.iter().map(|p| p.1)));
     let expected = 0.5_f64.sin();
     assert!((start - expected).abs() < 2e-3 && (farthest - expected).abs() < 2e-3, "{start} m, {farthest} m");
-    // c/m = 0.1/s leaves exp(-0.05 t) of the angle until the other side, half a swing of 2.04 s later. The nearest frame is up to
-    // 0.025 s away, in which the bob comes back by g/L x t^2/2 = 0.0015 m.
+    // c/m = 0.1/s leaves exp(-0.05 t) of the angle until the other side, half a swing of 2.04 s later. The nearest
+    // frame is up to 0.025 s away, in which the bob comes back by g/L x t^2/2 = 0.0015 m.
     let other_side = bob.iter().map(|p| p.1).fold(0.0, f64::min);
     let expected = -(0.5 * (-0.05_f64 * 1.02).exp()).sin();
     assert!((other_side - expected).abs() < 3e-3, "{other_side} m, not {expected} m");
@@ -234,7 +236,8 @@ fn parts_of_the_results_are_chosen() {
     assert!((curve[0].0 - 0.05).abs() < 1e-4 && (curve[10].0 - 0.15).abs() < 1e-4, "{curve:?}");
 }
 
-/// A run that diverged is drawn as far as it went, marked, and named so; beside a sound run it does not squeeze that one flat.
+/// A run that diverged is drawn as far as it went, marked, and named so; beside a sound run it does not squeeze that
+/// one flat.
 #[test]
 fn a_diverged_run_is_drawn() {
     let desk = Desk::new();
@@ -245,8 +248,8 @@ fn a_diverged_run_is_drawn() {
     let alone = desk.picture("wild/displacement.svg");
     // Growth of sqrt(1 + (0.9 w0)^2) a step passes 1e4 times the scene's 10 m in the 30th: 2 m 1.488^30 = 3e5 m.
     assert!(alone.says("diverged at 27 s"), "{:?}", alone.words());
-    // The energy grows at each of 30 steps; the median one is the 15th, and ten times what was made until then is shown, with a
-    // margin of 4 % of twice that. Half a unit is 0.04 % of it.
+    // The energy grows at each of 30 steps; the median one is the 15th, and ten times what was made until then is
+    // shown, with a margin of 4 % of twice that. Half a unit is 0.04 % of it.
     let made = desk.column("wild/history.csv", "numerical");
     let edge = 10.0 * (1.0 + 0.04 * 2.0) * -made[15];
     let energy = desk.picture("wild/energy.svg");
@@ -261,8 +264,8 @@ fn a_diverged_run_is_drawn() {
     assert!(both.says(legend) && both.says("velocity-verlet"), "{:?}", both.words());
     let good = largest(both.curves(VERMILLION)[0].iter().map(|p| p.1));
     let wild = largest(both.curves(BLUE).iter().flatten().map(|p| p.1));
-    // The sound one swings over 4 m; the frame leaves as much again to either side, and 4 % of the 12 m. The other is cut there; half
-    // a unit is 0.0015 m.
+    // The sound one swings over 4 m; the frame leaves as much again to either side, and 4 % of the 12 m. The other is
+    // cut there; half a unit is 0.0015 m.
     let edge = 2.0 + 4.0 + 0.04 * 12.0;
     assert!((good - 2.0).abs() < 0.01 && (wild - edge).abs() < 0.03, "{good} m and {wild} m, cut at {edge} m");
     // What is lost in a dashpot is nothing beside the energies of the blow-up, and shown all the same.

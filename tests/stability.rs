@@ -45,8 +45,8 @@ fn agrees(row: &Row) {
     }
 }
 
-/// Masses along a line that can only move along it: w = 2 sqrt(k/m) sin(...), whatever the amplitude while none passes another. All modes
-/// move, by small parts of the springs' length.
+/// Masses along a line that can only move along it: w = 2 sqrt(k/m) sin(...), whatever the amplitude while none passes
+/// another. All modes move, by small parts of the springs' length.
 fn chain(dashpot: Option<Value>) -> Case {
     chain_of(12, dashpot)
 }
@@ -91,7 +91,8 @@ fn an_undamped_oscillator_has_the_limits_of_theory() {
     }
 }
 
-/// With damping every explicit method has a limit, those included that grow without; the case of the thesis as it is, but smaller.
+/// With damping every explicit method has a limit, those included that grow without; the case of the thesis as it is,
+/// but smaller.
 #[test]
 fn a_damped_oscillator_agrees_for_every_explicit_method() {
     let case = asset("oscillator-damped", &[("system.network.initial.displacement", "[0.01, 0, 0]")]);
@@ -101,15 +102,16 @@ fn a_damped_oscillator_agrees_for_every_explicit_method() {
     }
 }
 
-/// The cases of the thesis as they are, for all methods. Their 2 m in a spring of 10 m are linear, yet the stages of a long step reach past the
-/// anchor, so that some are measured from small motion; a method without limit has none.
+/// The cases of the thesis as they are, for all methods. Their 2 m in a spring of 10 m are linear, yet the stages of a
+/// long step reach past the anchor, so that some are measured from small motion; a method without limit has none.
 #[test]
 fn the_oscillators_as_they_are_agree_for_every_method() {
     let all: Vec<&str> = methods().iter().map(|m| m.name).collect();
     let damped = of(&asset("oscillator-damped", &[]), &all);
     for row in &damped {
         match row.prediction.known_by {
-            // Kang's filter leaves the dashpot to an explicit step; where its limit is no theory tells, so nothing can differ from it.
+            // Kang's filter leaves the dashpot to an explicit step; where its limit is no theory tells, so nothing can
+            // differ from it.
             KnownBy::Unknown => assert!(row.method == "kang" && row.ratio.is_none() && row.measured.is_some()),
             _ => agrees(row),
         }
@@ -214,7 +216,8 @@ fn chains_agree_within_two_percent() {
     }
 }
 
-/// Beyond its limit on an undamped oscillation dormand-prince grows by some 1e-5 a step: seen in the energy of small motion, in time.
+/// Beyond its limit on an undamped oscillation dormand-prince grows by some 1e-5 a step: seen in the energy of small
+/// motion, in time.
 #[test]
 fn slow_growth_is_seen() {
     for row in of(&asset("oscillator", &[]), &["dormand-prince"]) {
@@ -234,7 +237,8 @@ fn linear_acceleration_is_limited() {
     assert!(row.prediction.step.is_some() && row.method.starts_with("newmark(beta=0.1666"), "{}", row.method);
 }
 
-/// The same with 1800 degrees of freedom, where runs of implicit methods were cut off after 34 steps: at a limit 1.5 % too high.
+/// The same with 1800 degrees of freedom, where runs of implicit methods were cut off after 34 steps: at a limit 1.5 %
+/// too high.
 #[test]
 fn a_large_scene_has_steps_enough_for_growth_to_show() {
     let given = |list: &[(&str, f64)]| list.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
@@ -247,7 +251,8 @@ fn a_large_scene_has_steps_enough_for_growth_to_show() {
     }
 }
 
-/// Beyond the prediction for a cloth that moves, `solve` diverges at 0.0125 s in its step 59: no limit above is reported.
+/// Beyond the prediction for a cloth that moves, `solve` diverges at 0.0125 s in its step 59: no limit above is
+/// reported.
 #[test]
 fn a_cloth_does_not_hold_at_a_step_that_diverges() {
     let method = MethodChoice::new("newmark", &BTreeMap::from([("beta".to_owned(), 1.0 / 6.0)])).expect("a method");
@@ -348,7 +353,8 @@ fn explanations_name_what_changed() {
     assert!(words.starts_with("damping falls: ") && !words.contains("stiffens"), "{words}");
 }
 
-/// What grows at every step has no stable step; what a run of so many steps shows is measured and explained with its growth.
+/// What grows at every step has no stable step; what a run of so many steps shows is measured and explained with its
+/// growth.
 #[test]
 fn growth_at_every_step_is_explained() {
     for row in of(&chain(None), &["explicit-euler", "improved-euler"]) {
@@ -359,8 +365,9 @@ fn growth_at_every_step_is_explained() {
     }
 }
 
-/// A mass held across two springs by a growing force: nothing limits a step at t = 0, and later both springs do, at 2/sqrt(2 k/m) = 0.1414 s
-/// at the end (see tests/cli/stiffening.rs). Some percent below that what moves is kept up already.
+/// A mass held across two springs by a growing force: nothing limits a step at t = 0, and later both springs do, at
+/// 2/sqrt(2 k/m) = 0.1414 s at the end (see tests/cli/stiffening.rs). Some percent below that what moves is kept up
+/// already.
 #[test]
 fn a_scene_that_stiffens_fails_below_the_limit_at_its_start() {
     let string = |z: f64| {

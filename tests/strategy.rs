@@ -35,7 +35,8 @@ fn with(case: &Case, method: &str, step: &str, strategy: &str) -> Run {
     found
 }
 
-/// The tolerance on a step's residual is 1e-8 of the forces; what is left of a hundred steps stays below 1e-6 of the motion.
+/// The tolerance on a step's residual is 1e-8 of the forces; what is left of a hundred steps stays below 1e-6 of the
+/// motion.
 #[test]
 fn every_strategy_gives_the_same_trajectory() {
     for (scene, case) in scenes() {
@@ -58,7 +59,8 @@ fn every_strategy_gives_the_same_trajectory() {
     }
 }
 
-/// A sheet of 16 nodes keeps a factor in many of its steps, with dashpots along the springs, which need an LU else, too.
+/// A sheet of 16 nodes keeps a factor in many of its steps, with dashpots along the springs, which need an LU else,
+/// too.
 #[test]
 fn small_nets_keep_a_factor() {
     let sheet = |dashpot: &str| {
@@ -84,7 +86,8 @@ fn small_nets_keep_a_factor() {
     }
 }
 
-/// What `auto` does is decided by counted work: a pendulum and a net of two or three nodes are solved in full, to the bit.
+/// What `auto` does is decided by counted work: a pendulum and a net of two or three nodes are solved in full, to the
+/// bit.
 #[test]
 fn small_scenes_keep_no_factor() {
     for stem in ["pendulum", "spring-pendulum", "oscillator-damped"] {
@@ -96,7 +99,8 @@ fn small_scenes_keep_no_factor() {
     }
 }
 
-/// A step that no kept factor leads through is made with the exact tangent: here a canopy is thrown far beyond its shape in one step.
+/// A step that no kept factor leads through is made with the exact tangent: here a canopy is thrown far beyond its
+/// shape in one step.
 #[test]
 fn where_a_kept_factor_fails_the_exact_one_takes_over() {
     let case =
@@ -109,8 +113,8 @@ fn where_a_kept_factor_fails_the_exact_one_takes_over() {
     }
 }
 
-/// Work repeats exactly, on any machine and with any number of threads; this cloth is so stiff that factors are made and conjugate gradients take
-/// their turn only where a matrix does not serve for long.
+/// Work repeats exactly, on any machine and with any number of threads; this cloth is so stiff that factors are made
+/// and conjugate gradients take their turn only where a matrix does not serve for long.
 #[test]
 fn the_work_of_a_kept_factor() {
     let case = asset("cloth-k1000", &[("time.end", "0.1"), ("output", "{}")]);

@@ -1,4 +1,5 @@
-//! Steps made in one go, of which only the last state is seen, leave what steps made one by one leave: every file, byte for byte, and every counter.
+//! Steps made in one go, of which only the last state is seen, leave what steps made one by one leave: every file, byte
+//! for byte, and every counter.
 
 mod common;
 
@@ -207,8 +208,8 @@ fn a_divergence_is_found_at_its_step() {
     }
 }
 
-/// A mass on a spring from the origin, 2e-3 m long, with this speed [m/s]; the scene is half as large, and 1e4 times that is too far. Steps are so short that
-/// no node moves farther than the scene's size in one.
+/// A mass on a spring from the origin, 2e-3 m long, with this speed [m/s]; the scene is half as large, and 1e4 times
+/// that is too far. Steps are so short that no node moves farther than the scene's size in one.
 fn thrown(speed: f64, spring: Value, step: f64) -> Case {
     let mut spring = spring;
     spring["on"] = json!("all");
@@ -229,7 +230,8 @@ fn thrown(speed: f64, spring: Value, step: f64) -> Case {
     )
 }
 
-/// Also one that is back at the end of the stride in which it is away: it swings by 20 m and 1.4e-6 m, and is more than 20 m away for 15 steps.
+/// Also one that is back at the end of the stride in which it is away: it swings by 20 m and 1.4e-6 m, and is more than
+/// 20 m away for 15 steps.
 #[test]
 fn who_leaves_the_scene_is_told_at_its_step() {
     let swings = |speed| thrown(speed, json!({"stiffness": 1.0, "rest_length": 1e-3}), 5e-5);
@@ -360,7 +362,8 @@ fn forces() -> [(&'static str, Value); 7] {
     ]
 }
 
-/// Every force alone, and all together: with work in the ledger, tables in time, and velocities that are predicted and corrected.
+/// Every force alone, and all together: with work in the ledger, tables in time, and velocities that are predicted and
+/// corrected.
 #[test]
 fn all_forces_work_in_strides() {
     let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5].contains(i)).map(|(_, force)| force);

@@ -1,5 +1,5 @@
-//! The report of a tradeoff study, from studies made by hand: every run is a row and a mark, whatever became of it, and every name
-//! comes through as it was.
+//! The report of a tradeoff study, from studies made by hand: every run is a row and a mark, whatever became of it, and
+//! every name comes through as it was.
 
 #[path = "study_report/sample.rs"]
 mod sample;
@@ -58,7 +58,8 @@ impl Report {
     }
 }
 
-/// The table as other programs read it: its header to the letter, its cells as short as they can be, nothing where there is nothing.
+/// The table as other programs read it: its header to the letter, its cells as short as they can be, nothing where
+/// there is nothing.
 #[test]
 fn the_table_is_what_the_contract_says() {
     let mut study = study("table", &[1.0], &some_laws(&["hht"]), None);
@@ -100,7 +101,8 @@ fn methods_can_be_given_again() {
     assert_eq!(table.lines().count(), 1 + study.rows.len());
 }
 
-/// No run is missing: each way to end has its rows, its marks in the strip, its word in the legend and its reason on the page.
+/// No run is missing: each way to end has its rows, its marks in the strip, its word in the legend and its reason on
+/// the page.
 #[test]
 fn every_status_is_a_row_and_a_mark() {
     let ends = [RowStatus::Completed, RowStatus::Completed].into_iter().chain(FAILURES).chain(FAILURES);
@@ -208,7 +210,8 @@ fn the_page_stands_alone_and_repeats() {
     assert_eq!(page.lines().zip(other.lines()).filter(|(a, b)| a != b).count(), 1, "one line tells the day");
 }
 
-/// A sweep has the factor in its table, a table and a figure over stiffness; a later study without one leaves neither behind.
+/// A sweep has the factor in its table, a table and a figure over stiffness; a later study without one leaves neither
+/// behind.
 #[test]
 fn sweeps_over_stiffness() {
     let swept = study("sweep", &[1.0, 100.0, 1e5, 1e6], &some_laws(&["velocity-verlet", "newmark"]), None);

@@ -4,8 +4,8 @@
 //! peer_canopy_fem export CASE [KEY=VALUE ...] > scene.txt      the scene, plainly: see benches/peers/README.md
 //! peer_canopy_fem serve CASE [KEY=VALUE ...]                   one run a line of standard input: METHOD step|tol VALUE FILE
 //! ```
-//! A run is what `canopy-fem tradeoff` times: the driver with its ledger and its watch for divergence, frames kept in memory,
-//! no files. FILE then receives the frames' positions as little-endian f64.
+//! A run is what `canopy-fem tradeoff` times: the driver with its ledger and its watch for divergence, frames kept in
+//! memory, no files. FILE then receives the frames' positions as little-endian f64.
 
 use canopy_fem::case::Case;
 use canopy_fem::case::schema::Method;

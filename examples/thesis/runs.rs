@@ -61,7 +61,8 @@ fn cost(case: &Case) -> Result<Cost, Failed> {
 pub const COST_HEADS: [&str; 6] =
     ["scheme", "thesis CPU [s]", "to Euler", "our CPU [s]", "to Euler", "force passes a step"];
 
-/// A row a method (name, method, the thesis' seconds or none): its cost beside the thesis', both also over the first row's.
+/// A row a method (name, method, the thesis' seconds or none): its cost beside the thesis', both also over the first
+/// row's.
 pub fn cost_rows(methods: &[(&str, &str, f64)], base: &Case) -> Result<Vec<Vec<String>>, Failed> {
     let mut first = None;
     let mut rows = Vec::new();

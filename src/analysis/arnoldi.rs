@@ -28,8 +28,8 @@ pub(super) struct RitzVector {
 }
 
 impl Krylov {
-    /// At most `most` products; `None` where one is not finite, where it was asked to stop, or where eigenvalues were not found
-    /// within the bound of their iteration.
+    /// At most `most` products; `None` where one is not finite, where it was asked to stop, or where eigenvalues were
+    /// not found within the bound of their iteration.
     pub fn of(start: Vec<f64>, most: usize, stop: Stop<'_>, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         let (basis, h, left) = project(start, most, stop, times)?;
         let values = eigenvalues(&h)?.into_iter().filter(|value| value.im >= 0.0).collect();
@@ -55,7 +55,8 @@ impl Krylov {
     }
 }
 
-/// The degree of freedom that moves most in an eigenvector of two halves, in coordinates M^1/2 x; `root` is the diagonal of M^-1/2.
+/// The degree of freedom that moves most in an eigenvector of two halves, in coordinates M^1/2 x; `root` is the
+/// diagonal of M^-1/2.
 pub(super) fn place([re, im]: &[Vec<f64>; 2], root: &[f64]) -> usize {
     let n = root.len();
     let square = |i: usize| re[i] * re[i] + im[i] * im[i];

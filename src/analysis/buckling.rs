@@ -19,8 +19,8 @@ pub struct Buckling {
     pub dof: usize,
 }
 
-/// The shape that grows fastest at a state, if the stiffness has a negative root there. Costs some tens to hundreds of tangent
-/// products (Lanczos); exact for symmetric scenes, of the others the symmetric part is looked at.
+/// The shape that grows fastest at a state, if the stiffness has a negative root there. Costs some tens to hundreds of
+/// tangent products (Lanczos); exact for symmetric scenes, of the others the symmetric part is looked at.
 pub fn fastest(scene: &dyn Scene, at: StateRef<'_>, stop: Stop<'_>) -> Option<Buckling> {
     let linear = Linearised::of(scene, at, stop);
     let mut p = vec![0.0; linear.root.len()];

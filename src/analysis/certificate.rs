@@ -1,5 +1,6 @@
-//! The proof that no mode is faster than a bound: m M + c C + k K is positive definite exactly where Cholesky finds only
-//! positive pivots (Sylvester's law of inertia). Its rounding, n 1e-16 of the largest root, is far below the margins used.
+//! The proof that no mode is faster than a bound: m M + c C + k K is positive definite exactly where Cholesky finds
+//! only positive pivots (Sylvester's law of inertia). Its rounding, n 1e-16 of the largest root, is far below the
+//! margins used.
 
 use crate::assembly::Assembler;
 use crate::model::state::StateRef;

@@ -1,14 +1,14 @@
-//! Critical steps of the methods on a scene, linearised about a state: prestress, dashpots, Rayleigh damping and the air included.
+//! Critical steps of the methods on a scene, linearised about a state: prestress, dashpots, Rayleigh damping and the
+//! air included.
 //!
-//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over the
-//! elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
-//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k z = 0 with the quotients
-//! k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved in the same way
-//! ([`Pencil`], which a method may give).
-//! Else estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so
-//! outer eigenvalues of L (Arnoldi) tell; explicit partitioned schemes are stepped.
-//! Motion that grows by itself (buckling, flutter) limits no step: it must grow. A step of a scheme that is stepped is stable where every
-//! shape that its map makes grow is one that grows by itself.
+//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over
+//! the elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
+//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k z = 0 with
+//! the quotients k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved
+//! in the same way ([`Pencil`], which a method may give). Else estimates. A linear step of a Runge-Kutta or multistep
+//! scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so outer eigenvalues of L (Arnoldi) tell; explicit partitioned
+//! schemes are stepped. Motion that grows by itself (buckling, flutter) limits no step: it must grow. A step of a
+//! scheme that is stepped is stable where every shape that its map makes grow is one that grows by itself.
 
 use super::certificate::Certifier;
 use super::lanczos::{self, Ritz};
@@ -36,8 +36,9 @@ const USEFUL: f64 = 1.15;
 /// Share by which rounding may lift an element bound.
 const ROUNDING: f64 = 1e-10;
 
-/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong (velocity
-/// Verlet makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third at 0.5).
+/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong
+/// (velocity Verlet makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third
+/// at 0.5).
 const ADVISED: f64 = 0.5;
 /// [rad] w h up to which a step is advised for an implicit method that damps nothing
 const JUMPS: f64 = 3.0;
@@ -69,14 +70,15 @@ pub struct CriticalStep {
     pub rates: Rates,
 }
 
-/// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one that
-/// is not found here.
+/// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one
+/// that is not found here.
 pub fn has_limit(method: &MethodChoice) -> bool {
     let some = Rates { frequency: 1.0, ..Rates::default() };
     method.info.family != Family::MatrixFree && critical_step(method, some).is_finite()
 }
 
-/// Whether a limit is not known: forces that follow velocities, and loads that turn with the cloth, act outside Kang's filter.
+/// Whether a limit is not known: forces that follow velocities, and loads that turn with the cloth, act outside Kang's
+/// filter.
 pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
     let outside = |term: &TermInfo| term.velocity_dependent || term.follower;
     method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
@@ -98,8 +100,8 @@ impl CriticalStep {
         }
     }
 
-    /// [s] A step to take below a limit that is above 0, two digits: an estimate may lie a few percent above the true limit, what is
-    /// proved does not.
+    /// [s] A step to take below a limit that is above 0, two digits: an estimate may lie a few percent above the true
+    /// limit, what is proved does not.
     pub fn safe(&self) -> f64 {
         let share = match self.confidence {
             Confidence::Certified { .. } => 0.98,
@@ -109,8 +111,8 @@ impl CriticalStep {
     }
 }
 
-/// What to take in place of a step `h` [s] that is above a critical step, or of a method that has no stable step. Whoever
-/// finds this fault, before a run, in it or after it, gives this advice.
+/// What to take in place of a step `h` [s] that is above a critical step, or of a method that has no stable step.
+/// Whoever finds this fault, before a run, in it or after it, gives this advice.
 pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     let implicit = implicit_for(limit.rates, h);
     if limit.step > 0.0 {
@@ -139,7 +141,8 @@ pub struct Effort<'a> {
     pub step: usize,
     /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
     pub sharpen_below: f64,
-    /// looked at between two pieces of work; once it is asked for, what is found is not worth reading ([`Spectrum::stopped`])
+    /// looked at between two pieces of work; once it is asked for, what is found is not worth reading
+    /// ([`Spectrum::stopped`])
     pub stop: Stop<'a>,
 }
 
@@ -153,8 +156,8 @@ impl Effort<'static> {
 /// Degrees of freedom below which the spectrum is cheap enough to be asked always.
 const LARGE: usize = 20_000;
 
-/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is then asked.
-/// Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
+/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is
+/// then asked. Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
 pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
     if scene.n_dof() <= LARGE {
         return None;
@@ -163,7 +166,8 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
     (2.0 * step <= found.step && found.step.is_finite()).then_some(found)
 }
 
-/// Bounds on the fastest rates of a scene from one or two passes over its elements: what is known of a scene for which more is not affordable.
+/// Bounds on the fastest rates of a scene from one or two passes over its elements: what is known of a scene for which
+/// more is not affordable.
 pub struct ElementBounds {
     /// bounds, and the degrees of freedom they are reached at
     pub rates: Rates,
@@ -217,8 +221,8 @@ pub struct Spectrum<'a> {
 }
 
 impl<'a> Spectrum<'a> {
-    /// Linearises a scene and finds its fastest motion; costs some tens to some hundreds of tangent products and, on symmetric
-    /// scenes of up to 200 000 degrees of freedom, up to three factorisations.
+    /// Linearises a scene and finds its fastest motion; costs some tens to some hundreds of tangent products and, on
+    /// symmetric scenes of up to 200 000 degrees of freedom, up to three factorisations.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
         Self::with(scene, at, Effort::FULL)
     }
@@ -363,7 +367,8 @@ impl<'a> Spectrum<'a> {
         Some(pencil.singular_at(frequency * frequency, damping))
     }
 
-    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer eigenvalues of L.
+    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer
+    /// eigenvalues of L.
     pub fn outer_motions(&mut self) -> Vec<Rates> {
         let unit = self.unit();
         let shapes = [&self.stiffest, &self.most_damped];
@@ -391,8 +396,8 @@ impl<'a> Spectrum<'a> {
         Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: motion.rates() })
     }
 
-    /// [s] Step at which the method keeps a velocity as it is whatever K does ([`LinearStep::fixed_velocity`]): beyond, it grows to one side, and is
-    /// hard to tell among motions that grow by themselves. Infinite for methods without.
+    /// [s] Step at which the method keeps a velocity as it is whatever K does ([`LinearStep::fixed_velocity`]): beyond,
+    /// it grows to one side, and is hard to tell among motions that grow by themselves. Infinite for methods without.
     ///
     /// [`LinearStep::fixed_velocity`]: crate::integrate::linear_step::LinearStep::fixed_velocity
     fn fixed_velocity(&self, method: &MethodChoice) -> (f64, usize) {

@@ -1,7 +1,9 @@
-//! Eigenvalues of a small real upper Hessenberg matrix by Francis' double-shift QR iteration, and single eigenvectors by inverse iteration.
+//! Eigenvalues of a small real upper Hessenberg matrix by Francis' double-shift QR iteration, and single eigenvectors
+//! by inverse iteration.
 //!
-//! The iteration is EISPACK's `hqr` (Martin, Peters & Wilkinson 1970) with its exceptional shifts, the bound of counted iterations among them:
-//! the general eigenvalue solver of faer 0.24.4 does not return from some of the matrices met here.
+//! The iteration is EISPACK's `hqr` (Martin, Peters & Wilkinson 1970) with its exceptional shifts, the bound of counted
+//! iterations among them: the general eigenvalue solver of faer 0.24.4 does not return from some of the matrices met
+//! here.
 
 use faer::{Mat, c64};
 
@@ -12,7 +14,8 @@ const EXCEPTIONAL: usize = 10;
 /// Solves of an inverse iteration at most; one is mostly enough.
 const SOLVES: usize = 3;
 
-/// All eigenvalues of H [m x m], in conjugate pairs with the positive imaginary part first; `None` where an entry is not finite or the bound of iterations is reached.
+/// All eigenvalues of H [m x m], in conjugate pairs with the positive imaginary part first; `None` where an entry is
+/// not finite or the bound of iterations is reached.
 pub(super) fn eigenvalues(h: &Mat<f64>) -> Option<Vec<c64>> {
     let size = size(h);
     if size == 0.0 {
@@ -39,8 +42,8 @@ pub(super) struct Eigenvector {
     pub residual: f64,
 }
 
-/// The eigenvector of an eigenvalue; that with the least residual of at most three solves, the first of which is the best where
-/// eigenvectors are nearly parallel (Wilkinson 1979).
+/// The eigenvector of an eigenvalue; that with the least residual of at most three solves, the first of which is the
+/// best where eigenvectors are nearly parallel (Wilkinson 1979).
 pub(super) fn eigenvector(h: &Mat<f64>, value: c64) -> Eigenvector {
     let size = size(h).max(f64::MIN_POSITIVE);
     let lu = Shifted::of(&scaled(h, size), value / size);
@@ -107,8 +110,8 @@ impl Francis {
         None
     }
 
-    /// First row of the block that ends at `last`: what lies left of it is rounding of the whole matrix and becomes 0. Rounding of its neighbours on the
-    /// diagonal would be a sharper measure, by which some quadruple zeros never part.
+    /// First row of the block that ends at `last`: what lies left of it is rounding of the whole matrix and becomes 0.
+    /// Rounding of its neighbours on the diagonal would be a sharper measure, by which some quadruple zeros never part.
     fn split(&mut self, last: usize) -> usize {
         for i in (1..=last).rev() {
             if self.h[(i, i - 1)].abs() <= f64::EPSILON {
@@ -274,8 +277,8 @@ mod tests {
     /// What an 80 x 80 matrix, which takes a hundredth of a second, is given.
     const LIMIT: Duration = Duration::from_secs(5);
 
-    /// The projection that Arnoldi's iteration made of a hanging rope of 15 segments with heavy dashpots (`tests/faults`), bit by bit: its size, then
-    /// its rows.
+    /// The projection that Arnoldi's iteration made of a hanging rope of 15 segments with heavy dashpots
+    /// (`tests/faults`), bit by bit: its size, then its rows.
     fn endless() -> Mat<f64> {
         let numbers = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/endless-eigenvalues.txt"));
         let mut numbers = numbers.split_whitespace();
@@ -285,7 +288,8 @@ mod tests {
         Mat::from_fn(m, m, |i, j| entries[i * m + j])
     }
 
-    /// Every value has a vector with a small residual, conjugate pairs stand together, and the first two moments are those of the matrix.
+    /// Every value has a vector with a small residual, conjugate pairs stand together, and the first two moments are
+    /// those of the matrix.
     fn assert_right(h: &Mat<f64>, what: &str) {
         let (m, size) = (h.nrows(), size(h).max(f64::MIN_POSITIVE));
         let values = eigenvalues(h).unwrap_or_else(|| panic!("{what}: no answer"));
@@ -309,8 +313,8 @@ mod tests {
     fn the_matrix_that_stops_the_library_has_its_eigenvalues() {
         let h = endless();
         assert_right(&h, "rope");
-        // Motion across the rope without stiffness is a multiple zero that rounding spreads by its fourth root; nothing else grows. The
-        // outermost value is that of the most damped motion.
+        // Motion across the rope without stiffness is a multiple zero that rounding spreads by its fourth root; nothing
+        // else grows. The outermost value is that of the most damped motion.
         let values = eigenvalues(&h).expect("an answer");
         let real = |most: f64, z: &c64| most.max(z.re);
         assert!(values.iter().fold(f64::MIN, real) <= 1e-3 * size(&h), "{values:?}");

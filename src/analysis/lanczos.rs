@@ -1,4 +1,5 @@
-//! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in full where that is cheap.
+//! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in
+//! full where that is cheap.
 
 use super::linearised::{SHAPES, add, affordable, dot, norm, orthogonalise};
 use crate::model::stop::Stop;
@@ -13,8 +14,8 @@ const LOOK: usize = 8;
 const SETTLED: f64 = 2e-4;
 /// A remainder of this share of the operator's size is rounding: the space is complete.
 const NOTHING_LEFT: f64 = 1e-12;
-/// Length of vectors above which only the last two are taken out of the next: orthogonality to the others is lost as fast as a value is found
-/// (Paige 1971), and none is found here to more than [`GOOD`].
+/// Length of vectors above which only the last two are taken out of the next: orthogonality to the others is lost as
+/// fast as a value is found (Paige 1971), and none is found here to more than [`GOOD`].
 const LONG: usize = 20_000;
 
 /// The largest Ritz value: a Rayleigh quotient, so never above the largest eigenvalue.

@@ -21,11 +21,11 @@ const SWING: u32 = 64;
 /// Squarings of the map: its power 2^40 is taken.
 const SQUARINGS: usize = 40;
 
-/// [s] Largest step at which `method` is stable on the fastest oscillation of `rates`; infinite for a method without limit,
-/// 0 for one that grows at every step.
+/// [s] Largest step at which `method` is stable on the fastest oscillation of `rates`; infinite for a method without
+/// limit, 0 for one that grows at every step.
 ///
-/// The frequency and the damping rate are taken to belong to one mode, as if the scene were a single oscillator: an estimate.
-/// Kang's filter has no limit of its own; what acts outside it may set one that is not found here.
+/// The frequency and the damping rate are taken to belong to one mode, as if the scene were a single oscillator: an
+/// estimate. Kang's filter has no limit of its own; what acts outside it may set one that is not found here.
 pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     if method.info.family == Family::MatrixFree || (rates.frequency == 0.0 && rates.damping == 0.0) {
         return f64::INFINITY;
@@ -39,13 +39,15 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     if stable_at(37.0, 1e-6) && stable_at(400.0, 1e-4) {
         return f64::INFINITY;
     }
-    // The farthest limit is that of dop853: w h = 6.4 at damping ratio 1, where the faster rate is the damping, twice w.
+    // The farthest limit is that of dop853: w h = 6.4 at damping ratio 1, where the faster rate is the damping, twice
+    // w.
     let (mut stable, mut unstable) = (0.0, 16.0);
     for _ in 0..40 {
         let middle = 0.5 * (stable + unstable);
         if stable_at(middle, ROUNDING) { stable = middle } else { unstable = middle }
     }
-    // Damping that takes less than rounding in such a step is none: that of motions which the air or dashpots do not see.
+    // Damping that takes less than rounding in such a step is none: that of motions which the air or dashpots do not
+    // see.
     let undamped = 0.5 * oscillator.c * stable <= ROUNDING;
     if undamped && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
@@ -57,15 +59,17 @@ pub(super) fn stable(method: &MethodChoice, rates: Rates, h: f64) -> bool {
     unit == 0.0 || spectral_radius(method, oscillator, h * unit).is_some_and(|r| r <= 1.0 + ROUNDING)
 }
 
-/// [-] Growth of the oscillation of `rates` in one step of `h` [s]; below 1 it dies out. `None` when a step cannot be made.
+/// [-] Growth of the oscillation of `rates` in one step of `h` [s]; below 1 it dies out. `None` when a step cannot be
+/// made.
 pub fn growth(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
     let unit = rates.frequency.max(rates.damping);
     let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
     if unit > 0.0 { spectral_radius(method, oscillator, h * unit) } else { Some(1.0) }
 }
 
-/// [-] How far a step of `h` [s] swings the energy of the oscillation of `rates`: the largest energy of some tens of steps over that at
-/// the start, from x and from v alone. At most 1 where the energy never rises; large just below the limit of a symplectic scheme.
+/// [-] How far a step of `h` [s] swings the energy of the oscillation of `rates`: the largest energy of some tens of
+/// steps over that at the start, from x and from v alone. At most 1 where the energy never rises; large just below the
+/// limit of a symplectic scheme.
 pub fn swing(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
     let unit = rates.frequency.max(rates.damping);
     if unit == 0.0 {
@@ -200,7 +204,8 @@ mod tests {
         states
     }
 
-    /// A function of h L leaves x e^(lambda t) in its own direction (1, lambda), and makes the same of it whatever the other eigenvalue is.
+    /// A function of h L leaves x e^(lambda t) in its own direction (1, lambda), and makes the same of it whatever the
+    /// other eigenvalue is.
     #[test]
     fn a_step_is_a_function_of_h_l_unless_the_method_is_partitioned() {
         for method in steppable() {
@@ -290,8 +295,8 @@ mod tests {
         }
     }
 
-    /// Just below its limit Verlet swings the energy by 1/(1 - (w h/2)^2), Euler-Cromer by (1 + w h/2)/(1 - w h/2); a Runge-Kutta scheme
-    /// never raises it.
+    /// Just below its limit Verlet swings the energy by 1/(1 - (w h/2)^2), Euler-Cromer by (1 + w h/2)/(1 - w h/2); a
+    /// Runge-Kutta scheme never raises it.
     #[test]
     fn energy_swings_where_the_map_is_not_normal() {
         let rates = Rates { frequency: 3.0, ..Rates::default() };

@@ -18,7 +18,8 @@ pub(super) struct Linearised<'a> {
     pub at: StateRef<'a>,
     /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
     pub root: Vec<f64>,
-    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are not.
+    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are
+    /// not.
     pub matrices: Option<Arc<Matrices>>,
     /// looked at between two products of an iteration
     pub stop: Stop<'a>,
@@ -80,7 +81,8 @@ pub(crate) fn rough(i: usize) -> f64 {
     2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
 }
 
-/// a.b in eight lanes, which a processor can add side by side. Adds them in another order than `solve::norms`: the bits of limits hang on it.
+/// a.b in eight lanes, which a processor can add side by side. Adds them in another order than `solve::norms`: the bits
+/// of limits hang on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();
@@ -104,8 +106,8 @@ pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
     }
 }
 
-/// Takes the parts along an orthonormal basis out of q, and says how large they were and what is left. A second pass is made
-/// where the first took most of q away and so left rounding (Daniel, Gragg, Kaufman & Stewart 1976).
+/// Takes the parts along an orthonormal basis out of q, and says how large they were and what is left. A second pass is
+/// made where the first took most of q away and so left rounding (Daniel, Gragg, Kaufman & Stewart 1976).
 pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: impl FnMut(usize, f64)) -> f64 {
     let mut before = norm(q);
     loop {

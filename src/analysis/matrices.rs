@@ -1,4 +1,5 @@
-//! K and C at a state as one sparse matrix of pairs, by rows: both are needed at once, and a row gathers where a column scatters.
+//! K and C at a state as one sparse matrix of pairs, by rows: both are needed at once, and a row gathers where a column
+//! scatters.
 
 use crate::assembly::Pattern;
 use crate::model::state::StateRef;

@@ -1,5 +1,5 @@
-//! The outer motions of a damped or non-symmetric scene: converged eigenvalues of L = [0 I; -M^-1 K, -M^-1 C] by Arnoldi's
-//! iteration, as oscillators whose limits a method can be asked for.
+//! The outer motions of a damped or non-symmetric scene: converged eigenvalues of L = [0 I; -M^-1 K, -M^-1 C] by
+//! Arnoldi's iteration, as oscillators whose limits a method can be asked for.
 
 use super::arnoldi::{Krylov, place};
 use super::critical::{DAMPING, STIFFNESS};
@@ -45,7 +45,8 @@ pub(super) struct Motions {
 }
 
 impl Motions {
-    /// Adds to the stiffest and the most damped shape by their own quotients. `unit` [1/s] is a rate to measure others by.
+    /// Adds to the stiffest and the most damped shape by their own quotients. `unit` [1/s] is a rate to measure others
+    /// by.
     pub fn find(linear: &Linearised<'_>, shapes: [&Ritz; 2], unit: f64) -> Self {
         let mut list = Vec::new();
         for shape in shapes.map(|ritz| &ritz.vector).into_iter().filter(|shape| !shape.is_empty()) {
@@ -85,7 +86,8 @@ impl Motions {
     pub fn limit(&self, method: &MethodChoice) -> Option<(f64, Motion)> {
         let mut found: Option<(f64, Motion)> = None;
         for motion in &self.list {
-            // A motion that is stable at the least limit so far sets none; asking that is forty times cheaper than its limit.
+            // A motion that is stable at the least limit so far sets none; asking that is forty times cheaper than its
+            // limit.
             let matters = |(least, _): (f64, Motion)| least > 0.0 && !stable(method, motion.rates(), least);
             if found.is_none_or(matters) {
                 let step = motion.limit(method);

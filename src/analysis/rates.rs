@@ -1,5 +1,5 @@
-//! The fastest rates of a linearised scene, as limits of methods are asked for with ([`Spectrum::rates`](super::critical::Spectrum::rates)
-//! finds them), and a step that a bound on them allows.
+//! The fastest rates of a linearised scene, as limits of methods are asked for with
+//! ([`Spectrum::rates`](super::critical::Spectrum::rates) finds them), and a step that a bound on them allows.
 
 use super::critical::{DAMPING, STIFFNESS};
 use crate::integrate::linear_step::Pencil;
@@ -19,7 +19,8 @@ pub struct Rates {
     pub damping_dof: usize,
 }
 
-/// [s] The limit of Euler-Cromer were the element bounds on the rates reached: for other methods a measure that falls as their limit does.
+/// [s] The limit of Euler-Cromer were the element bounds on the rates reached: for other methods a measure that falls
+/// as their limit does.
 pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
     let (k, _) = scene.rate_bound(at, STIFFNESS, room);
     let c = match scene.velocity_dependent() {

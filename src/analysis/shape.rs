@@ -1,8 +1,8 @@
 //! Whether a motion that the step map of a scheme makes grow is one that the scene makes grow.
 //!
 //! A shape y of the linearised scene moves as exp(s t) with s^2 + c s + k = 0, where k = y*Ky and c = y*Cy. Where both
-//! roots are real the speed that a motion has with its shape tells which root it follows: a slow one that compression turns into growth, or a
-//! fast one that a dashpot damps, which a long step may turn into growth too.
+//! roots are real the speed that a motion has with its shape tells which root it follows: a slow one that compression
+//! turns into growth, or a fast one that a dashpot damps, which a long step may turn into growth too.
 
 use super::linearised::dot;
 use super::matrices::Matrices;

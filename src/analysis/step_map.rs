@@ -26,11 +26,11 @@ static TERMS: [TermInfo; 1] =
 
 /// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
 const CONVERGED: f64 = 0.005;
-/// The same as a share of how far a value lies beyond the unit circle: what is left of other motions in its vector must not
-/// hide the vector's own.
+/// The same as a share of how far a value lies beyond the unit circle: what is left of other motions in its vector must
+/// not hide the vector's own.
 const CLOSE: f64 = 0.2;
-/// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that is
-/// stable, so it shows soon.
+/// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that
+/// is stable, so it shows soon.
 const PRODUCTS: [usize; 3] = [40, 70, 120];
 /// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
 const GROWTH: f64 = 1e-3;
@@ -73,8 +73,8 @@ impl LinearScene {
         })
     }
 
-    /// [s] The largest step whose map grows only where the scene itself does, about a guess, and the degree of freedom that moves most
-    /// beyond it.
+    /// [s] The largest step whose map grows only where the scene itself does, about a guess, and the degree of freedom
+    /// that moves most beyond it.
     pub fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
         let guess = search.guess;
         let grows = |h: f64| self.grows(method, h, search);
@@ -111,8 +111,8 @@ impl LinearScene {
         Some((stable, dof))
     }
 
-    /// Whether the step map has an eigenvalue beyond the unit circle whose motion does not grow by itself, and the degree of freedom that
-    /// then moves most.
+    /// Whether the step map has an eigenvalue beyond the unit circle whose motion does not grow by itself, and the
+    /// degree of freedom that then moves most.
     fn grows(&self, method: &MethodChoice, h: f64, search: Search<'_>) -> Option<Option<usize>> {
         let unit = search.unit;
         let size = |z: &c64| z.norm();
@@ -141,8 +141,9 @@ impl LinearScene {
         Some(None)
     }
 
-    /// Whether repeated steps from a Ritz vector grow: where eigenvectors are nearly parallel a small residual proves nothing. Second differences from step
-    /// to step leave out what drifts, as a net without stiffness across itself does.
+    /// Whether repeated steps from a Ritz vector grow: where eigenvectors are nearly parallel a small residual proves
+    /// nothing. Second differences from step to step leave out what drifts, as a net without stiffness across itself
+    /// does.
     fn grows_when_stepped(&self, method: &MethodChoice, h: f64, search: Search<'_>, from: &[f64]) -> Option<bool> {
         let mut step = self.step_map(method, h, search.unit)?;
         let mut q = [from.to_vec(), vec![], vec![]];

@@ -209,8 +209,8 @@ fn build_pattern(nodes: Nodes<'_>, pairs: &[(u32, u32)], unknown: &[[u32; 3]], s
     p
 }
 
-/// Appends the slots of the entries of every block in a column of blocks, column by column; the spare slot for what is fixed or in the
-/// upper triangle.
+/// Appends the slots of the entries of every block in a column of blocks, column by column; the spare slot for what is
+/// fixed or in the upper triangle.
 fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blocks: &mut Vec<[u32; 9]>) {
     let columns = unknown[column[0].0 as usize];
     // The blocks' rows follow each other in a column, so the next free slot of each tells where a block's entries go.

@@ -1,6 +1,6 @@
-//! Comments in a case file, `// to the end of the line` and `/* block */`, and trailing commas, as editors know them from
-//! "JSON with comments". They are replaced by spaces of the same length in bytes, so that every line, column and byte
-//! offset of a later message is the one in the file.
+//! Comments in a case file, `// to the end of the line` and `/* block */`, and trailing commas, as editors know them
+//! from "JSON with comments". They are replaced by spaces of the same length in bytes, so that every line, column and
+//! byte offset of a later message is the one in the file.
 
 /// A block comment without end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +61,8 @@ struct LastTwo {
 }
 
 impl LastTwo {
-    /// Goes one byte further (a quote for every byte of a string); returns the place of a comma between the last entry and
-    /// this closing bracket.
+    /// Goes one byte further (a quote for every byte of a string); returns the place of a comma between the last entry
+    /// and this closing bracket.
     fn trailing_comma(&mut self, at: usize, byte: u8) -> Option<usize> {
         if byte.is_ascii_whitespace() {
             return None;

@@ -1,9 +1,10 @@
-//! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the parts that
-//! differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be resumed with others. A default that is
-//! derived from the end, as the spacing of rows is, counts as the same for every end: the resumed run keeps the one it began with.
+//! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the
+//! parts that differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be
+//! resumed with others. A default that is derived from the end, as the spacing of rows is, counts as the same for every
+//! end: the resumed run keeps the one it began with.
 //!
-//! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh, and a value
-//! spelt out that was the default before is the same case.
+//! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh,
+//! and a value spelt out that was the default before is the same case.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
@@ -94,7 +95,8 @@ impl Fingerprint {
         Ok(made)
     }
 
-    /// A sum over all parts, in which cases differ that do (but for one in 2^32): `"5f3a…-1234"`. What follows from the length of the run is not in it.
+    /// A sum over all parts, in which cases differ that do (but for one in 2^32): `"5f3a…-1234"`. What follows from the
+    /// length of the run is not in it.
     pub fn digest(&self) -> String {
         let mut sum = Sum::default();
         let mut add = |bytes: &[u8]| {

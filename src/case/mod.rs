@@ -4,9 +4,9 @@
 //! file --text--> text --comments, strict JSON--> value --set--> value --typed--> CaseFile --build--> Problem
 //! ```
 //!
-//! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one reads
-//! the text again (`tolerant`), compares it with the schema (`walk`), replaces what is wrong by stand-ins and checks
-//! ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
+//! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one
+//! reads the text again (`tolerant`), compares it with the schema (`walk`), replaces what is wrong by stand-ins and
+//! checks ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
 //! [`place`] where it was written.
 
 mod build;
@@ -94,7 +94,8 @@ impl Case {
         Source { path: name.to_owned(), base, text, overrides }.read()
     }
 
-    /// The same case with some values replaced, as a study needs it; the mesh is not made again unless its section changes.
+    /// The same case with some values replaced, as a study needs it; the mesh is not made again unless its section
+    /// changes.
     ///
     /// # Errors
     /// An assignment without a place, or the faults of the changed case.

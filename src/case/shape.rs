@@ -1,4 +1,5 @@
-//! Reading the JSON Schema of the case: what a part of it is about, in words, and a value that stands in for a faulty one.
+//! Reading the JSON Schema of the case: what a part of it is about, in words, and a value that stands in for a faulty
+//! one.
 
 use serde_json::{Map, Value, json};
 

@@ -33,8 +33,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// The error for a fault that shows only when the case is made ready: the value at a JSON pointer of `case_json` does not
-    /// go with the rest.
+    /// The error for a fault that shows only when the case is made ready: the value at a JSON pointer of `case_json`
+    /// does not go with the rest.
     pub fn refuse(self, case_json: &Value, pointer: &str, allowed: &str, hint: String) -> CaseError {
         let mut faults = Faults::new(case_json, Findings::default());
         faults.add_hint(&Pointer::root().below(pointer), allowed, hint);

@@ -1,5 +1,5 @@
-//! The second pass over a case that serde refused: a walk over the JSON Schema that finds every wrong type and key, where
-//! serde stops at the first.
+//! The second pass over a case that serde refused: a walk over the JSON Schema that finds every wrong type and key,
+//! where serde stops at the first.
 //!
 //! What is wrong is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
 //! checked here. The walk knows the part of JSON Schema that schemars makes of this case: `$ref`, `oneOf` of

@@ -22,24 +22,28 @@ pub struct Args {
 pub enum Command {
     /// Integrate a case and write ParaView frames, history, probes and a summary
     Solve(SolveArgs),
-    /// Solve nothing: show all faults, what is modelled and what it costs, every method's critical step and run, and what to take
+    /// Solve nothing: show all faults, what is modelled and what it costs, every method's critical step and run, and
+    /// what to take
     ///
-    /// Predictions come from a few seconds of trial steps; nothing is written. `canopy-fem tradeoff` measures what this predicts.
+    /// Predictions come from a few seconds of trial steps; nothing is written. `canopy-fem tradeoff` measures what this
+    /// predicts.
     Check(CheckArgs),
     /// Measure what accuracy costs: methods times steps against a reference whose own error is known
     ///
-    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. Without any choice, steps are
-    /// laid around each explicit method's critical step and around the periods of the scene for implicit ones. A study that
-    /// was stopped goes on when the same command is given again; finished runs are never made again.
+    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. Without
+    /// any choice, steps are laid around each explicit method's critical step and around the periods of the scene for
+    /// implicit ones. A study that was stopped goes on when the same command is given again; finished runs are never
+    /// made again.
     Tradeoff(TradeoffArgs),
     /// Measure the largest stable step of every method on this scene, beside the predicted one
     ///
-    /// Bisects over real runs and writes stability.csv, stability.json and stability.svg (stability regions with the scene's motions in them).
+    /// Bisects over real runs and writes stability.csv, stability.json and stability.svg (stability regions with the
+    /// scene's motions in them).
     Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
-    /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements count from
-    /// where a node lies before any initial displacement; a pendulum shows its angle.
+    /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements
+    /// count from where a node lies before any initial displacement; a pendulum shows its angle.
     Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
@@ -79,7 +83,8 @@ pub struct CheckArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Accuracy to recommend a method and a step for, relative to the motion, in (0, 1) [default: the case's relative tolerance, else 1e-3]
+    /// Accuracy to recommend a method and a step for, relative to the motion, in (0, 1) [default: the case's relative
+    /// tolerance, else 1e-3]
     #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
     /// Print everything as JSON

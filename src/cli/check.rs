@@ -1,5 +1,5 @@
-//! `canopy-fem check`: all faults, what is modelled and what that costs, every method's critical step and the run it would make, and
-//! what to take for an accuracy, found by trial runs; nothing is written.
+//! `canopy-fem check`: all faults, what is modelled and what that costs, every method's critical step and the run it
+//! would make, and what to take for an accuracy, found by trial runs; nothing is written.
 
 use super::check_cost::describe_forecast;
 use super::check_json::Report;

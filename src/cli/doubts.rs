@@ -1,5 +1,5 @@
-//! What shows only when the scene is built: a case that does not fit its solver, a step above the critical one, frames for
-//! which the disk has no room. `check` and `solve` say the same.
+//! What shows only when the scene is built: a case that does not fit its solver, a step above the critical one, frames
+//! for which the disk has no room. `check` and `solve` say the same.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Ctrl-C, and `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job. A command that has nothing to save ends at once; one that
-//! has is asked, and ends at once when it is asked again.
+//! Ctrl-C, and `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job. A command that has nothing
+//! to save ends at once; one that has is asked, and ends at once when it is asked again.
 
 use super::complain;
 use std::process::exit;
@@ -53,7 +53,8 @@ fn interrupted() {
     }
 }
 
-/// Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program without one.
+/// Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program
+/// without one.
 pub(super) fn outlive_full_files() {
     #[cfg(unix)]
     if let Err(e) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()) {

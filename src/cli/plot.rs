@@ -20,7 +20,8 @@ pub struct PlotArgs {
     /// What to plot; may be given several times [default: all that the results hold]
     #[arg(long, value_enum)]
     pub kind: Vec<Kind>,
-    /// Direction of motion; a bob's counts from its lowest point [default: the largest motion's; the angle of a pendulum]
+    /// Direction of motion; a bob's counts from its lowest point [default: the largest motion's; the angle of a
+    /// pendulum]
     #[arg(long, value_enum)]
     pub axis: Option<Direction>,
     /// Probe by name; may be given several times [default: all]

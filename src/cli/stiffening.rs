@@ -1,6 +1,7 @@
-//! Follows the critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its stability long
-//! after the start. One pass over the elements now and then (about a hundredth of the run) gives a measure that falls as
-//! the critical step does; only where that comes close to the step is the spectrum itself asked, and only then is anything said.
+//! Follows the critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its
+//! stability long after the start. One pass over the elements now and then (about a hundredth of the run) gives a
+//! measure that falls as the critical step does; only where that comes close to the step is the spectrum itself asked,
+//! and only then is anything said.
 
 use super::complain;
 use crate::analysis::critical::{CriticalStep, Effort, Spectrum, remedy};
@@ -21,7 +22,8 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the stride in which it grows so.
+/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the stride in
+/// which it grows so.
 const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
 const NEAR: f64 = 1.05;
@@ -114,8 +116,8 @@ impl<'a> Stiffening<'a> {
 
     /// After a step, with its end and its size [s] where the end can be seen.
     fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
-        // By number, so that a run does the same work each time, on any number of threads; closer together early on, for short runs.
-        // A motion that has become much livelier may be one that has begun to diverge.
+        // By number, so that a run does the same work each time, on any number of threads; closer together early on,
+        // for short runs. A motion that has become much livelier may be one that has begun to diverge.
         if kinetic > LIVELIER * self.kinetic {
             self.livelier = self.livelier.max(kinetic);
         }

@@ -36,17 +36,19 @@ pub struct TradeoffArgs {
     /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
     #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
     pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's periods]
+    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's
+    /// periods]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub steps: Option<String>,
-    /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are given]
+    /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
+    /// given]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub tolerances: Option<String>,
     /// Times every run is made; the median counts [default: 3]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
     pub repeat: Option<u32>,
-    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given again
-    /// [default: 2min; none for --plan and --shard]
+    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given
+    /// again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
     /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
@@ -241,7 +243,8 @@ impl Command<'_> {
             let keys = differences(&plan.case, &case.problem().case_json);
             return Err(other(format!("its case is not {} as given now: {keys}", path.display())));
         }
-        // The files that it names may have changed though it has not. One variant tells: others differ in stiffness only.
+        // The files that it names may have changed though it has not. One variant tells: others differ in stiffness
+        // only.
         if let Some(variant) = plan.variants.first() {
             let now = fingerprint_of(case.with(&variant.overrides)?.problem())?;
             if let Some(differences) = variant.fingerprint.differences(&now) {

@@ -1,4 +1,5 @@
-//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is held.
+//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is
+//! held.
 
 use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
@@ -244,12 +245,14 @@ impl Question<'_> {
         Answer { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
     }
 
-    /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not tell.
+    /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not
+    /// tell.
     fn outside_filter(&self, at: &State) -> Option<Answer> {
         let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
         let loaded = self.scene.terms().iter().any(outside);
         let rates = self.spectrum(at).rates();
-        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that resolves.
+        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that
+        // resolves.
         let critical = 2.0 / rates.damping;
         if !loaded || self.h <= NEAR * critical {
             return None;

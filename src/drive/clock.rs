@@ -1,5 +1,5 @@
-//! How a run goes through time: in fixed steps, multiples of one size with the end met exactly, or in steps of the size a
-//! tolerance allows.
+//! How a run goes through time: in fixed steps, multiples of one size with the end met exactly, or in steps of the size
+//! a tolerance allows.
 
 use serde::{Deserialize, Serialize};
 

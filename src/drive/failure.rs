@@ -120,7 +120,8 @@ impl Scenery<'_> {
         format!("{made}{joint}{why}; {advice}")
     }
 
-    /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual, if it was tried.
+    /// An implicit step that could not be solved. `worst` is the degree of freedom with the largest residual, if it was
+    /// tried.
     pub(super) fn not_converged(&self, error: &StepError, worst: Option<usize>) -> Failure {
         let Some(worst) = worst else {
             let advice = "no step was tried: the matrix or its solver could not be set up; choose another solver.linear, or a method without matrix";
@@ -279,8 +280,8 @@ impl Scenery<'_> {
         here.max_by(|a, b| speed(a.1).total_cmp(&speed(b.1))).map(|(i, _)| i)
     }
 
-    /// The degree of freedom that is not finite (the fastest of them), else the one whose kinetic energy grew most, else the one
-    /// that moved farthest.
+    /// The degree of freedom that is not finite (the fastest of them), else the one whose kinetic energy grew most,
+    /// else the one that moved farthest.
     fn worst_dof(&self, to: &Point) -> usize {
         let (x0, v0, x, v) = (&self.from.state.x, &self.from.state.v, &to.state.x, &to.state.v);
         let inverse = self.scene.inverse_mass();

@@ -4,7 +4,8 @@
 //! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
-//! Runge-Kutta and PEC schemes) and resolves what its dashpots do. `numerical` is the remainder: what the scheme itself lost (above 0) or made (below 0).
+//! Runge-Kutta and PEC schemes) and resolves what its dashpots do. `numerical` is the remainder: what the scheme itself
+//! lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
@@ -15,8 +16,8 @@ use crate::model::system::System;
 
 /// [eps] of the energies that rounding may leave unexplained in the sums of one row.
 const ROUNDED: f64 = 8.0;
-/// [eps] of them that it may add in a step: states are rounded, and what an implicit step leaves of its residual adds up. The generalised-alpha scheme
-/// gathers an eighth on a motion that is exact.
+/// [eps] of them that it may add in a step: states are rounded, and what an implicit step leaves of its residual adds
+/// up. The generalised-alpha scheme gathers an eighth on a motion that is exact.
 const ROUNDED_A_STEP: f64 = 0.25;
 
 /// [-] Share of the energy exchanged from which on rounding may be taken for an error.
@@ -40,11 +41,13 @@ impl Ledger {
         (ledger, ledger.first)
     }
 
-    /// Accounts for an accepted step after the account `before`; tells also whether by works that the scheme has integrated itself.
+    /// Accounts for an accepted step after the account `before`; tells also whether by works that the scheme has
+    /// integrated itself.
     ///
-    /// Stages of a step above the limit of a stiff dashpot have velocities that no state has, and weights of either sign: their sum may be off by any
-    /// factor, though the step is good. Where the ends of the step say something quite different and leave less of the energy unexplained, they count; where steps
-    /// resolve what happens, stages leave by far the least.
+    /// Stages of a step above the limit of a stiff dashpot have velocities that no state has, and weights of either
+    /// sign: their sum may be off by any factor, though the step is good. Where the ends of the step say something
+    /// quite different and leave less of the energy unexplained, they count; where steps resolve what happens, stages
+    /// leave by far the least.
     pub fn step(
         &mut self,
         system: &dyn System,
@@ -103,8 +106,9 @@ impl Ledger {
 
     /// [-] Largest |numerical| over the largest energy exchanged in so many steps; 0 when nothing was exchanged.
     ///
-    /// What rounding explains is no error of the scheme: where it could be seen beside so small an exchange, it is compared with the energies that were
-    /// rounded. A turning pendulum without gravity exchanges nothing but rounding, of which all is unexplained.
+    /// What rounding explains is no error of the scheme: where it could be seen beside so small an exchange, it is
+    /// compared with the energies that were rounded. A turning pendulum without gravity exchanges nothing but rounding,
+    /// of which all is unexplained.
     pub fn energy_error(&self, steps: u64) -> f64 {
         let rounded = self.exchanged
             + [self.first.kinetic, self.first.elastic, self.first.gravity].map(f64::abs).iter().sum::<f64>();
@@ -141,8 +145,8 @@ impl Ledger {
 mod tests {
     use super::*;
 
-    /// Where only rounding was exchanged, as by a pendulum that turns without gravity or a taut string that moves by 1e-8 of its length, the
-    /// unexplained part is compared with the energies that were rounded.
+    /// Where only rounding was exchanged, as by a pendulum that turns without gravity or a taut string that moves by
+    /// 1e-8 of its length, the unexplained part is compared with the energies that were rounded.
     #[test]
     fn rounding_is_no_energy_error() {
         let turning = LedgerRow { kinetic: 4.5, ..LedgerRow::default() };
@@ -156,7 +160,8 @@ mod tests {
         }
     }
 
-    /// What rounding does not explain is compared with what was exchanged, bit by bit; so is rounding where all energy was exchanged.
+    /// What rounding does not explain is compared with what was exchanged, bit by bit; so is rounding where all energy
+    /// was exchanged.
     #[test]
     fn an_energy_error_is_over_the_energy_exchanged() {
         let taut = LedgerRow { elastic: 0.5, ..LedgerRow::default() };

@@ -1,5 +1,5 @@
-//! What a run tells its observers: both ends of every accepted step, or, of steps that they allow to be made several at once, the account and a few
-//! figures.
+//! What a run tells its observers: both ends of every accepted step, or, of steps that they allow to be made several at
+//! once, the account and a few figures.
 
 pub use super::snapshot::{Occasion, Resumable};
 pub use crate::model::point::Point;
@@ -114,7 +114,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Before every step or [stride](Observer::stride), and once more when the run is interrupted: a moment to keep a snapshot.
+    /// Before every step or [stride](Observer::stride), and once more when the run is interrupted: a moment to keep a
+    /// snapshot.
     ///
     /// # Errors
     /// When it cannot be kept.
@@ -128,8 +129,9 @@ pub trait Observer {
     /// When results cannot be written.
     fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError>;
 
-    /// How many of the coming steps, of which the first begins at `from` [s], may be made in one go: the observer then hears of all of them by
-    /// [`Observer::passed`], with the state at the end of the last only. Below 2: none, as for every observer that does not say otherwise.
+    /// How many of the coming steps, of which the first begins at `from` [s], may be made in one go: the observer then
+    /// hears of all of them by [`Observer::passed`], with the state at the end of the last only. Below 2: none, as for
+    /// every observer that does not say otherwise.
     fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
         let _ = (from, coming);
         0
@@ -147,8 +149,8 @@ pub trait Observer {
     /// Once, when the scheme has made energy worth a warning; the run goes on.
     fn doubted(&mut self, _warning: &str) {}
 
-    /// Before [`Observer::finished`] where the run has failed: states that are not [credible](StepView::credible) right before
-    /// the end are not worth showing.
+    /// Before [`Observer::finished`] where the run has failed: states that are not [credible](StepView::credible) right
+    /// before the end are not worth showing.
     ///
     /// # Errors
     /// When results cannot be written.

@@ -11,8 +11,8 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
 use crate::solve::LinearStats;
 
-/// What a run looks for the cause of, by an analysis of the scene that takes as long as some hundred steps of a small one. Without it a report still says
-/// what happened and where.
+/// What a run looks for the cause of, by an analysis of the scene that takes as long as some hundred steps of a small
+/// one. Without it a report still says what happened and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explain {
     /// nothing
@@ -30,8 +30,9 @@ pub struct RunSpec<'a> {
     pub end: f64,
     /// how it goes there
     pub step: Step,
-    /// [s] what shows states between steps does so at multiples of this; `None` where only ends of steps are shown. Adaptive steps of a scheme with an
-    /// error estimate of its own end there, because cubic interpolation would be coarser than they are; other steps take no notice
+    /// [s] what shows states between steps does so at multiples of this; `None` where only ends of steps are shown.
+    /// Adaptive steps of a scheme with an error estimate of its own end there, because cubic interpolation would be
+    /// coarser than they are; other steps take no notice
     pub frames_every: Option<f64>,
     /// go on past a blow-up until a value stops being finite
     pub keep_going: bool,
@@ -47,7 +48,8 @@ impl RunSpec<'_> {
     /// Whether there is a run like this at all.
     ///
     /// # Errors
-    /// [`RunError::OutOfRange`]: an end, step, interval of frames or absolute tolerance that is not finite and above 0, or a relative tolerance outside (0, 1).
+    /// [`RunError::OutOfRange`]: an end, step, interval of frames or absolute tolerance that is not finite and above 0,
+    /// or a relative tolerance outside (0, 1).
     pub fn check(&self) -> Result<(), RunError> {
         let above = |what: &'static str, value: f64| match value > 0.0 && value.is_finite() {
             true => Ok(()),
@@ -97,10 +99,11 @@ pub struct Outcome {
     pub t_end: f64,
     /// work done
     pub counters: Counters,
-    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its step; since this start, where `counters`
-    /// go on from a snapshot
+    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its
+    /// step; since this start, where `counters` go on from a snapshot
     pub account_passes: u64,
-    /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies that were rounded
+    /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies
+    /// that were rounded
     pub energy_error: f64,
     /// [-] largest energy made by the scheme over all energy that was there or was put in
     pub energy_made: f64,

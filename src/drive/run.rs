@@ -1,4 +1,5 @@
-//! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go (`stride`).
+//! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go
+//! (`stride`).
 
 mod attempt;
 mod reach;
@@ -30,8 +31,8 @@ const BLOW_UP: f64 = 1e4;
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
 /// # Errors
-/// When there is no such run ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A diverged or unsolvable run is not an error but an
-/// [`Outcome`].
+/// When there is no such run ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A diverged or
+/// unsolvable run is not an error but an [`Outcome`].
 pub fn run(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
@@ -62,8 +63,8 @@ pub fn run_from(
     go_on(run, stepper, observers)
 }
 
-/// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a run
-/// that was never stopped.
+/// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a
+/// run that was never stopped.
 ///
 /// # Errors
 /// As [`run`], and when the snapshot does not fit.

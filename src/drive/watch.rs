@@ -6,18 +6,18 @@
 //! push     = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what they give in one step
 //! diverged: made > 10 (supplied + push)      or       elastic > 10 supplied
 //! ```
-//! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged: energy made by the
-//! scheme turns into kinetic, elastic and dissipated energy, so that against those a gain could never reach a factor of ten.
-//! The bound needs no length, speed or strain of anyone's choice: a node that is faster, or a spring that is strained more,
-//! than with all the energy there ever was, times ten, cannot be right.
+//! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged:
+//! energy made by the scheme turns into kinetic, elastic and dissipated energy, so that against those a gain could
+//! never reach a factor of ten. The bound needs no length, speed or strain of anyone's choice: a node that is faster,
+//! or a spring that is strained more, than with all the energy there ever was, times ten, cannot be right.
 //!
-//! Schemes of first order move masses a step late, so that a gain as large as `push` belongs to the first step of any load; it
-//! cannot strain a spring by more than the same share of what is supplied, so the second test does without it.
-//! Kang's filter holds dashpots that the account evaluates outside it, far too large in long steps: there only energy that is present
-//! counts as made, and dissipated energy as lost.
-//! The trapezoid of the ledger is blind to one fault: where a step overshoots in a viscous force, explicit Euler and velocity Verlet get
-//! from 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Dashpots that give energy, and work of the air beyond twice
-//! what its power at either end of the step comes to, are therefore counted as made.
+//! Schemes of first order move masses a step late, so that a gain as large as `push` belongs to the first step of any
+//! load; it cannot strain a spring by more than the same share of what is supplied, so the second test does without it.
+//! Kang's filter holds dashpots that the account evaluates outside it, far too large in long steps: there only energy
+//! that is present counts as made, and dissipated energy as lost. The trapezoid of the ledger is blind to one fault:
+//! where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from 1/2 (f_n + f_{n+1}).(x_{n+1}
+//! - x_n) exactly the energy they make. Dashpots that give energy, and work of the air beyond twice what its power at
+//! either end of the step comes to, are therefore counted as made.
 
 use super::observer::LedgerRow;
 use crate::integrate::registry::{Family, MethodInfo};
@@ -31,9 +31,11 @@ use crate::scene::Scene;
 const DIVERGED: f64 = 10.0;
 /// [-] A gain beyond this share of the energy supplied is worth a warning.
 pub const DOUBTFUL: f64 = 0.1;
-/// [-] The warning waits until the gain is this many times `push`, which a scheme of first order makes in the first step of a load.
+/// [-] The warning waits until the gain is this many times `push`, which a scheme of first order makes in the first
+/// step of a load.
 const BEYOND_PUSH: f64 = 10.0;
-/// [-] A state is not credible where springs hold more than this many times the energy supplied: as much again may be the scheme's.
+/// [-] A state is not credible where springs hold more than this many times the energy supplied: as much again may be
+/// the scheme's.
 const CREDIBLE: f64 = 2.0;
 /// [-] Roundings of a position or a force in a step.
 const ROUNDINGS: f64 = 8.0;
@@ -199,7 +201,8 @@ impl Watch {
         self.judge(step, calm)
     }
 
-    /// The same where the states at the step's ends are not there (those given are others): `false` if it takes them to judge it.
+    /// The same where the states at the step's ends are not there (those given are others): `false` if it takes them to
+    /// judge it.
     pub fn unseen_step(&mut self, step: Watched<'_>) -> bool {
         self.enter(step);
         self.is_calm(step.after)
@@ -258,8 +261,8 @@ impl Watch {
         made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * supplied
     }
 
-    /// Whether a state that was entered can be right: the scheme has made no more energy than there was or was put in, rounding
-    /// apart.
+    /// Whether a state that was entered can be right: the scheme has made no more energy than there was or was put in,
+    /// rounding apart.
     pub fn credible(&self, at: &Point, row: &LedgerRow, steps: u64) -> bool {
         if self.is_calm(row) {
             return true;
@@ -316,8 +319,9 @@ impl Watch {
         given + (external - 2.0 * step.h * most).max(0.0)
     }
 
-    /// [J] Work that the air does by its power at the ends of a step, and not in the account: stages that overshoot in a stiff
-    /// force say that it takes energy where it gives some. Bounded, because the power is below zero where all moves faster than the air.
+    /// [J] Work that the air does by its power at the ends of a step, and not in the account: stages that overshoot in
+    /// a stiff force say that it takes energy where it gives some. Bounded, because the power is below zero where all
+    /// moves faster than the air.
     fn missed(&self, step: Watched<'_>) -> f64 {
         if !self.overshoots || !step.scene.velocity_dependent() {
             return 0.0;
@@ -332,7 +336,8 @@ impl Watch {
         let reach = self.reach.max(farthest(&at.state.x));
         let forces = [&at.forces.total, &at.forces.external, &at.forces.dissipative];
         let force: f64 = forces.into_iter().flatten().map(|f| f.abs()).sum();
-        // Cauchy and Schwarz: sum |f| is at most the root of sum f^2/m times all mass; likewise for the springs' forces.
+        // Cauchy and Schwarz: sum |f| is at most the root of sum f^2/m times all mass; likewise for the springs'
+        // forces.
         let load = (2.0 * self.push).sqrt() * self.mass.sqrt();
         let moved = f64::EPSILON * reach;
         let springs =

@@ -125,7 +125,8 @@ impl ForceTerm for Air {
         }
     }
 
-    /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth keeping.
+    /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth
+    /// keeping.
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         let wind = DVec3::from_array(data.wind.at(at.t));

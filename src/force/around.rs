@@ -1,9 +1,10 @@
 //! A force pass with what a scheme does to nodes just before and just after it, in one sweep through the nodes.
 //!
-//! The strips are done in rounds. A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's own
-//! strips as soon as their forces are complete. No later round of the pass reads those nodes, since elements belong to the strip of their smallest node. So
-//! a large scene is read from memory once a step. All sums are those of `Sweep::pass`, in the same order, but for the first of two passes, which adds all forces to
-//! one sum.
+//! The strips are done in rounds. A node is moved before the first round whose elements reach it, and the scheme goes
+//! on with the nodes of a round's own strips as soon as their forces are complete. No later round of the pass reads
+//! those nodes, since elements belong to the strip of their smallest node. So a large scene is read from memory once a
+//! step. All sums are those of `Sweep::pass`, in the same order, but for the first of two passes, which adds all forces
+//! to one sum.
 
 use super::NodeState;
 use super::room::Needs;
@@ -72,8 +73,8 @@ impl Sweep {
         room.add_up(0, tallies);
     }
 
-    /// [`Sweep::pass_around`], then [`Sweep::pass`] at the velocities that it leaves. What the first sum's own terms give to the first is kept for the second, if
-    /// they are [still](Terms::still).
+    /// [`Sweep::pass_around`], then [`Sweep::pass`] at the velocities that it leaves. What the first sum's own terms
+    /// give to the first is kept for the second, if they are [still](Terms::still).
     pub fn pass_twice<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, Moving<'_>),
@@ -197,7 +198,8 @@ pub(super) mod tests {
         ((sums, tallies, x, v), around)
     }
 
-    /// Several callers of one scene find what each finds alone, whichever pass they make, on threads of the pool and on others.
+    /// Several callers of one scene find what each finds alone, whichever pass they make, on threads of the pool and on
+    /// others.
     #[test]
     fn callers_do_not_meet() {
         let scene = terms(Limits { strip: 16, records: 60 });
@@ -288,8 +290,8 @@ pub(super) mod tests {
         numbers(a).into_iter().zip(numbers(b)).map(off).fold(0.0, f64::max)
     }
 
-    /// Whatever the tiles and threads, the second of two passes at the same positions finds what one of its own does (in the first, forces are added in another order),
-    /// and still terms are not asked again.
+    /// Whatever the tiles and threads, the second of two passes at the same positions finds what one of its own does
+    /// (in the first, forces are added in another order), and still terms are not asked again.
     #[test]
     fn a_second_pass_goes_over_what_velocities_change() {
         for (strip, records) in [(NODES, 900), (16, 300), (16, 60), (40, 50)] {
@@ -317,7 +319,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has its turn once.
+    /// Whatever the tiles and threads, the bits are those of one thing after the other, and every degree of freedom has
+    /// its turn once.
     #[test]
     fn the_way_through_changes_nothing() {
         for (strip, records) in [(NODES, 900), (16, 300), (16, 60), (40, 50)] {

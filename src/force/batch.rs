@@ -1,5 +1,6 @@
-//! The interface of what a pass over the tiles sums into nodes ([`Summand`]), and an implementation for many elements of one kind ([`Batch`]; for springs
-//! and what acts as they do `edges`, for triangles that are pushed along their normal `faces`).
+//! The interface of what a pass over the tiles sums into nodes ([`Summand`]), and an implementation for many elements
+//! of one kind ([`Batch`]; for springs and what acts as they do `edges`, for triangles that are pushed along their
+//! normal `faces`).
 
 pub use super::tile::Elements;
 use super::tile::Tile;
@@ -31,20 +32,21 @@ pub trait Summand: Send + Sync {
     /// What it reads of the windows; what nothing reads is not copied.
     fn wants(&self) -> Wants;
 
-    /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in ascending order of their smallest node.
+    /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in
+    /// ascending order of their smallest node.
     fn element(&self, number: usize) -> Option<&[u32]> {
         let _ = number;
         None
     }
 
-    /// Hears which elements a tile has, and where the records of their nodes begin in its windows. Called for one tile after the other; from the first
-    /// again where a scene is cut anew.
+    /// Hears which elements a tile has, and where the records of their nodes begin in its windows. Called for one tile
+    /// after the other; from the first again where a scene is cut anew.
     fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         let _ = (tile, elements, place);
     }
 
-    /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on the tile's own nodes; returns
-    /// their energy [J] or power [W].
+    /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on
+    /// the tile's own nodes; returns their energy [J] or power [W].
     fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
 
     /// [-] Largest l^2/l0^2 of the springs among a tile's elements; -inf where there is none.
@@ -62,7 +64,8 @@ pub trait Kernel<const N: usize>: Send + Sync {
     /// Node numbers of every element, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; N]];
 
-    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power [W].
+    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power
+    /// [W].
     fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
 }
 
@@ -77,7 +80,8 @@ pub struct Batch<K, const N: usize> {
 }
 
 impl<K: Kernel<N>, const N: usize> Batch<K, N> {
-    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending order of their smallest node.
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending
+    /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
         Batch { kernel, local: Vec::new(), tiles: Vec::new() }
     }

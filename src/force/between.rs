@@ -1,6 +1,7 @@
 //! What happens to the nodes of a strip where one step of several ends and the next begins.
 //!
-//! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of the next, when that begins.
+//! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of
+//! the next, when that begins.
 
 use super::around::Moving;
 use super::room::Part;

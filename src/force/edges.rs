@@ -1,4 +1,5 @@
-//! Batches of two-node elements that act along their edges, in the order in which they are quickest: fans first (`fans`).
+//! Batches of two-node elements that act along their edges, in the order in which they are quickest: fans first
+//! (`fans`).
 
 use super::batch::{Summand, Wants};
 use super::coefficient::{Coefficient, Column};
@@ -20,8 +21,8 @@ pub trait EdgeKernel: Send + Sync {
     /// Two numbers of every element, as [`EdgeKernel::add`] is to find them in a tile.
     fn numbers(&self) -> [Coefficient; 2];
 
-    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power [W]. Elements act alike on both ends:
-    /// which is the first is not kept.
+    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power
+    /// [W]. Elements act alike on both ends: which is the first is not kept.
     fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally;
 
     /// [-] Largest l^2/l0^2 of a tile's springs; -inf where elements have no rest length.
@@ -84,7 +85,8 @@ struct Placing {
 }
 
 impl<K: EdgeKernel> EdgeBatch<K> {
-    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending order of their smaller node.
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending
+    /// order of their smaller node.
     pub fn new(kernel: K) -> Self {
         EdgeBatch {
             kernel,

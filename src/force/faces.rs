@@ -1,4 +1,5 @@
-//! Batches of triangles that are pushed along their normal, in the order in which they are quickest: pairs first (`pairs`).
+//! Batches of triangles that are pushed along their normal, in the order in which they are quickest: pairs first
+//! (`pairs`).
 
 use super::batch::{Summand, Wants};
 use super::pairs::{Group, PAIRS, arrange};
@@ -15,8 +16,8 @@ pub trait FaceKernel: Send + Sync {
     /// Nodes of every triangle, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; 3]];
 
-    /// Adds the forces [N] of a tile's triangles to its window; returns their energy [J] or power [W]. Which of a triangle's nodes comes first is not kept, in which
-    /// sense they go round is.
+    /// Adds the forces [N] of a tile's triangles to its window; returns their energy [J] or power [W]. Which of a
+    /// triangle's nodes comes first is not kept, in which sense they go round is.
     fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally;
 }
 
@@ -52,7 +53,8 @@ struct Placing {
 }
 
 impl<K: FaceKernel> FaceBatch<K> {
-    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and triangles in ascending order of their smallest node.
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and triangles in ascending
+    /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
         FaceBatch { kernel, pairs: Vec::new(), others: Vec::new(), tiles: Vec::new() }
     }

@@ -1,10 +1,12 @@
 //! Two-node elements in fans: a node with three of its elements, four such nodes side by side.
 //!
-//! In a net of triangles nearly every node can have three elements that are no other node's (a planar graph has at most 3 n - 6 edges). What a fan's elements add
-//! to its own node is summed in a register; added in memory, and one after the other, are three other ends and one sum in place of six ends. Elements that fill no fan
-//! are left to [`super::pull`].
+//! In a net of triangles nearly every node can have three elements that are no other node's (a planar graph has at most
+//! 3 n - 6 edges). What a fan's elements add to its own node is summed in a register; added in memory, and one after
+//! the other, are three other ends and one sum in place of six ends. Elements that fill no fan are left to
+//! [`super::pull`].
 //!
-//! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or stores.
+//! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or
+//! stores.
 
 use super::coefficient::Column;
 use super::incidence::Incidence;
@@ -29,8 +31,8 @@ pub(super) struct Placed {
     pub turned: bool,
 }
 
-/// The order of a tile's elements, by their ends: groups of fans first, of which there are so many, then all others as they were. Node after node takes what
-/// elements are left, three by three.
+/// The order of a tile's elements, by their ends: groups of fans first, of which there are so many, then all others as
+/// they were. Node after node takes what elements are left, three by three.
 pub(super) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
     let around = Incidence::new(ends);
     let (mut fans, mut taken): (Vec<[Placed; FAN]>, _) = (Vec::new(), vec![false; ends.len()]);
@@ -53,7 +55,8 @@ pub(super) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
     (in_groups.chain(others).collect(), groups.len())
 }
 
-/// Adds the forces [N] of fans to a window, and returns their energy or power; `u` is the nodal vector of the differences.
+/// Adds the forces [N] of fans to a window, and returns their energy or power; `u` is the nodal vector of the
+/// differences.
 pub(super) fn pull_fans<L: PullLaw>(law: &L, fans: Fans<'_>, u: &Records, f: &mut Records) -> f64 {
     quad::run(Pulling { law, fans, u, f })
 }

@@ -1,9 +1,10 @@
 //! Ways through the strips of a scene, level after level.
 //!
-//! A level is a force pass: that of the first step of a stride, of the next one, or the second pass of the same step. One front goes over all strips. Several threads
-//! have a front each, over parts of the scene that share nothing, so that they need not meet before the stride ends: a part begins every level further to
-//! the right and ends it further to the left than the one before, where the nodes that its elements reach are its own. What is left between two parts is
-//! a seam, which is gone over when both are done (trapezoids: Frigo & Strumpen 2005).
+//! A level is a force pass: that of the first step of a stride, of the next one, or the second pass of the same step.
+//! One front goes over all strips. Several threads have a front each, over parts of the scene that share nothing, so
+//! that they need not meet before the stride ends: a part begins every level further to the right and ends it further
+//! to the left than the one before, where the nodes that its elements reach are its own. What is left between two parts
+//! is a seam, which is gone over when both are done (trapezoids: Frigo & Strumpen 2005).
 //!
 //! ```text
 //! level 2      |  part  /     seam     \  part  |
@@ -25,7 +26,8 @@ const SEAMS: usize = 3;
 pub(super) struct Level {
     /// the strips that are left
     pub strips: Range<usize>,
-    /// strips whose nodes this front completes and has not yet. A part leaves those at its left edge, which elements of strips before it reach, to the seam
+    /// strips whose nodes this front completes and has not yet. A part leaves those at its left edge, which elements of
+    /// strips before it reach, to the seam
     pub open: Range<usize>,
     /// up to this node the next level may reach
     pub complete: usize,

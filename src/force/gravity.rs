@@ -25,7 +25,8 @@ pub struct Gravity {
 }
 
 impl Gravity {
-    /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the energy counts.
+    /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the
+    /// energy counts.
     pub fn new(g: DVec3, mass: impl Iterator<Item = f64>, origin: Arc<[DVec3]>) -> Self {
         Gravity { g, mass: mass.collect(), origin }
     }

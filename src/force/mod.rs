@@ -3,25 +3,30 @@
 //! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see [the crate's first page](crate)).
 //!
 //! # How to add a force
-//! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a [`batch::Kernel`] for it and
-//!    `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`] and [`ForceTerm`]. Either adds to one tile of the scene at a
-//!    time (`sweep`): that is what keeps results the same for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element
-//!    after the other; or, where speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that pull
-//!    along a difference (`pull`, see `relative_dashpot`), a `PushLaw` and a [`faces::FaceKernel`] for triangles that are pushed along their normal (`push`, see
-//!    `follower_pressure`), or `phases` for other shapes.
-//!    All read nodes in the tile's windows, and say which of them they want: in steps that are made several at once a scene has no state of its own.
-//!    Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one piece of them: see `nodal`.
-//! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name. `velocity_dependent` and `follower` are
-//!    what the step may be too long for (`drive/cause`); `on_triangles` lets a failure name one. A term with elastic energy also adds its
-//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a [`ForceTerm::convex_tangent`].
-//! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it where the scene is built
-//!    (`scene/build.rs`, which also collects the times at which a table has a corner).
-//! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`, which says what must be the same
-//!    for a run to go on; the compiler asks for the last.
-//! 5. Add it to the list in `tests/tangent/scenes.rs`: both tangents are compared with finite differences at random states, what its
-//!    [`TermInfo`] says with its forces, copies of it in several tiles with one alone, and steps made several at once with steps one by one.
+//! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a
+//!    [`batch::Kernel`] for it and `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`]
+//!    and [`ForceTerm`]. Either adds to one tile of the scene at a time (`sweep`): that is what keeps results the same
+//!    for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element after the other; or, where
+//!    speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that
+//!    pull along a difference (`pull`, see `relative_dashpot`), a `PushLaw` and a [`faces::FaceKernel`] for triangles
+//!    that are pushed along their normal (`push`, see `follower_pressure`), or `phases` for other shapes. All read
+//!    nodes in the tile's windows, and say which of them they want: in steps that are made several at once a scene has
+//!    no state of its own. Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one
+//!    piece of them: see `nodal`.
+//! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name.
+//!    `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`); `on_triangles` lets a
+//!    failure name one. A term with elastic energy also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and
+//!    one whose K can be indefinite has a [`ForceTerm::convex_tangent`].
+//! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it
+//!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner).
+//! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`,
+//!    which says what must be the same for a run to go on; the compiler asks for the last.
+//! 5. Add it to the list in `tests/tangent/scenes.rs`: both tangents are compared with finite differences at random
+//!    states, what its [`TermInfo`] says with its forces, copies of it in several tiles with one alone, and steps made
+//!    several at once with steps one by one.
 //!
-//! A program that only uses the library builds scenes from [`crate::model::spec`]; a force of one's own means a changed copy of this crate.
+//! A program that only uses the library builds scenes from [`crate::model::spec`]; a force of one's own means a changed
+//! copy of this crate.
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.
@@ -104,20 +109,20 @@ pub trait ForceTerm: batch::Summand {
     /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);
 
-    /// The same elements in the same order, but each positive semidefinite: what makes K indefinite in a compressed or buckled
-    /// state is left out. The exact tangent for terms that never are.
+    /// The same elements in the same order, but each positive semidefinite: what makes K indefinite in a compressed or
+    /// buckled state is left out. The exact tangent for terms that never are.
     fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         self.tangent(at, w, sink);
     }
 
-    /// The same elements in the same order, but symmetric and positive semidefinite, near the exact tangent: what a factor is made of that is kept
-    /// over many steps. Terms with a symmetric tangent need none.
+    /// The same elements in the same order, but symmetric and positive semidefinite, near the exact tangent: what a
+    /// factor is made of that is kept over many steps. Terms with a symmetric tangent need none.
     fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         self.convex_tangent(at, w, sink);
     }
 
-    /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor of a residual, and for diagnoses.
-    /// Terms without elastic energy have none.
+    /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor
+    /// of a residual, and for diagnoses. Terms without elastic energy have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }

@@ -1,8 +1,9 @@
-//! Sums over neighbours along springs, as Kang's filter has them: `sum_j k_ij (u_j - u_i)` in what is viscous, `sum_j k_ij u_j` in its second sweep.
-//! Not a force term: nothing that a scene adds up, and without energies.
+//! Sums over neighbours along springs, as Kang's filter has them: `sum_j k_ij (u_j - u_i)` in what is viscous,
+//! `sum_j k_ij u_j` in its second sweep. Not a force term: nothing that a scene adds up, and without energies.
 //!
-//! Every node gathers from its neighbours, so that no two write to one place and any range of nodes can be summed for itself; four nodes
-//! go side by side. A spring is met twice, which costs less here than adding to two nodes in memory: there is no root and no division to be saved.
+//! Every node gathers from its neighbours, so that no two write to one place and any range of nodes can be summed for
+//! itself; four nodes go side by side. A spring is met twice, which costs less here than adding to two nodes in memory:
+//! there is no root and no division to be saved.
 
 use super::coefficient::Coefficient;
 use crate::model::quad::{self, Quad, VectorUnit};
@@ -38,7 +39,8 @@ const SIDE_BY_SIDE: usize = 4;
 const GROUP: usize = 3 * SIDE_BY_SIDE;
 
 impl Neighbours {
-    /// Of `n` nodes with `links`: pairs of nodes, and a weight for each, such as a stiffness [N/m]. Nodes may be linked more than once.
+    /// Of `n` nodes with `links`: pairs of nodes, and a weight for each, such as a stiffness [N/m]. Nodes may be linked
+    /// more than once.
     ///
     /// # Panics
     /// When a node is not below `n`, or a weight is missing.
@@ -103,8 +105,8 @@ impl Neighbours {
         })
     }
 
-    /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve, as many as `out` has; `u` has those of all nodes.
-    /// In units of a weight times one of `u`.
+    /// `out_i = sum_j k_ij u_j` for the nodes with degrees of freedom `dofs`, which begin at a multiple of twelve, as
+    /// many as `out` has; `u` has those of all nodes. In units of a weight times one of `u`.
     ///
     /// # Panics
     /// When `dofs` begin elsewhere, are not as many as `out` has or lie beyond the scene, or `u` lacks a node.

@@ -1,7 +1,7 @@
 //! Triangles in pairs: two that share a side, four such pairs side by side.
 //!
-//! In a net nearly every triangle has another for itself. A pair has four nodes to be read and added to, where two triangles have six. Triangles that are left over are left to
-//! [`super::push`].
+//! In a net nearly every triangle has another for itself. A pair has four nodes to be read and added to, where two
+//! triangles have six. Triangles that are left over are left to [`super::push`].
 //!
 //! Measuring, the law, and adding follow each other one group apart, as in [`super::fans`].
 
@@ -16,7 +16,8 @@ pub(super) const PAIRS: usize = 4;
 /// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
 pub(super) type Group = [[u16; 4]; PAIRS];
 
-/// A tile's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the first that is left and has one of its sides the other way round.
+/// A tile's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the
+/// first that is left and has one of its sides the other way round.
 pub(super) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
     let around = Incidence::new(triangles);
     let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
@@ -53,7 +54,8 @@ fn across<'a>(
     })
 }
 
-/// Adds the forces [N] of pairs to a window, and returns their energy or power; `x` and `v` are the positions [m] and velocities [m/s] of its nodes.
+/// Adds the forces [N] of pairs to a window, and returns their energy or power; `x` and `v` are the positions [m] and
+/// velocities [m/s] of its nodes.
 pub(super) fn push_pairs<L: PushLaw>(law: &L, groups: &[Group], [x, v]: [&Records; 2], f: &mut Records) -> f64 {
     quad::run(Pushing { law, groups, x, v, f })
 }

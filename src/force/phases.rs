@@ -1,20 +1,23 @@
 //! Kernels in vector registers: eight elements side by side, a chunk of them phase by phase.
 //!
-//! First every element of a chunk is measured, side by side and independent of the others; where a long chain of roots and quotients follows,
-//! it has a phase of its own; then the chunk's forces go to their nodes, one after the other, because elements share nodes. Apart, none waits
-//! for the others. All units and threads add the same numbers in the same order.
+//! First every element of a chunk is measured, side by side and independent of the others; where a long chain of roots
+//! and quotients follows, it has a phase of its own; then the chunk's forces go to their nodes, one after the other,
+//! because elements share nodes. Apart, none waits for the others. All units and threads add the same numbers in the
+//! same order.
 
 use super::batch::Records;
 use super::coefficient::Place;
 use crate::model::lanes::{LANES, Lanes};
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
-/// How elements with `N` nodes are measured, and how their forces go to the nodes. Its functions are `#[inline(always)]`.
+/// How elements with `N` nodes are measured, and how their forces go to the nodes. Its functions are
+/// `#[inline(always)]`.
 pub(super) trait Phases<const N: usize> {
     /// What is kept of a block between the phases.
     type Kept: Copy + Default;
 
-    /// As many of them as there are blocks in a chunk, an array. A chunk of one leaves it to the processor to measure the next while the forces of one are added.
+    /// As many of them as there are blocks in a chunk, an array. A chunk of one leaves it to the processor to measure
+    /// the next while the forces of one are added.
     type Chunk: Default + AsMut<[Self::Kept]>;
 
     /// Measures four elements; returns their energies or powers.

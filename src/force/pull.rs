@@ -3,8 +3,8 @@
 //! ```text
 //! d = ub - ua      force on a = s d, on b = -s d
 //! ```
-//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2 and two numbers of the element, as equations on four elements at once, and an
-//! [`super::edges::EdgeKernel`].
+//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2 and two numbers of the element, as
+//! equations on four elements at once, and an [`super::edges::EdgeKernel`].
 
 use super::coefficient::{Column, Place};
 use super::edges::Edges;

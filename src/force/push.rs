@@ -3,8 +3,8 @@
 //! ```text
 //! S = 1/2 (x1 - x0) x (x2 - x0) = A N,      a vertex gets p S
 //! ```
-//! To add such a force, write a [`PushLaw`]: p and the energy or power from S and the vertex velocities, as equations on four triangles at once, and a
-//! [`super::faces::FaceKernel`].
+//! To add such a force, write a [`PushLaw`]: p and the energy or power from S and the vertex velocities, as equations
+//! on four triangles at once, and a [`super::faces::FaceKernel`].
 
 use super::coefficient::Place;
 use super::faces::Faces;
@@ -16,7 +16,8 @@ use crate::model::quad::{Quad, VectorUnit};
 
 /// How triangles are pushed.
 pub(super) trait PushLaw {
-    /// Four triangles with the components of S [m^2] and of the sums [m/s] of their vertices' velocities; `#[inline(always)]`.
+    /// Four triangles with the components of S [m^2] and of the sums [m/s] of their vertices' velocities;
+    /// `#[inline(always)]`.
     fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad>;
 }
 

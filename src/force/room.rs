@@ -1,4 +1,5 @@
-//! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its strips.
+//! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its
+//! strips.
 
 use super::fronts::Fronts;
 use super::threads::SUMS;

@@ -3,8 +3,9 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Where it is kept, one for each of those who have used it at the same time. No lock is held while it is in use: a thread of a pool that waits for its share of
-/// a pass may begin another caller's pass meanwhile, which then has room of its own.
+/// Where it is kept, one for each of those who have used it at the same time. No lock is held while it is in use: a
+/// thread of a pool that waits for its share of a pass may begin another caller's pass meanwhile, which then has room
+/// of its own.
 #[derive(Debug, Default)]
 pub(super) struct Shelf<T>(Mutex<Vec<T>>);
 

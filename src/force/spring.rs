@@ -55,7 +55,8 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
-    /// Elastic tension and strain of every spring at positions `x` [m], each at its own of `to.places`, of which there are as many as springs; what has no spring keeps what it holds.
+    /// Elastic tension and strain of every spring at positions `x` [m], each at its own of `to.places`, of which there
+    /// are as many as springs; what has no spring keeps what it holds.
     ///
     /// # Panics
     /// When a place lies beyond `to.tension` or `to.strain`.

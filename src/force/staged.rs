@@ -1,4 +1,5 @@
-//! Strides of Runge-Kutta methods, of a scene that is one tile and has springs and weight alone: its nodes stay in the tile's windows from the first step to the last.
+//! Strides of Runge-Kutta methods, of a scene that is one tile and has springs and weight alone: its nodes stay in the
+//! tile's windows from the first step to the last.
 
 use super::sweep::{Sweep, Terms};
 use super::threads::{Resident, SUMS, Threads, Windows};
@@ -35,8 +36,8 @@ pub struct Ended<'a> {
 }
 
 impl Sweep {
-    /// As many steps as there are entries of `passed`, of terms of the first sum alone, where the scene [is one tile](Sweep::resides). State, forces and what is told of every step have the
-    /// bits of steps made one by one.
+    /// As many steps as there are entries of `passed`, of terms of the first sum alone, where the scene [is one
+    /// tile](Sweep::resides). State, forces and what is told of every step have the bits of steps made one by one.
     pub fn stride_by_stages<T: Terms + ?Sized>(
         &self,
         terms: &T,
@@ -83,7 +84,8 @@ struct Net<'a, T: ?Sized> {
 }
 
 impl<T: Terms + ?Sized> Net<'_, T> {
-    /// A step that ends at `passed.t`, from the forces at its start. Neither springs nor weight depend on time, so that stages need none of their own.
+    /// A step that ends at `passed.t`, from the forces at its start. Neither springs nor weight depend on time, so that
+    /// stages need none of their own.
     fn step(&mut self, stages: Stages<'_>, passed: &mut Passed) {
         stages.begin(&mut self.nodes());
         for stage in 0..stages.others.len() {

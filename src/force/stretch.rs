@@ -1,4 +1,5 @@
-//! The largest stretch l^2/l0^2 of springs, of which the largest strain is sqrt(l^2/l0^2) - 1: a quotient a spring and no root.
+//! The largest stretch l^2/l0^2 of springs, of which the largest strain is sqrt(l^2/l0^2) - 1: a quotient a spring and
+//! no root.
 
 use super::window::{Records, record};
 use crate::model::quad::{self, Quad, VectorUnit};

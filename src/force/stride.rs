@@ -1,8 +1,9 @@
 //! Force passes of one step, or of several steps at once, each a few strips behind the one before it (time skewing).
 //!
-//! The strips of every level ([`super::fronts`]) are done in rounds. A round can begin as soon as all nodes that its elements reach are complete in the level before,
-//! and were moved on, or their velocities corrected. Since elements belong to the strip of their smallest node, the level before does not need those nodes any more:
-//! all happens in place, and sums of a level overwrite those of the level before.
+//! The strips of every level ([`super::fronts`]) are done in rounds. A round can begin as soon as all nodes that its
+//! elements reach are complete in the level before, and were moved on, or their velocities corrected. Since elements
+//! belong to the strip of their smallest node, the level before does not need those nodes any more: all happens in
+//! place, and sums of a level overwrite those of the level before.
 
 use super::NodeState;
 use super::around::Moving;
@@ -19,8 +20,8 @@ use bytemuck::cast_slice;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Strips in a round for each of several threads that share a front, enough that none waits long for another: in one step, and in several, where a cache is to hold those
-/// of all levels.
+/// Strips in a round for each of several threads that share a front, enough that none waits long for another: in one
+/// step, and in several, where a cache is to hold those of all levels.
 const STRIPS: [usize; 2] = [4, 2];
 
 /// So many seams are gone over side by side, fewer one after the other by all threads.
@@ -107,9 +108,10 @@ impl Sweep {
         if self.resides() { LONGEST } else { LEVELS / passes }
     }
 
-    /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first. Sums, state and what is told of every step
-    /// have the bits of steps made one by one. Where steps predict, terms of the first sum have to be [still](Terms::still). (A scene in windows begins by the scheme's
-    /// point and kicks in place of what it does before and after: they are the same.)
+    /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first.
+    /// Sums, state and what is told of every step have the bits of steps made one by one. Where steps predict, terms of
+    /// the first sum have to be [still](Terms::still). (A scene in windows begins by the scheme's point and kicks in
+    /// place of what it does before and after: they are the same.)
     pub fn stride<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, Moving<'_>),

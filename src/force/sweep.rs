@@ -1,8 +1,9 @@
 //! Passes over the tiles of a scene, with the same bits for every number of threads.
 //!
-//! Strip by strip, mostly a tile each, windows are filled, all terms add to them while they are in cache, and what the strip's own nodes get is stored:
-//! no sum is zeroed in memory or read back. What lies beyond the strip is kept apart and added when all strips (`around`: of a round) are done, in their order, as are energies
-//! and powers. So no sum depends on which thread did which strip.
+//! Strip by strip, mostly a tile each, windows are filled, all terms add to them while they are in cache, and what the
+//! strip's own nodes get is stored: no sum is zeroed in memory or read back. What lies beyond the strip is kept apart
+//! and added when all strips (`around`: of a round) are done, in their order, as are energies and powers. So no sum
+//! depends on which thread did which strip.
 
 use super::NodeState;
 use super::batch::{Summand, Wants};
@@ -27,7 +28,8 @@ pub trait Terms: Sync {
     /// A term, and which of the pass's sums it adds to: 0, 1 or 2.
     fn term(&self, i: usize) -> (&dyn Summand, usize);
 
-    /// Whether all terms of the first sum are still: their forces follow from positions alone, so that other velocities change nothing.
+    /// Whether all terms of the first sum are still: their forces follow from positions alone, so that other velocities
+    /// change nothing.
     fn still(&self) -> bool {
         false
     }
@@ -195,7 +197,8 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         }
     }
 
-    /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty. Tells its largest stretch, if that is looked for.
+    /// Leaves in the windows what the terms add to the nodes of a tile, in every sum that is not empty. Tells its
+    /// largest stretch, if that is looked for.
     fn tile(
         &self,
         (number, kept): (usize, &mut [Padded]),

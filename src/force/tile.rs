@@ -1,4 +1,5 @@
-//! A tile as kernels see it: the nodes of a run of a scene, in windows of records of four numbers (`window`), and the elements that begin there.
+//! A tile as kernels see it: the nodes of a run of a scene, in windows of records of four numbers (`window`), and the
+//! elements that begin there.
 
 use super::window::{RECORD, Records, record, set_record};
 use glam::DVec3;
@@ -9,7 +10,8 @@ use std::ops::Range;
 pub struct Tile<'a> {
     /// which one
     pub number: usize,
-    /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where an earlier tile of the strip has them
+    /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where
+    /// an earlier tile of the strip has them
     pub own: Range<usize>,
     /// [s]
     pub t: f64,
@@ -46,8 +48,8 @@ impl<const N: usize> Elements<'_, N> {
         self.first..self.first + self.nodes.len()
     }
 
-    /// Adds elements one by one: `element` tells force [N] and energy or power of each from its number and the places of its nodes, `signs` how it acts on
-    /// them.
+    /// Adds elements one by one: `element` tells force [N] and energy or power of each from its number and the places
+    /// of its nodes, `signs` how it acts on them.
     pub fn each(
         &self,
         signs: [f64; N],

@@ -1,8 +1,8 @@
 //! Cuts a scene into tiles, so that a force pass works in the first caches.
 //!
-//! A strip is a run of nodes and the elements whose smallest node lies in it. What they touch beyond the strip's end is summed apart and added to
-//! those nodes when all strips that reach them are done: no two strips write to one place. A strip is one tile, and more where its elements reach too many nodes
-//! for the windows of one.
+//! A strip is a run of nodes and the elements whose smallest node lies in it. What they touch beyond the strip's end is
+//! summed apart and added to those nodes when all strips that reach them are done: no two strips write to one place. A
+//! strip is one tile, and more where its elements reach too many nodes for the windows of one.
 
 use super::batch::Summand;
 use super::window::{Padded, RECORD, add_rows};
@@ -14,8 +14,8 @@ use std::ops::Range;
 /// Records in a window at most: as many as 16 bits can tell apart.
 const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 
-/// Nodes of a strip, before their number is rounded, at least and at most: with them the windows of a pass fit into a second-level cache of 1 MB, and what lies beyond a strip's end is
-/// less than what lies in it.
+/// Nodes of a strip, before their number is rounded, at least and at most: with them the windows of a pass fit into a
+/// second-level cache of 1 MB, and what lies beyond a strip's end is less than what lies in it.
 const LEAST: usize = 2048;
 const MOST: usize = 2560;
 
@@ -68,7 +68,8 @@ pub(super) struct Beyond<'a> {
     pub sums: &'a [Padded],
 }
 
-/// Nodes of a strip in a scene of so many: two strips, or four times some number (up to some 500, where one more or less matters little), give several threads equally much to do.
+/// Nodes of a strip in a scene of so many: two strips, or four times some number (up to some 500, where one more or
+/// less matters little), give several threads equally much to do.
 fn strip_of(nodes: usize) -> usize {
     let strips = nodes.div_ceil(nodes.div_ceil(STRIPS).clamp(LEAST, MOST));
     match strips {

@@ -41,7 +41,8 @@ pub(super) struct Sums<'a> {
 }
 
 impl Sums<'_> {
-    /// Leaves in the windows what the terms add to the nodes of a tile, and tells their energies and powers. Where terms of the first sum are gone over, it holds zeros before.
+    /// Leaves in the windows what the terms add to the nodes of a tile, and tells their energies and powers. Where
+    /// terms of the first sum are gone over, it holds zeros before.
     pub fn add<T: Terms + ?Sized>(&mut self, terms: &T, told: Told, tile: &Tile<'_>, tallies: &mut [Tally]) {
         let n = self.n;
         let [total, others @ ..] = &mut self.sums;

@@ -1,7 +1,7 @@
 //! Windows: the few nodes of a tile as records of four numbers, one vector register each.
 //!
-//! An element's node is known by where its record begins. A window reaches as far as the 16 bits of such a number, so that no access needs a check;
-//! memory that no tile uses is never touched.
+//! An element's node is known by where its record begins. A window reaches as far as the 16 bits of such a number, so
+//! that no access needs a check; memory that no tile uses is never touched.
 
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 use glam::DVec3;
@@ -47,8 +47,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Windows that are used together begin at different lines of a page: where a load and an earlier store are equally far from the beginning of
-    /// their pages, a processor lets the load wait as if both were one place.
+    /// Windows that are used together begin at different lines of a page: where a load and an earlier store are equally
+    /// far from the beginning of their pages, a processor lets the load wait as if both were one place.
     pub fn new(shift: usize) -> Self {
         Window { room: Vec::new(), shift, first: 0 }
     }
@@ -145,7 +145,8 @@ impl<const ADD: bool> Pass for Give<'_, ADD> {
     }
 }
 
-/// Overwrites records with the sums of others: `first`, or else what is there, and then those of `others` that are not empty, one after the other.
+/// Overwrites records with the sums of others: `first`, or else what is there, and then those of `others` that are not
+/// empty, one after the other.
 pub(super) fn sum_rows(to: &mut [Padded], first: Option<&[Padded]>, others: [&[Padded]; 2]) {
     match (others, first) {
         ([[], []], None) => {}

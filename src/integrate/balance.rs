@@ -1,4 +1,5 @@
-//! The loops of an implicit step's equations over all degrees of freedom; fixed ones have z = 0, and what comes out for them is not looked at.
+//! The loops of an implicit step's equations over all degrees of freedom; fixed ones have z = 0, and what comes out for
+//! them is not looked at.
 
 use super::stage::StageMap;
 use crate::model::lanes::{LANES, Lanes};
@@ -83,8 +84,8 @@ pub(super) struct Sizes<'a> {
     pub a: &'a [f64],
 }
 
-/// [N] The rounding of every residual: positions are rounded to eps |x|, which springs turn into force; inertia is a difference of terms as large as
-/// M v/(beta h).
+/// [N] The rounding of every residual: positions are rounded to eps |x|, which springs turn into force; inertia is a
+/// difference of terms as large as M v/(beta h).
 pub(super) fn rounding(
     workers: &Workers,
     map: StageMap,

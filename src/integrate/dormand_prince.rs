@@ -1,4 +1,5 @@
-//! The pair of Dormand & Prince (1980, J. Comp. Appl. Math. 6, 19-26), known as RK5(4)7M or DOPRI5. Order 5, six evaluations a step.
+//! The pair of Dormand & Prince (1980, J. Comp. Appl. Math. 6, 19-26), known as RK5(4)7M or DOPRI5. Order 5, six
+//! evaluations a step.
 //!
 //! ```text
 //!   0   |
@@ -11,8 +12,9 @@
 //!   b   | 35/384       0            500/1113     125/192  -2187/6784     11/84
 //!   e   | 71/57600     0           -71/16695     71/1920  -17253/339200  22/525  -1/40
 //! ```
-//! The seventh slope is that of the new point; the result is the solution of order 5, the estimate its difference from that of order 4
-//! (Hairer, Norsett & Wanner 1993, Table II.5.2). On linear problems a step is R(z) = sum over k <= 5 of z^k/k! + z^6/600, with
+//! The seventh slope is that of the new point; the result is the solution of order 5, the estimate its difference from
+//! that of order 4 (Hairer, Norsett & Wanner 1993, Table II.5.2). On linear problems a step is R(z) = sum over k <= 5
+//! of z^k/k! + z^6/600, with
 //! |R(iy)| = 1 - y^6/3600 + ...: undamped oscillations die out slowly up to w h = 0.997 and grow slowly above.
 
 use super::PairInfo;
@@ -24,8 +26,8 @@ pub fn scheme() -> Scheme {
     Scheme::Explicit(Box::new(Embedded::new(&TABLEAU)))
 }
 
-/// [-] R - e^z over e and over z: z^6/3600 and -97/120000 z^5. A controller of order 5 settles lower than one of order 4, which is why steps get
-/// 1.5 times as much (`tests/claims/tolerance.rs`).
+/// [-] R - e^z over e and over z: z^6/3600 and -97/120000 z^5. A controller of order 5 settles lower than one of order
+/// 4, which is why steps get 1.5 times as much (`tests/claims/tolerance.rs`).
 pub(super) const LINEAR: f64 = (1.0 / 3600.0) / (97.0 / 120_000.0);
 
 pub(super) static TABLEAU: Tableau = Tableau {

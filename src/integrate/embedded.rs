@@ -1,5 +1,5 @@
-//! Explicit Runge-Kutta methods whose stages serve a second, coarser solution too, so that a step brings its own error estimate
-//! (Fehlberg 1969; Hairer, Norsett & Wanner 1993, section II.4).
+//! Explicit Runge-Kutta methods whose stages serve a second, coarser solution too, so that a step brings its own error
+//! estimate (Fehlberg 1969; Hairer, Norsett & Wanner 1993, section II.4).
 //!
 //! With y = (x, v) and the slopes k_i = (v_i, M^-1 f(t_i, x_i, v_i)):
 //! ```text
@@ -7,9 +7,9 @@
 //! y_{n+1} = y_n + h sum_i b_i k_i
 //! e       = h sum_i e_i k_i                  e_i = b_i - b^_i, the weights of the coarser solution taken off
 //! ```
-//! The last slope of `e` may be that of the new point itself, whose forces the next step needs in any case ("first same as last"): a
-//! step costs as many force passes as the method has stages, and the estimate none.
-//! Sums are formed before they are added to y_n, so that they lose no digits to a far origin.
+//! The last slope of `e` may be that of the new point itself, whose forces the next step needs in any case ("first same
+//! as last"): a step costs as many force passes as the method has stages, and the estimate none. Sums are formed before
+//! they are added to y_n, so that they lose no digits to a far origin.
 
 use super::updates::{acceleration, accumulate, power};
 use super::{Counters, ErrorOut, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
@@ -190,8 +190,8 @@ mod tests {
     use super::super::{dop853, dormand_prince};
     use super::*;
 
-    /// A rooted tree: its elementary weights by stage, the slope at the new point last, and its density gamma (Butcher; Hairer, Norsett &
-    /// Wanner 1993, section II.2).
+    /// A rooted tree: its elementary weights by stage, the slope at the new point last, and its density gamma (Butcher;
+    /// Hairer, Norsett & Wanner 1993, section II.2).
     struct Tree {
         weights: Vec<f64>,
         density: f64,

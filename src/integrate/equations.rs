@@ -63,13 +63,13 @@ pub(super) enum Guess {
     Rest,
 }
 
-/// [-] A guess that changes the forces by more than this share of their size has left the neighbourhood in which it means
-/// anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
+/// [-] A guess that changes the forces by more than this share of their size has left the neighbourhood in which it
+/// means anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
 const FORCE_CHANGE: f64 = 0.5;
 
-/// [-] (w h)^2, with the stiffness and mass of a single unknown, above which a step is long for a spring: a guess may then
-/// lie near the mirror image of its end, where the forces look right again. Half way there they do not. Looked at only where a spring
-/// has turned over: the mirror image lies behind it.
+/// [-] (w h)^2, with the stiffness and mass of a single unknown, above which a step is long for a spring: a guess may
+/// then lie near the mirror image of its end, where the forces look right again. Half way there they do not. Looked at
+/// only where a spring has turned over: the mirror image lies behind it.
 const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {

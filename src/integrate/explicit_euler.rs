@@ -4,8 +4,8 @@
 //! x_{n+1} = x_n + h v_n
 //! v_{n+1} = v_n + h M^-1 f(t_n, x_n, v_n)
 //! ```
-//! Undamped oscillations grow for every h: the amplitude by sqrt(1 + (w h)^2) a step. With damping ratio zeta the limit is
-//! w h < 2 zeta (oscillating case).
+//! Undamped oscillations grow for every h: the amplitude by sqrt(1 + (w h)^2) a step. With damping ratio zeta the limit
+//! is w h < 2 zeta (oscillating case).
 
 use super::updates::{BeforeAndAfter, Product, add_product, add_scaled, nothing};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};

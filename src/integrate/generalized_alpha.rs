@@ -1,5 +1,5 @@
-//! The generalised alpha method (Chung & Hulbert 1993, Eq. 15-18 and 25), set by the spectral radius at infinite frequency.
-//! Order 2, unconditionally stable on linear problems.
+//! The generalised alpha method (Chung & Hulbert 1993, Eq. 15-18 and 25), set by the spectral radius at infinite
+//! frequency. Order 2, unconditionally stable on linear problems.
 //!
 //! ```text
 //! am = (2 r - 1)/(r + 1),  af = r/(r + 1),  gamma = 1/2 - am + af,  beta = (1 - am + af)^2/4,  r = rho_inf in [0, 1]

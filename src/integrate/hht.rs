@@ -1,5 +1,5 @@
-//! Hilber, Hughes and Taylor's alpha method (1977, Eq. 1-5), alpha in [-1/3, 0]. Order 2, unconditionally stable on linear
-//! problems, damps high frequencies.
+//! Hilber, Hughes and Taylor's alpha method (1977, Eq. 1-5), alpha in [-1/3, 0]. Order 2, unconditionally stable on
+//! linear problems, damps high frequencies.
 //!
 //! ```text
 //! r = M a_{n+1} - (1 + alpha) f_{n+1} + alpha f_n

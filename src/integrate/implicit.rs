@@ -1,8 +1,9 @@
-//! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear solver.
+//! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear
+//! solver.
 //!
-//! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend
-//! on where the origin is. Per iteration: one force pass and one solve, with W = cm M + cc C + ck K of the iterate, assembled into its slots and
-//! factorised, or with one that is kept (`kept`).
+//! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
+//! where the origin is. Per iteration: one force pass and one solve, with W = cm M + cc C + ck K of the iterate,
+//! assembled into its slots and factorised, or with one that is kept (`kept`).
 
 use super::balance::{came_as, go_on};
 use super::equations::{Equations, Guess, scales};
@@ -20,8 +21,9 @@ use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 /// [-] What a solve for a filtered error may leave: it is only looked at.
 const FILTER_RELATIVE: f64 = 1e-3;
 
-/// The trapezoidal rule, which carries the true acceleration and is of order 2 from its first step on. HHT and generalised alpha need one that lags behind, by a share
-/// of a step, which no step of the present forces has made after a restart: a true one instead is an error of order h in a, in the first step and the one after.
+/// The trapezoidal rule, which carries the true acceleration and is of order 2 from its first step on. HHT and
+/// generalised alpha need one that lags behind, by a share of a step, which no step of the present forces has made
+/// after a restart: a true one instead is an error of order h in a, in the first step and the one after.
 const TRAPEZOIDAL: NewmarkParameters = NewmarkParameters { beta: 0.25, gamma: 0.5 };
 
 /// A scheme of the family: nothing but its stage map.
@@ -267,8 +269,8 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     }
 }
 
-/// The acceleration that HHT and generalised alpha would have carried out of a step that another scheme has made, in place of the true one:
-/// a = M^-1 f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start.
+/// The acceleration that HHT and generalised alpha would have carried out of a step that another scheme has made, in
+/// place of the true one: a = M^-1 f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start.
 fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mut [f64]) {
     for (((a, a_n), f), m) in a.iter_mut().zip(a_n).zip(f).zip(inverse_mass) {
         let now = m * f;
@@ -293,9 +295,9 @@ struct Lag<'a> {
 }
 
 impl Lag<'_> {
-    /// HHT and generalised alpha carry an acceleration that stands for another time than the state, by a share of the step:
-    /// a - M^-1 f is proportional to the step that made it, and is scaled to the next one's size. Left as it is, every change of the step would
-    /// make an error of order h in a.
+    /// HHT and generalised alpha carry an acceleration that stands for another time than the state, by a share of the
+    /// step: a - M^-1 f is proportional to the step that made it, and is scaled to the next one's size. Left as it is,
+    /// every change of the step would make an error of order h in a.
     fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
         let &Lag { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {

@@ -6,8 +6,8 @@
 //! y~_{n+1} = y_n + h d_n,      d_{n+1} = (v~, M^-1 f(t_{n+1}, x~, v~))
 //! y_{n+1} = y_n + h/2 (d_n + d_{n+1})
 //! ```
-//! On linear problems the predicted states follow Adams-Bashforth 2 exactly. The forces at the corrected state are never
-//! evaluated by the scheme.
+//! On linear problems the predicted states follow Adams-Bashforth 2 exactly. The forces at the corrected state are
+//! never evaluated by the scheme.
 
 use super::updates::{acceleration, accumulate, add_scaled, power, weigh};
 use super::{Carried, Counters, Integrator, StageWork, StepError, StepInput, StepReport};

@@ -1,14 +1,14 @@
-//! Kang's approximate implicit scheme (thesis Eq. 52-57, with k inside the sums; Kang, Choi, Cho & Park 2000). Order 1, no
-//! matrix, O(n) a step. It is two Jacobi sweeps on backward Euler with scalar stiffness.
+//! Kang's approximate implicit scheme (thesis Eq. 52-57, with k inside the sums; Kang, Choi, Cho & Park 2000). Order 1,
+//! no matrix, O(n) a step. It is two Jacobi sweeps on backward Euler with scalar stiffness.
 //!
 //! With F_i = spring force + h sum_j k_ij (v_j - v_i) and D_i = m_i + h^2 sum_j k_ij:
 //! ```text
 //! dv_i = [ F_i h + h^2 sum_j k_ij (F_j h) / D_j ] / D_i
 //! v_{n+1} = v_n + dv + h M^-1 g,      x_{n+1} = x_n + h v_{n+1}
 //! ```
-//! g are all other forces, outside the filter (gravity, air, loads, other dashpots). A relative dashpot with c = k h *is* the
-//! viscous part of F and is not added a second time. A fixed node counts in its neighbours' D and contributes nothing to
-//! their sums.
+//! g are all other forces, outside the filter (gravity, air, loads, other dashpots). A relative dashpot with c = k h
+//! *is* the viscous part of F and is not added a second time. A fixed node counts in its neighbours' D and contributes
+//! nothing to their sums.
 //!
 //! The published filter acts along slack springs too and brakes free flight on them to v exp(-k h t/m). Here springs
 //! with a slack law are in the filter only if they are taut at x or at x + h v; one that is slack at x but not at x + h
@@ -22,8 +22,8 @@
 //! for.
 //!
 //! With kappa = h^2 k/m the filter's artefacts: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
-//! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered springs only: a weight on one
-//! spring comes to rest 1 + kappa times as far down as it should.
+//! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered
+//! springs only: a weight on one spring comes to rest 1 + kappa times as far down as it should.
 
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
@@ -142,7 +142,8 @@ struct Step<'a> {
     step_filter: Option<&'a dyn StepFilter>,
 }
 
-/// The forces that make up what acts outside the filter: as they are in the total of all forces, and as they are beside F.
+/// The forces that make up what acts outside the filter: as they are in the total of all forces, and as they are beside
+/// F.
 type Outside<'a, const N: usize> = [[&'a [f64]; N]; 2];
 
 impl Step<'_> {

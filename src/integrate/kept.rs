@@ -1,5 +1,6 @@
-//! What is known of the factor that an implicit scheme keeps from step to step, as accepted and as attempted: a dropped attempt must leave no bit,
-//! and a resumed run must have the factor of one that was never stopped. Both make it again from the state it was made at.
+//! What is known of the factor that an implicit scheme keeps from step to step, as accepted and as attempted: a dropped
+//! attempt must leave no bit, and a resumed run must have the factor of one that was never stopped. Both make it again
+//! from the state it was made at.
 
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
@@ -95,7 +96,8 @@ impl Kept {
             KeptFactor { frozen: Frozen::default(), t: at.t, weights: [w.m, w.c, w.k], convex, made_for: expected };
     }
 
-    /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing if it is of that already.
+    /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing
+    /// if it is of that already.
     pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, Make)> {
         if self.tried.convex {
             return None;

@@ -1,17 +1,20 @@
-//! What a step of a method is on linear scenes M a = -K x - C v, as far as others ask: [`crate::analysis`] for limits, diagnoses for advice.
+//! What a step of a method is on linear scenes M a = -K x - C v, as far as others ask: [`crate::analysis`] for limits,
+//! diagnoses for advice.
 
 use crate::model::system::Weights;
 
 /// What is known of a method's step on linear scenes; `analysis/limit` measures all of it on oscillators.
 #[derive(Debug)]
 pub struct LinearStep {
-    /// whether the method is a partitioned one with these parameters: it advances positions and velocities by different formulas. Else its step is a
-    /// function of h L, L = [0 I; -M^-1 K, -M^-1 C], and an eigenvalue of L alone tells what becomes of its motion
+    /// whether the method is a partitioned one with these parameters: it advances positions and velocities by different
+    /// formulas. Else its step is a function of h L, L = [0 I; -M^-1 K, -M^-1 C], and an eigenvalue of L alone tells
+    /// what becomes of its motion
     pub partitioned: fn(&[f64]) -> bool,
-    /// whether, with default parameters, every step takes energy from an undamped oscillation, up to w h = 2 at least: what the step is coarse
-    /// for dies out without swinging
+    /// whether, with default parameters, every step takes energy from an undamped oscillation, up to w h = 2 at least:
+    /// what the step is coarse for dies out without swinging
     pub always_dissipates: bool,
-    /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity as it is, whatever K does, for a method that has such a step
+    /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity as it is, whatever K does, for a method
+    /// that has such a step
     pub fixed_velocity: Option<f64>,
     /// the matrix that is positive definite in stable steps alone, for a method that has such a one on symmetric scenes
     pub pencil: Option<Pencil>,

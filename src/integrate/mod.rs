@@ -1,24 +1,28 @@
 //! Time integration: one file a scheme, all on the same residual M a = f(t, x, v).
 //!
-//! A scheme *attempts* a step from one [`Point`] to another; the driver accepts or drops it. Rejecting is
-//! not accepting: `to` is overwritten by the next attempt, and what the scheme carries from step to step (an algorithmic
+//! A scheme *attempts* a step from one [`Point`] to another; the driver accepts or drops it. Rejecting is not
+//! accepting: `to` is overwritten by the next attempt, and what the scheme carries from step to step (an algorithmic
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
 //! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
 //!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
-//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and what its step is on linear scenes
-//!    ([`linear_step`], which limits and diagnoses go by instead of names). The case format, the JSON Schema, `canopy-fem methods` and every
-//!    test that loops over methods read that entry; those of `analysis/limit` measure on oscillators whether what it says of the step is so.
-//! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its leading error term and
-//!    `tests/counters.rs` its work; an explicit one has a line of known limits in `analysis/limit` and, if it is one of Runge and Kutta's, a polynomial in
-//!    `tests/common/polynomials.rs`. `tests/claims/order.rs` and `tolerance.rs` measure its order and what tolerances deliver. Each of them
-//!    fails and says so where it finds nothing; `tests/case/faults.rs` and the README's table name all methods.
+//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and what its step is on
+//!    linear scenes ([`linear_step`], which limits and diagnoses go by instead of names). The case format, the JSON
+//!    Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of `analysis/limit`
+//!    measure on oscillators whether what it says of the step is so.
+//! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
+//!    leading error term and `tests/counters.rs` its work; an explicit one has a line of known limits in
+//!    `analysis/limit` and, if it is one of Runge and Kutta's, a polynomial in `tests/common/polynomials.rs`.
+//!    `tests/claims/order.rs` and `tolerance.rs` measure its order and what tolerances deliver. Each of them fails and
+//!    says so where it finds nothing; `tests/case/faults.rs` and the README's table name all methods.
 //!
-//! A scheme that solves more than once a step owns as many [`implicit::Implicit`] engines as it has stages: an engine carries one kept factor and one first
-//! guess from step to step, and `check` counts one solve a step where it does not try.
+//! A scheme that solves more than once a step owns as many [`implicit::Implicit`] engines as it has stages: an engine
+//! carries one kept factor and one first guess from step to step, and `check` counts one solve a step where it does not
+//! try.
 //!
-//! A program that only uses the library takes methods from the [`registry`]; a scheme of one's own means a changed copy of this crate.
+//! A program that only uses the library takes methods from the [`registry`]; a scheme of one's own means a changed copy
+//! of this crate.
 //!
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 
@@ -121,8 +125,8 @@ pub struct Trend {
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairInfo {
-    /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h [s]: the run goes on with
-    /// the finer solution, whose error is of one order more than the estimate
+    /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h
+    /// [s]: the run goes on with the finer solution, whose error is of one order more than the estimate
     pub leading: f64,
 }
 
@@ -181,8 +185,9 @@ pub trait Integrator<S: ?Sized>: Send {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError>;
 
-    /// Makes several steps into `to`, of one size and an entry of `passed` each, which has its time; `step.t_next` is that of the last. Their bits are those of steps
-    /// attempted and accepted one by one. `false`, and `to` means nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
+    /// Makes several steps into `to`, of one size and an entry of `passed` each, which has its time; `step.t_next` is
+    /// that of the last. Their bits are those of steps attempted and accepted one by one. `false`, and `to` means
+    /// nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
     fn stride(
         &mut self,
         step: StepInput<'_, S>,
@@ -197,7 +202,8 @@ pub trait Integrator<S: ?Sized>: Send {
     /// Takes over what the last attempt carried.
     fn accept(&mut self) {}
 
-    /// Drops what is carried and begins anew at a point, as [`Integrator::start`] does: forces are not smooth across its time. Allocates nothing.
+    /// Drops what is carried and begins anew at a point, as [`Integrator::start`] does: forces are not smooth across
+    /// its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
     /// What is carried, for a checkpoint.
@@ -213,9 +219,10 @@ pub trait Integrator<S: ?Sized>: Send {
         carried.take_into(&mut [])
     }
 
-    /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself:
-    /// e <- W^-1 cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not resolve would
-    /// count for (w h)^2 times what it is (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19). Explicit schemes leave e.
+    /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself: e <- W^-1
+    /// cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not
+    /// resolve would count for (w h)^2 times what it is (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19).
+    /// Explicit schemes leave e.
     ///
     /// # Errors
     /// When the factorised W cannot be solved with.
@@ -228,9 +235,9 @@ pub trait Integrator<S: ?Sized>: Send {
         None
     }
 
-    /// Writes the estimate that the embedded pair makes of the step attempted last, which ended at `to`. It falls as h^p in steps of h by
-    /// a scheme of order p, as the error at the end of a run does; the error of the step itself falls as h^(p+1) ([`PairInfo`]). Schemes
-    /// without a pair leave `out`.
+    /// Writes the estimate that the embedded pair makes of the step attempted last, which ended at `to`. It falls as
+    /// h^p in steps of h by a scheme of order p, as the error at the end of a run does; the error of the step itself
+    /// falls as h^(p+1) ([`PairInfo`]). Schemes without a pair leave `out`.
     fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorOut<'_>) {}
 
     /// Degree of freedom of an unknown; the same number for schemes without unknowns.

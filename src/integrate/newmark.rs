@@ -5,8 +5,9 @@
 //! x_{n+1} = x_n + h v_n + h^2 [(1/2 - beta) a_n + beta a_{n+1}]
 //! v_{n+1} = v_n + h [(1 - gamma) a_n + gamma a_{n+1}]
 //! ```
-//! On linear problems stable for every h if 2 beta >= gamma >= 1/2; else for h/T <= 1/(pi sqrt2 sqrt(gamma - 2 beta)) (Eq. 27).
-//! The thesis' linear-incremental form (Eq. 28-36) has four misprints and drifts on nonlinear problems; it is not built.
+//! On linear problems stable for every h if 2 beta >= gamma >= 1/2; else for h/T <= 1/(pi sqrt2 sqrt(gamma - 2 beta))
+//! (Eq. 27). The thesis' linear-incremental form (Eq. 28-36) has four misprints and drifts on nonlinear problems; it is
+//! not built.
 
 use super::implicit::ImplicitScheme;
 use super::stage::{NewmarkParameters, StageMap};

@@ -1,4 +1,5 @@
-//! Strides: several steps on end ([`crate::model::stride`]), of schemes that kick, drift and kick, and of Runge-Kutta methods.
+//! Strides: several steps on end ([`crate::model::stride`]), of schemes that kick, drift and kick, and of Runge-Kutta
+//! methods.
 
 use super::{Counters, StepInput};
 use crate::model::point::Point;

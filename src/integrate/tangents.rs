@@ -1,5 +1,6 @@
-//! The factorised tangents of an implicit scheme: the exact one of an iterate, and a symmetric one that is kept over many steps. Each
-//! is analysed when it is first called for; where W is symmetric they share their room, and one overwrites the other.
+//! The factorised tangents of an implicit scheme: the exact one of an iterate, and a symmetric one that is kept over
+//! many steps. Each is analysed when it is first called for; where W is symmetric they share their room, and one
+//! overwrites the other.
 
 use std::sync::Arc;
 

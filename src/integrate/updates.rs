@@ -101,7 +101,8 @@ pub(super) fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
     }
 }
 
-/// What a scheme does around a force pass, of two functions of a range of degrees of freedom: of x and v before it; of v and the forces after it.
+/// What a scheme does around a force pass, of two functions of a range of degrees of freedom: of x and v before it; of
+/// v and the forces after it.
 pub(super) struct BeforeAndAfter<B, A> {
     pub before: B,
     pub after: A,

@@ -5,9 +5,10 @@
 //! interior starts from an even spiral of the exact number of nodes. The relaxed mesh is then polished
 //! ([`super::polish`]).
 //!
-//! Of a large mesh (more nodes than [`MANY`](super::layout::MANY)) the interior nodes are numbered along Hilbert's curve, it is relaxed for
-//! [`LARGE_ITERATIONS`] only, and triangulated once: from then on edges are flipped. To wait until the last of a million nodes rests would
-//! take a number of iterations that grows with the number of nodes, and change no angle that matters.
+//! Of a large mesh (more nodes than [`MANY`](super::layout::MANY)) the interior nodes are numbered along Hilbert's
+//! curve, it is relaxed for [`LARGE_ITERATIONS`] only, and triangulated once: from then on edges are flipped. To wait
+//! until the last of a million nodes rests would take a number of iterations that grows with the number of nodes, and
+//! change no angle that matters.
 
 use super::delaunay::{sorted, triangulate};
 use super::flips::Flips;
@@ -32,8 +33,8 @@ const REST: f64 = 1e-3;
 const CLEARANCE: f64 = 0.4;
 /// most iterations of an attempt
 const ITERATIONS: usize = 2000;
-/// iterations of a large mesh; the mean smallest angle of a triangle is then 54.6 degrees with 100,000 nodes (55.5 at rest) and 52 with
-/// a million, the smallest of all 36 and 34
+/// iterations of a large mesh; the mean smallest angle of a triangle is then 54.6 degrees with 100,000 nodes (55.5 at
+/// rest) and 52 with a million, the smallest of all 36 and 34
 const LARGE_ITERATIONS: usize = 100;
 /// attempts, each from other pseudo-random numbers
 const ATTEMPTS: u64 = 5;
@@ -104,7 +105,8 @@ pub(super) fn follow_plan(plan: &Plan, start: &Start, flips: &mut Flips) -> Resu
     triangulate_plan(plan, start)
 }
 
-/// Moves the nodes until the springs are at rest (Persson & Strang 2004, section 3, steps 3 to 8); returns the triangulation so far.
+/// Moves the nodes until the springs are at rest (Persson & Strang 2004, section 3, steps 3 to 8); returns the
+/// triangulation so far.
 fn relax(plan: &Plan, start: &mut Start) -> Result<Flips, MeshError> {
     if plan.free == 0 && plan.seam_nodes == 0 {
         return Ok(Flips::default());

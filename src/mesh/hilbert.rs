@@ -1,4 +1,5 @@
-//! Order along Hilbert's curve (1891): points near each other in the plane mostly follow each other in the order, and in memory.
+//! Order along Hilbert's curve (1891): points near each other in the plane mostly follow each other in the order, and
+//! in memory.
 
 use glam::DVec2;
 

@@ -277,7 +277,8 @@ impl Plan {
             start.freedom.push(Freedom::Free);
         }
         if self.is_large() {
-            // Nodes that follow each other on the spiral lie far apart; every later pass over the mesh would miss the cache.
+            // Nodes that follow each other on the spiral lie far apart; every later pass over the mesh would miss the
+            // cache.
             let first = start.points.len() - self.free;
             start.points[first..].sort_by_cached_key(|&p| hilbert::place(p, outer));
         }

@@ -1,9 +1,9 @@
 //! Local improvement of the sharpest triangles after the relaxation.
 //!
-//! Each node of a sharp triangle moves to where the smallest angle around it is largest, a search as in Freitag,
-//! Jones & Plassmann (1995), "An efficient parallel algorithm for mesh smoothing", then everything is triangulated
-//! anew (a large mesh by flips). Neither step lowers the mesh's smallest angle: the first by construction, the second because a (constrained)
-//! Delaunay triangulation maximises it.
+//! Each node of a sharp triangle moves to where the smallest angle around it is largest, a search as in Freitag, Jones
+//! & Plassmann (1995), "An efficient parallel algorithm for mesh smoothing", then everything is triangulated anew (a
+//! large mesh by flips). Neither step lowers the mesh's smallest angle: the first by construction, the second because a
+//! (constrained) Delaunay triangulation maximises it.
 
 use super::MeshError;
 use super::distmesh::follow_plan;

@@ -9,7 +9,8 @@ use std::path::Path;
 /// Writes a mesh; the format follows from the name's extension. A file of that name is replaced only with `replace`.
 ///
 /// # Errors
-/// [`MeshError::Target`] for a name of no known kind or a file that is there, [`MeshError::File`] where the system refuses.
+/// [`MeshError::Target`] for a name of no known kind or a file that is there, [`MeshError::File`] where the system
+/// refuses.
 pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };

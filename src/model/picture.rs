@@ -27,8 +27,8 @@ pub trait Picture: System {
     /// Tension [N] (elastic part) and strain [-] of every edge; NaN on an edge without spring.
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]);
 
-    /// Adds to the elastic tension [N] of every edge the force of the dashpot along it, if it has one. What acts between its ends in other directions too
-    /// is no tension.
+    /// Adds to the elastic tension [N] of every edge the force of the dashpot along it, if it has one. What acts
+    /// between its ends in other directions too is no tension.
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
         let _ = (at, tension);
     }

@@ -1,7 +1,7 @@
 //! Four numbers side by side, in one vector register where the machine has one.
 //!
-//! A kernel is written once, as its equations on [`Quad`]s, and compiled for each [`VectorUnit`]; [`run`] takes the best one this machine has.
-//! No operation is fused or reordered, so that all units give the same bits.
+//! A kernel is written once, as its equations on [`Quad`]s, and compiled for each [`VectorUnit`]; [`run`] takes the
+//! best one this machine has. No operation is fused or reordered, so that all units give the same bits.
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,8 +1,10 @@
 //! Strides: several steps on end, of which only the last state is seen.
 //!
-//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step. Those of a large scene wait for memory. A node's next step needs no more than the forces around
-//! it, so the next step can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a step ("time
-//! skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its bits are those of steps made one by one.
+//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step.
+//! Those of a large scene wait for memory. A node's next step needs no more than the forces around it, so the next step
+//! can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a
+//! step ("time skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its
+//! bits are those of steps made one by one.
 
 mod kicks;
 mod stages;
@@ -42,8 +44,8 @@ pub struct NodeSums {
     pub largest_square: f64,
     /// the box they lie in; told of a stride's last state, of others that of no nodes may stand here
     pub bounds: Bounds,
-    /// whether all forces are finite, those at fixed degrees of freedom too; told of a stride's last state: in those before what is not finite shows in the kinetic energy, of the next
-    /// state at the latest
+    /// whether all forces are finite, those at fixed degrees of freedom too; told of a stride's last state: in those
+    /// before what is not finite shows in the kinetic energy, of the next state at the latest
     pub finite: bool,
     /// what was done in the step that ends here (within a stride, what was done of it so far, doubled)
     pub work: Work,
@@ -59,8 +61,8 @@ pub struct Work {
 }
 
 impl Work {
-    /// Of external and dissipative forces [N] along the way between positions [m] of `W` numbers a node, three and perhaps one that is 0. An empty slice of forces does
-    /// no work.
+    /// Of external and dissipative forces [N] along the way between positions [m] of `W` numbers a node, three and
+    /// perhaps one that is 0. An empty slice of forces does no work.
     pub fn of<const W: usize>(forces: [&[f64]; 2], from: &[f64], x: &[f64]) -> Self {
         let [external, dissipative] = work::<W, 2>(forces, from, x);
         Work { external, dissipative }
@@ -113,7 +115,8 @@ impl Passed {
     }
 }
 
-/// [-] strain of a spring by its l^2/l0^2, 0 for -inf: one root for all, which leaves 2e-16 of springs at their rest length.
+/// [-] strain of a spring by its l^2/l0^2, 0 for -inf: one root for all, which leaves 2e-16 of springs at their rest
+/// length.
 pub fn strain_of(stretch: f64) -> f64 {
     if stretch == f64::NEG_INFINITY { 0.0 } else { stretch.sqrt() - 1.0 }
 }

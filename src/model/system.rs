@@ -12,8 +12,8 @@ use super::workers::{ALONE, Workers};
 use crate::assembly::Assembler;
 use std::ops::Range;
 
-/// What is known of a force term before it is evaluated: its name and role, as they appear in a failure report and the ledger, and what a diagnosis
-/// asks of it. All is asked here, so that nothing need know a force by its name.
+/// What is known of a force term before it is evaluated: its name and role, as they appear in a failure report and the
+/// ledger, and what a diagnosis asks of it. All is asked here, so that nothing need know a force by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TermInfo {
     /// e.g. `springs`, `air`
@@ -28,19 +28,22 @@ pub struct TermInfo {
     pub on_triangles: bool,
 }
 
-/// What a scheme does around a force pass. Called for ranges that together are all degrees of freedom, in any order, once each.
+/// What a scheme does around a force pass. Called for ranges that together are all degrees of freedom, in any order,
+/// once each.
 pub trait Around: Sync {
     /// Moves some degrees of freedom to where the pass is to find them.
     fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]);
 
-    /// What follows from their forces f [N], which at fixed ones need not be 0. No force of this pass reads these velocities any more.
+    /// What follows from their forces f [N], which at fixed ones need not be 0. No force of this pass reads these
+    /// velocities any more.
     fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
         let _ = (dofs, v, f);
     }
 }
 
-/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and [`Around::after`] after it where steps predict; then what its
-/// kicks say. Both say the same of the first step: a small scene begins it by kicks from that point, in its windows.
+/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and
+/// [`Around::after`] after it where steps predict; then what its kicks say. Both say the same of the first step: a
+/// small scene begins it by kicks from that point, in its windows.
 pub trait Onward: Around {
     /// Where a step ends, and the next begins.
     fn kicks(&self) -> Kicks;
@@ -66,8 +69,8 @@ pub trait System: Sync {
     /// One force pass: overwrites `out` with f(t, x, v), its split and every term's energy or power.
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
 
-    /// The same where a scheme has something to do with nodes just before and just after, which may then happen while they are in cache:
-    /// `around.before` for all degrees of freedom, [`System::evaluate`], `around.after` for all.
+    /// The same where a scheme has something to do with nodes just before and just after, which may then happen while
+    /// they are in cache: `around.before` for all degrees of freedom, [`System::evaluate`], `around.after` for all.
     fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
         let n = 0..at.x.len();
         around.before(n.clone(), &mut at.x, &mut at.v);
@@ -75,8 +78,9 @@ pub trait System: Sync {
         around.after(n, &mut at.v, &out.total);
     }
 
-    /// [`System::evaluate_around`], then [`System::evaluate`] at the same positions with the velocities that `around.after` has left. What follows from positions alone
-    /// may be found once, and the first pass may add forces in an order of its own.
+    /// [`System::evaluate_around`], then [`System::evaluate`] at the same positions with the velocities that
+    /// `around.after` has left. What follows from positions alone may be found once, and the first pass may add forces
+    /// in an order of its own.
     fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
         self.evaluate_around(at, out, around);
         self.evaluate(at.as_ref(), out);
@@ -87,16 +91,16 @@ pub trait System: Sync {
         0
     }
 
-    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step [`System::evaluate`] (or, where steps
-    /// predict, [`System::evaluate_twice`]) and what [`Onward::kicks`] do at its end; their times
-    /// are in `passed`. `false` where there is no such thing, and nothing was done.
+    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step
+    /// [`System::evaluate`] (or, where steps predict, [`System::evaluate_twice`]) and what [`Onward::kicks`] do at its
+    /// end; their times are in `passed`. `false` where there is no such thing, and nothing was done.
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
         let _ = (at, out, scheme, passed);
         false
     }
 
-    /// The same of steps by `stages` from a point on: several of them with their force passes, an entry of `passed` each. `false` where there is no such thing, and nothing was
-    /// done.
+    /// The same of steps by `stages` from a point on: several of them with their force passes, an entry of `passed`
+    /// each. `false` where there is no such thing, and nothing was done.
     fn stride_by_stages(
         &self,
         (from, stages): (&Point, Stages<'_>),
@@ -129,7 +133,8 @@ pub trait System: Sync {
         let _ = h;
     }
 
-    /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes go from `x_n` to `x_n1` [m]: 1/2 (f_n + f_n1) . (x_n1 - x_n); 0 of no forces.
+    /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes go from `x_n` to `x_n1` [m]: 1/2 (f_n +
+    /// f_n1) . (x_n1 - x_n); 0 of no forces.
     fn work(&self, [f_n, f_n1]: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         let way = x_n.iter().zip(x_n1).map(|(x_n, x_n1)| x_n1 - x_n);
         f_n.iter().zip(f_n1).zip(way).map(|((f_n, f_n1), d)| 0.5 * (f_n + f_n1) * d).sum()
@@ -169,20 +174,21 @@ pub trait TangentSystem: System {
         Ok(None)
     }
 
-    /// Writes a symmetric approximation of W: terms with a symmetric tangent as they are (or made positive semidefinite, if `convex`), the others
-    /// by [`crate::force::ForceTerm::symmetric_tangent`].
+    /// Writes a symmetric approximation of W: terms with a symmetric tangent as they are (or made positive
+    /// semidefinite, if `convex`), the others by [`crate::force::ForceTerm::symmetric_tangent`].
     fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
         let _ = (at, weights, convex, assembler);
     }
 
-    /// Whether a spring points away at `to` [m] from where it pointed at `from` [m]; `true` where nothing is known of it. Only then can a
-    /// first guess lie near the mirror image of a step's end.
+    /// Whether a spring points away at `to` [m] from where it pointed at `from` [m]; `true` where nothing is known of
+    /// it. Only then can a first guess lie near the mirror image of a step's end.
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
         let _ = (from, to);
         true
     }
 
-    /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual there.
+    /// [N/m] sum of the stiffnesses that meet at every degree of freedom; scales the rounding floor of a residual
+    /// there.
     fn nodal_stiffness(&self) -> Vec<f64>;
 
     /// [N] the larger of |internal| and |external| forces (Euclidean norms over the free degrees of freedom) in a
@@ -248,7 +254,8 @@ pub trait SpringGraph: System {
     /// Which of the dissipative forces the filter already contains: relative `"step"` dashpots.
     fn viscosity(&self) -> Viscosity;
 
-    /// [N] `out =` the forces of the dashpots that the filter already contains, where they are some of the dissipative forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives.
+    /// [N] `out =` the forces of the dashpots that the filter already contains, where they are some of the dissipative
+    /// forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives.
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij u_j`, likewise, in N/m times the unit of `u`, which has all degrees of freedom.

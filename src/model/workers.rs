@@ -1,7 +1,7 @@
 //! Loops over all degrees of freedom on several threads, with the same bits for every number of them.
 //!
-//! A loop is cut into pieces whose size depends on the length alone. What a piece yields is added in the order of the pieces, on one thread
-//! too; so the bits agree.
+//! A loop is cut into pieces whose size depends on the length alone. What a piece yields is added in the order of the
+//! pieces, on one thread too; so the bits agree.
 
 use super::lanes::{LANES, Lanes};
 use multiversion::multiversion;
@@ -40,8 +40,9 @@ impl Workers {
         Ok(Workers(Some(Arc::new(ThreadPoolBuilder::new().num_threads(n).build()?))))
     }
 
-    /// The same with the calling thread as one of them, which saves a hand-over each time; to be used on that thread, since on others there is one less. The pool
-    /// stays as long as the thread, whose own parallel loops go to it too. A thread can be one of a single pool: a second with another number is as [`Workers::new`] makes it.
+    /// The same with the calling thread as one of them, which saves a hand-over each time; to be used on that thread,
+    /// since on others there is one less. The pool stays as long as the thread, whose own parallel loops go to it too.
+    /// A thread can be one of a single pool: a second with another number is as [`Workers::new`] makes it.
     ///
     /// # Errors
     /// When the operating system gives no threads.

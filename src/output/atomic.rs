@@ -25,8 +25,8 @@ pub fn part_path(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// A temporary file beside `path` that no other process has: `.NAME.RANDOM.part`, for files that several processes may write at the same
-/// time, on several machines too.
+/// A temporary file beside `path` that no other process has: `.NAME.RANDOM.part`, for files that several processes may
+/// write at the same time, on several machines too.
 fn own_part_path(path: &Path) -> PathBuf {
     // Seeded by the system for every process, and different at every call.
     let random = RandomState::new().hash_one(std::process::id());

@@ -19,7 +19,8 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The shortest that can number so many points and corners of cells: in 32 bits cells are a third to a half of a frame.
+    /// The shortest that can number so many points and corners of cells: in 32 bits cells are a third to a half of a
+    /// frame.
     pub fn of(points: usize, corners: usize) -> Self {
         let most = points.max(corners);
         if u16::try_from(most).is_ok() {

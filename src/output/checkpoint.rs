@@ -4,11 +4,11 @@
 //! magic, 8 bytes | format, u32 | payload's length, u64 | payload | CRC-32 of all before it, u32       (little end first)
 //! payload = program's version, then the Checkpoint, both as postcard writes them
 //! ```
-//! postcard's wire format: <https://postcard.jamesmunns.com/wire-format>. It has no names, so any change of a stored struct needs
-//! another [`FORMAT`]; the program's version is there because another program may compute other bits.
+//! postcard's wire format: <https://postcard.jamesmunns.com/wire-format>. It has no names, so any change of a stored
+//! struct needs another [`FORMAT`]; the program's version is there because another program may compute other bits.
 //!
-//! The checkpoint is written last, after the results it counts are on the disk. Whenever a run is killed, the files therefore
-//! begin with what the newest checkpoint says, and resuming cuts off the rest.
+//! The checkpoint is written last, after the results it counts are on the disk. Whenever a run is killed, the files
+//! therefore begin with what the newest checkpoint says, and resuming cuts off the rest.
 
 use std::io::{self, Read};
 use std::path::Path;

@@ -92,8 +92,9 @@ impl ResultFiles {
         })
     }
 
-    /// Goes on with the files of an earlier run. Everything is looked at before anything is changed; then what was written
-    /// after the checkpoint goes, `summary.json` included, in an order that leaves a folder that can be resumed at any time.
+    /// Goes on with the files of an earlier run. Everything is looked at before anything is changed; then what was
+    /// written after the checkpoint goes, `summary.json` included, in an order that leaves a folder that can be resumed
+    /// at any time.
     ///
     /// # Errors
     /// When the files do not hold what they held, are in use, or cannot be opened or changed.
@@ -150,8 +151,8 @@ impl ResultFiles {
         self.collection.write_if_due()
     }
 
-    /// Takes away the frames after a time [s], and a checkpoint that counts one of them. Rows of probes stay, as those of the
-    /// history do, and no more are written.
+    /// Takes away the frames after a time [s], and a checkpoint that counts one of them. Rows of probes stay, as those
+    /// of the history do, and no more are written.
     ///
     /// # Errors
     /// When the system refuses.

@@ -7,9 +7,10 @@
 //! ```text
 //! v(s) = (1 - s) v0 + s v1 + 6 s (1 - s) [d/h - (v0 + v1)/2]
 //! ```
-//! The bracket is -h^2 v''/12 in a smooth motion and of order h^2 in every scheme of order 2. The Euler schemes move nodes with the
-//! velocity at one end alone, d = h v0 or d = h v1; there it is h a/2 or -h a/2, which tells nothing of the motion and
-//! would bend v back or ahead in each step by 3/4 of what the step adds to it. It is left out then: the linear v is off by h^2 v''/8 only.
+//! The bracket is -h^2 v''/12 in a smooth motion and of order h^2 in every scheme of order 2. The Euler schemes move
+//! nodes with the velocity at one end alone, d = h v0 or d = h v1; there it is h a/2 or -h a/2, which tells nothing of
+//! the motion and would bend v back or ahead in each step by 3/4 of what the step adds to it. It is left out then: the
+//! linear v is off by h^2 v''/8 only.
 
 use crate::model::state::{State, StateRef};
 
@@ -55,8 +56,9 @@ mod tests {
         }
     }
 
-    /// An oscillator x'' = -x under explicit Euler (d = h v0) and Euler-Cromer (d = h v1), far from the origin and late: between its
-    /// steps the velocity is that of the chord, up to rounding. The bracket would add 0.03 at the turning points.
+    /// An oscillator x'' = -x under explicit Euler (d = h v0) and Euler-Cromer (d = h v1), far from the origin and
+    /// late: between its steps the velocity is that of the chord, up to rounding. The bracket would add 0.03 at the
+    /// turning points.
     #[test]
     fn euler_steps_do_not_bend_the_velocity() {
         let h = 0.02;

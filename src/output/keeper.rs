@@ -45,8 +45,8 @@ impl Keeper {
         self.intervals.is_some_and(|mut intervals| intervals.reached(t))
     }
 
-    /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for them;
-    /// when interrupted in any case.
+    /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for
+    /// them; when interrupted in any case.
     pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderMark) -> Option<Box<Checkpoint>> {
         let last = run.occasion == Occasion::LastStep;
         let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);

@@ -14,7 +14,8 @@ use super::names::xml_attribute;
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
-/// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame …
+/// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame
+/// …
 const LEAST_DELAY: Duration = Duration::from_millis(100);
 /// … and beyond so many frames not before there are a percent more of them, or …
 const SMALL: u64 = 1000;
@@ -110,8 +111,8 @@ impl Collection {
         self.frames
     }
 
-    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a second
-    /// where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
+    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a
+    /// second where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
     ///
     /// # Errors
     /// When the file cannot be replaced.

@@ -221,7 +221,8 @@ impl Observer for Recorder<'_> {
         self.row(row, || (picture.max_speed(to), picture.max_strain(to)))
     }
 
-    /// As far as the end of a step of which there is a frame or a checkpoint, or to the beginning of one within which there is a frame.
+    /// As far as the end of a step of which there is a frame or a checkpoint, or to the beginning of one within which
+    /// there is a frame.
     fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
         let (n, mut rows) = (self.schedule.reach(from, coming.iter().map(|step| step.t)), self.rows);
         for (step, made) in coming[..n].iter_mut().zip(1..) {

@@ -7,8 +7,8 @@ use super::checkpoint::CheckpointFault;
 use crate::case::fingerprint::Differences;
 use crate::drive::observer::ObserveError;
 
-/// Why a run cannot be taken up again. Nothing has been lost in the folder then: before all is looked at nothing is changed, and
-/// what is cut off afterwards is made again by resuming.
+/// Why a run cannot be taken up again. Nothing has been lost in the folder then: before all is looked at nothing is
+/// changed, and what is cut off afterwards is made again by resuming.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     /// There is no checkpoint.

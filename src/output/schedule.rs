@@ -47,8 +47,8 @@ impl Schedule {
         self.next
     }
 
-    /// How many steps that follow each other from `from` [s] and end at these times can be made before a state is needed: up to the first at whose end there is
-    /// a frame, or to before the first within which there is one.
+    /// How many steps that follow each other from `from` [s] and end at these times can be made before a state is
+    /// needed: up to the first at whose end there is a frame, or to before the first within which there is one.
     pub fn reach(mut self, mut from: f64, ends: impl IntoIterator<Item = f64>) -> usize {
         let mut steps = 0;
         for to in ends {

@@ -10,7 +10,8 @@ use crate::model::picture::Picture;
 /// [byte] The XML around the arrays of a frame, about.
 const HEAD: u64 = 2000;
 
-/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is at most that.
+/// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is
+/// at most that.
 pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) -> u64 {
     let count = |n: usize| n as u64;
     let (points, triangles, edges) =

@@ -99,7 +99,8 @@ pub struct Summary {
     pub linear: Option<LinearReport>,
     /// [s] largest stable step of the method at the start; null if unlimited or not known
     pub critical_step: Option<f64>,
-    /// [-] max abs(numerical) over the largest energy exchanged; where rounding explains it, over the energies that were rounded
+    /// [-] max abs(numerical) over the largest energy exchanged; where rounding explains it, over the energies that
+    /// were rounded
     pub energy_error: f64,
     /// the energy account at the end
     pub final_ledger: LedgerRow,

@@ -12,7 +12,8 @@ use super::history::HistoryRow;
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
-/// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame loses more time than a quick step takes.
+/// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame
+/// loses more time than a quick step takes.
 const MOST: usize = 128;
 /// … and at least: one being filled, one being written, one between.
 const FEWEST: usize = 3;
@@ -20,8 +21,8 @@ const FEWEST: usize = 3;
 const ROOM: usize = 8 << 20;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
-/// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every row costs both threads more
-/// than a quick step.
+/// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every
+/// row costs both threads more than a quick step.
 const NAP: Duration = Duration::from_micros(500);
 /// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
@@ -209,7 +210,8 @@ impl Ends {
         self.messages.recv_timeout(LONGEST_DELAY)
     }
 
-    /// A frame that is written. Half of all are given back at once (of three, each), so that an integrator that waits for the disk is not woken for each of many.
+    /// A frame that is written. Half of all are given back at once (of three, each), so that an integrator that waits
+    /// for the disk is not woken for each of many.
     fn written(&mut self, frame: Frame) {
         self.written.push(frame);
         if self.written.len() >= self.most / 2 {
@@ -289,7 +291,8 @@ mod tests {
         writer.made
     }
 
-    /// An integrator that is quicker than the disk gets old frames and loses none; of large scenes as few exist as possible.
+    /// An integrator that is quicker than the disk gets old frames and loses none; of large scenes as few exist as
+    /// possible.
     #[test]
     fn frames_are_used_again() {
         assert!((1..=MOST).contains(&frames_made(10, 4 * MOST)));

@@ -61,8 +61,8 @@ pub enum Align {
     Above,
 }
 
-/// A strip beside the picture for marks that have no place on one axis: runs without a result have a cost, but no error.
-/// Marks that would cover each other are moved apart.
+/// A strip beside the picture for marks that have no place on one axis: runs without a result have a cost, but no
+/// error. Marks that would cover each other are moved apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strip {
     /// where it stands
@@ -86,7 +86,8 @@ pub enum Side {
 /// A mark in a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripMark {
-    /// its place along the axis that it has; beyond the axis' ends it stands at the end. `None`: in a part of its own at the lower end
+    /// its place along the axis that it has; beyond the axis' ends it stands at the end. `None`: in a part of its own
+    /// at the lower end
     pub at: Option<f64>,
     /// the mark
     pub marker: Marker,
@@ -135,7 +136,8 @@ pub struct Line {
     pub stroke: Stroke,
     /// what stands at each point
     pub marker: Marker,
-    /// number in the palette. `None`: the next free one for a line with a label; a line without one goes with the line before it
+    /// number in the palette. `None`: the next free one for a line with a label; a line without one goes with the line
+    /// before it
     pub color: Option<usize>,
 }
 

@@ -47,8 +47,9 @@ impl Curve {
         self.points.iter().filter(move |p| p.t <= end && p.at.0.is_finite() && p.at.1.is_finite()).map(|p| p.at)
     }
 
-    /// Lower and upper end of a coordinate. The last steps before trouble is found are wreck already, and beside their 1e31 J all
-    /// that led to them would be a flat line: the median distance of the points that left the start is the measure of a wreck's.
+    /// Lower and upper end of a coordinate. The last steps before trouble is found are wreck already, and beside their
+    /// 1e31 J all that led to them would be a flat line: the median distance of the points that left the start is the
+    /// measure of a wreck's.
     fn range(&self, coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
         let values: Vec<f64> = self.trusted().map(coordinate).collect();
         let start = *values.first()?;
@@ -68,8 +69,8 @@ impl Curve {
         Line { label: label.to_owned(), points, stroke, color: Some(color), ..Line::default() }
     }
 
-    /// A cross where a run that did not reach its end stopped. Over time it stays at the frame's edge where the line has left the frame:
-    /// `held` is the vertical range it is held in.
+    /// A cross where a run that did not reach its end stopped. Over time it stays at the frame's edge where the line
+    /// has left the frame: `held` is the vertical range it is held in.
     pub(super) fn end_mark(&self, color: usize, held: Option<(f64, f64)>) -> Option<Line> {
         let (x, y) = self.trusted().last().filter(|_| self.ending.status != Status::Completed)?;
         let points = vec![(x, held.map_or(y, |(low, high)| y.max(low).min(high)))];
@@ -77,9 +78,9 @@ impl Curve {
     }
 }
 
-/// What a chart should show of one coordinate. Runs that failed may not squeeze the others flat: they count as far as the others'
-/// range, once more to either side; where there are no others, as far as they went before they were a wreck. Nothing where no run
-/// failed: the chart then fits itself to its points.
+/// What a chart should show of one coordinate. Runs that failed may not squeeze the others flat: they count as far as
+/// the others' range, once more to either side; where there are no others, as far as they went before they were a
+/// wreck. Nothing where no run failed: the chart then fits itself to its points.
 pub(super) fn limits(curves: &[Curve], coordinate: fn((f64, f64)) -> f64) -> Option<(f64, f64)> {
     let range = |failed: bool| {
         let ranges = curves.iter().filter(|c| c.failed() == failed).filter_map(|c| c.range(coordinate));

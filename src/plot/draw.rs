@@ -8,10 +8,12 @@ use super::ruler::Ruler;
 use super::strip::Place as StripPlace;
 use super::trim::{Place, cut, inside, thin};
 
-/// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers grow slow.
+/// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers
+/// grow slow.
 const MOST_POINTS: usize = 2000;
 const MOST_POINTS_OF_ALL: usize = 40_000;
-/// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide with them.
+/// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide
+/// with them.
 const WIDTHS: [f64; 2] = [2.8, 1.4];
 /// Largest picture [px]; plotters counts drawing units in 32 bits.
 const LARGEST: u32 = 20_000;

@@ -31,7 +31,8 @@ const ENTRIES: [Entry; 7] = [
     Entry { name: "numerical", of: |r| r.numerical },
 ];
 
-/// All entries of a single run in one chart; a chart an entry for several runs. Entries that are zero throughout are left out.
+/// All entries of a single run in one chart; a chart an entry for several runs. Entries that are zero throughout are
+/// left out.
 pub(super) fn charts(runs: &[Run], view: &View) -> Result<Vec<Chart>, PlotError> {
     let shown = shown(runs, view);
     if runs.iter().all(|run| run.energies.iter().all(|(t, _)| !view.sees(*t))) {

@@ -4,8 +4,8 @@ use super::results::{Ending, Run};
 use crate::drive::Status;
 use std::collections::BTreeSet;
 
-/// One label a run: case, method and step where the runs differ in these, their folders where that does not tell them apart; and how a run
-/// ended, if not well. A single run has no name beside the title's.
+/// One label a run: case, method and step where the runs differ in these, their folders where that does not tell them
+/// apart; and how a run ended, if not well. A single run has no name beside the title's.
 pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
     let step = |run: &Run| match (run.step, run.tolerance) {

@@ -1,8 +1,8 @@
 //! Displacement over time and phase diagrams.
 //!
-//! Displacements count from where a node lies before any displacement, so an oscillator that begins displaced swings about 0; those of a
-//! pendulum's bob count from its lowest position. Alone it shows its angle from there, theta = atan2(x, -z), and
-//! theta' = (x vz - z vx)/(x^2 + z^2).
+//! Displacements count from where a node lies before any displacement, so an oscillator that begins displaced swings
+//! about 0; those of a pendulum's bob count from its lowest position. Alone it shows its angle from there, theta =
+//! atan2(x, -z), and theta' = (x vz - z vx)/(x^2 + z^2).
 
 use super::PlotError;
 use super::chart::{Axis, Chart, Stroke};

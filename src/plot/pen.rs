@@ -1,6 +1,7 @@
 //! What everything in a picture is drawn with: units, colours, letters, lines, marks.
 //!
-//! plotters counts in whole pixels; a picture is therefore drawn [`FINE`] times larger, and the SVG's header says how large it is shown.
+//! plotters counts in whole pixels; a picture is therefore drawn [`FINE`] times larger, and the SVG's header says how
+//! large it is shown.
 
 use super::PlotError;
 use super::chart::{Marker, Size, Stroke};
@@ -21,7 +22,8 @@ pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
 /// The fine grid of logarithmic axes.
 pub(super) const FINE_GRID: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
-/// Colours that colour-blind people tell apart (Okabe & Ito 2008), without the yellow, which is too pale for lines on white.
+/// Colours that colour-blind people tell apart (Okabe & Ito 2008), without the yellow, which is too pale for lines on
+/// white.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),

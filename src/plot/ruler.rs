@@ -6,7 +6,8 @@ use super::chart::Scale;
 const MARGIN: f64 = 0.04;
 /// A range narrower than this share of its numbers is rounding, not motion; it is drawn as one value.
 const ROUNDING: f64 = 1e-12;
-/// Numbers beyond are taken for "not finite": a blow-up passes them within a step or two, and differences of smaller ones are finite.
+/// Numbers beyond are taken for "not finite": a blow-up passes them within a step or two, and differences of smaller
+/// ones are finite.
 const FARTHEST: f64 = 1e150;
 
 /// An axis from 0 at its lower end to 1 at its upper end.
@@ -163,7 +164,8 @@ mod tests {
         ruler.ticks(most).into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
     }
 
-    /// Round numbers with as many digits as they need, in everyday and in tiny units, and powers of ten on logarithmic axes.
+    /// Round numbers with as many digits as they need, in everyday and in tiny units, and powers of ten on logarithmic
+    /// axes.
     #[test]
     fn numbers_on_axes() {
         let linear = |low, high| Ruler::between(Scale::Linear, (low, high)).expect("a range");

@@ -53,7 +53,8 @@ pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>,
     Ok(groups)
 }
 
-/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ. A range of nodes is that of every run.
+/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ. A range of nodes is that of
+/// every run.
 pub(super) fn subject(groups: &[Group<'_>]) -> String {
     let all = || groups.iter().flat_map(|g| g.tracks.iter());
     let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();

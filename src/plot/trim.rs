@@ -35,7 +35,8 @@ pub(super) fn inside(place: Place) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
-/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends that are inside stay as they are, bit by bit.
+/// The part of a straight line inside the frame (Liang & Barsky 1984). Ends that are inside stay as they are, bit by
+/// bit.
 fn segment(from: Place, to: Place) -> Option<(Place, Place)> {
     let along = (to.0 - from.0, to.1 - from.1);
     let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
@@ -56,8 +57,9 @@ fn segment(from: Place, to: Place) -> Option<(Place, Place)> {
     (enters <= leaves).then_some((start, end))
 }
 
-/// At most about `most` points that look the same: of every stretch of the line its extremes in both directions, and both ends. For
-/// a curve over time these are first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich & Markl 2014).
+/// At most about `most` points that look the same: of every stretch of the line its extremes in both directions, and
+/// both ends. For a curve over time these are first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
+/// Markl 2014).
 pub(super) fn thin(points: &[Place], most: usize) -> Vec<Place> {
     if points.len() <= most {
         return points.to_vec();

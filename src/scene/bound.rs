@@ -1,8 +1,8 @@
 //! A bound on the largest root of M^-1 (c C + k K) from one pass over the elements, without an eigenproblem.
 //!
-//! A positive semidefinite element matrix of b x b blocks lies below b times its block diagonal, so the sum over all elements
-//! lies below the largest root of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by nodes). An end that is
-//! held does not move and does not count in b. On a regular triangular net the bound is the root itself.
+//! A positive semidefinite element matrix of b x b blocks lies below b times its block diagonal, so the sum over all
+//! elements lies below the largest root of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by nodes).
+//! An end that is held does not move and does not count in b. On a regular triangular net the bound is the root itself.
 
 use super::network::{Network, by_node, node_state};
 use crate::force::TangentSink;
@@ -14,16 +14,17 @@ use glam::{DMat3, DVec3};
 #[derive(Clone, Debug, Default)]
 pub struct BoundRoom(Vec<Block>);
 
-/// [-] Where roots of a block nearly meet, as in a net that is the same in all directions, rounding moves them by some 1e-8 of the largest: what is not above the largest so far by
-/// more than this share is the same, and the bound has it besides.
+/// [-] Where roots of a block nearly meet, as in a net that is the same in all directions, rounding moves them by some
+/// 1e-8 of the largest: what is not above the largest so far by more than this share is the same, and the bound has it
+/// besides.
 const MARGIN: f64 = 1e-7;
 
 /// The symmetric part of a 3 x 3 block: its diagonal, then xy, yz and zx.
 type Block = [f64; 6];
 
 impl Network {
-    /// The bound [1/s^2 or 1/s, as the weights make it] and the degree of freedom whose node sets it; proved where K and C are
-    /// symmetric (what compression takes from K is left out), else a measure that grows as the root does.
+    /// The bound [1/s^2 or 1/s, as the weights make it] and the degree of freedom whose node sets it; proved where K
+    /// and C are symmetric (what compression takes from K is left out), else a measure that grows as the root does.
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
         let BoundRoom(blocks) = room;
         blocks.clear();
@@ -56,7 +57,8 @@ fn scaled([xx, yy, zz, xy, yz, zx]: &Block, inverse: DVec3) -> Block {
     [x * xx, y * yy, z * zz, (x * y).sqrt() * xy, (y * z).sqrt() * yz, (z * x).sqrt() * zx]
 }
 
-/// Whether all roots are below `most`: `most I - A` is positive definite (Sylvester's criterion). Not if some number is none.
+/// Whether all roots are below `most`: `most I - A` is positive definite (Sylvester's criterion). Not if some number is
+/// none.
 fn lies_below([xx, yy, zz, xy, yz, zx]: &Block, most: f64) -> bool {
     let [x, y, z] = [most - xx, most - yy, most - zz];
     let minor = x * y - xy * xy;

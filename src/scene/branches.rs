@@ -1,8 +1,9 @@
 //! Springs that go slack or taut within a step.
 //!
-//! Along a step, g = l - l0 - threshold (and c/k dl/dt more, where a dashpot acts along the spring) is taken for the cubic through its values and rates at both ends, in Bernstein's
-//! form: a spring whose four coefficients have one sign keeps its law. The others' tension is k max(g, 0), so k times the area above zero is the impulse that a spring which is
-//! slack at the beginning adds, and k times the area below that which a taut one leaves out.
+//! Along a step, g = l - l0 - threshold (and c/k dl/dt more, where a dashpot acts along the spring) is taken for the
+//! cubic through its values and rates at both ends, in Bernstein's form: a spring whose four coefficients have one sign
+//! keeps its law. The others' tension is k max(g, 0), so k times the area above zero is the impulse that a spring which
+//! is slack at the beginning adds, and k times the area below that which a taut one leaves out.
 
 use super::network::{Network, SpringBatch, by_node};
 use crate::force::slack::clamped;

@@ -43,7 +43,8 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
     let Builder { terms, springs, tables, .. } = builder;
-    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat differently.
+    // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
+    // differently.
     let velocity_of = |node: usize| -> [f64; 3] {
         std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
     };

@@ -15,7 +15,8 @@ use std::ops::Range;
 pub(super) struct Graph {
     /// by stiffness
     springs: Neighbours,
-    /// by the coefficients c = k h of dashpots that the filter contains, where it does not contain all that is dissipative
+    /// by the coefficients c = k h of dashpots that the filter contains, where it does not contain all that is
+    /// dissipative
     step_dashpots: Neighbours,
 }
 

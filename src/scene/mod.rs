@@ -52,9 +52,10 @@ pub trait Scene: TangentSystem + Picture {
         false
     }
 
-    /// `impulse =` what hangs on forces' changes of their law within a step from one state to another, in N s by degree of freedom: for each force the smaller of what
-    /// it would have added if it had kept the law that it begins with, or had had the other from the beginning. Returns where, as a share of the step,
-    /// the force with the largest part of it changes first; `None`, and `impulse` means nothing, where none changes.
+    /// `impulse =` what hangs on forces' changes of their law within a step from one state to another, in N s by degree
+    /// of freedom: for each force the smaller of what it would have added if it had kept the law that it begins with,
+    /// or had had the other from the beginning. Returns where, as a share of the step, the force with the largest part
+    /// of it changes first; `None`, and `impulse` means nothing, where none changes.
     fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
         let _ = (step, impulse);
         None
@@ -66,7 +67,8 @@ pub trait Scene: TangentSystem + Picture {
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
 
-    /// The spring (user's number) that by its stiffness over the masses at its ends is the fastest at a degree of freedom's node.
+    /// The spring (user's number) that by its stiffness over the masses at its ends is the fastest at a degree of
+    /// freedom's node.
     fn fastest_spring(&self, dof: usize) -> Option<u32> {
         let _ = dof;
         None
@@ -79,8 +81,8 @@ pub trait Scene: TangentSystem + Picture {
         f.copy_from_slice(&forces.total);
     }
 
-    /// `f =` the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom included, and says over
-    /// how many elements it went; `None` where terms cannot be told apart.
+    /// `f =` the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom
+    /// included, and says over how many elements it went; `None` where terms cannot be told apart.
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
         let _ = (term, at, f);
         None
@@ -89,8 +91,9 @@ pub trait Scene: TangentSystem + Picture {
     /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 
-    /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the degree of
-    /// freedom whose node sets it. Proved for symmetric scenes and weights of at least 0; else a measure that grows as it does.
+    /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the
+    /// degree of freedom whose node sets it. Proved for symmetric scenes and weights of at least 0; else a measure that
+    /// grows as it does.
     fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, room: &mut BoundRoom) -> (f64, usize);
 }
 

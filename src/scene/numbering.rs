@@ -1,5 +1,5 @@
-//! Internal node numbers: reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring lie close in
-//! memory whatever order the mesh came in.
+//! Internal node numbers: reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring lie
+//! close in memory whatever order the mesh came in.
 
 use glam::DVec3;
 
@@ -35,7 +35,8 @@ impl Numbering {
         Numbering { user: order, internal }
     }
 
-    /// Vectors of nodes in the user's order; written one after the other, since what is written is often far away (another thread had it last).
+    /// Vectors of nodes in the user's order; written one after the other, since what is written is often far away
+    /// (another thread had it last).
     pub fn to_user(&self, internal: &[DVec3], user: &mut [[f64; 3]]) {
         for (to, &from) in user.iter_mut().zip(&self.internal) {
             *to = internal[from as usize].to_array();
@@ -90,7 +91,8 @@ impl Adjacency {
         }
     }
 
-    /// A node far from `start` in its component: the last of a walk. `probe` is scratch, left as it was but for this component.
+    /// A node far from `start` in its component: the last of a walk. `probe` is scratch, left as it was but for this
+    /// component.
     fn far_end(&self, start: u32, (seen, order): &mut (Vec<bool>, Vec<u32>)) -> u32 {
         order.clear();
         self.walk(start, seen, order);

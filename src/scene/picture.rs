@@ -76,7 +76,8 @@ mod tests {
     use crate::model::system::System;
     use crate::scene::build::build_network;
 
-    /// [N] Tension of a line with k = 100 N/m, c = 4 N s/m and l0 = 1 m from the origin to (l, 0, 0), whose far end moves at (ldot, 5, 0).
+    /// [N] Tension of a line with k = 100 N/m, c = 4 N s/m and l0 = 1 m from the origin to (l, 0, 0), whose far end
+    /// moves at (ldot, 5, 0).
     fn tension(slack: Slack, kind: Option<DashpotKind>, [l, ldot]: [f64; 2]) -> f64 {
         let mesh = Mesh { nodes: vec![[0.0; 3], [l, 0.0, 0.0]], edges: vec![[0, 1]], ..Mesh::default() };
         let dashpot = kind.map(|kind| DashpotSpec { kind, coefficient: vec![4.0], from_step: false });
@@ -97,7 +98,8 @@ mod tests {
         tension[0]
     }
 
-    /// k (l - l0) + c ldot, clamped as one where the line goes slack; a relative dashpot pulls sideways too and is no tension.
+    /// k (l - l0) + c ldot, clamped as one where the line goes slack; a relative dashpot pulls sideways too and is no
+    /// tension.
     #[test]
     fn tension_has_the_axial_dashpot() {
         let (axial, relative) = (Some(DashpotKind::Axial), Some(DashpotKind::Relative));

@@ -9,8 +9,9 @@
 //! ```text
 //! W = E (I + J + L + L^T) E^T,       M = E (I + L) (I + L^T) E^T
 //! ```
-//! L is stored column by column, in single precision: half the bytes come from memory, and a column of a block is one register. A node with fixed
-//! degrees of freedom keeps three places: the idle ones have nothing beside their diagonal, so that a vector which is zero there stays so.
+//! L is stored column by column, in single precision: half the bytes come from memory, and a column of a block is one
+//! register. A node with fixed degrees of freedom keeps three places: the idle ones have nothing beside their diagonal,
+//! so that a vector which is zero there stays so.
 
 use super::strips::Strip;
 use crate::assembly::Pattern;
@@ -21,7 +22,8 @@ use std::sync::Arc;
 /// Entries of a 3x3 block.
 pub(super) const BLOCK: u32 = 9;
 
-/// Four numbers of a block, read at once: read one by one, compilers put them together in twice the instructions in some places.
+/// Four numbers of a block, read at once: read one by one, compilers put them together in twice the instructions in
+/// some places.
 #[inline(always)]
 fn four(numbers: &[f32]) -> Vec4 {
     numbers.first_chunk::<4>().map_or(Vec4::ZERO, |four| bytemuck::pod_read_unaligned(bytemuck::bytes_of(four)))
@@ -83,7 +85,8 @@ pub(super) struct NodeBlocks {
     pub(super) surplus: Vec<SymmetricBlock>,
     /// E^-1 of W scaled by its diagonal
     pub(super) inverse_root: Vec<Mat3A>,
-    /// where every stored value in the columns of the strip's nodes, and then of its seam's, goes among the entries of L, or [`ELSEWHERE`]
+    /// where every stored value in the columns of the strip's nodes, and then of its seam's, goes among the entries of
+    /// L, or [`ELSEWHERE`]
     pub(super) entry: Vec<u32>,
 }
 
@@ -94,8 +97,8 @@ impl NodeBlocks {
     /// Stored entries of W beyond which entries of blocks, of which each holds one at least, could not be numbered.
     pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
 
-    /// Finds a strip's blocks of a symmetric pattern, which must have all entries of a block over its free places: what is not stored is never written again. `node` is that
-    /// of every unknown.
+    /// Finds a strip's blocks of a symmetric pattern, which must have all entries of a block over its free places: what
+    /// is not stored is never written again. `node` is that of every unknown.
     pub fn new(pattern: Arc<Pattern>, strip: Strip, node: &[u32]) -> Self {
         let (own, places) = (strip.own.len(), strip.places());
         let mut start = vec![0; own + 1];

@@ -1,7 +1,8 @@
 //! Sparse Cholesky by faer, with LDLT and LBLT for tangents that are not positive definite.
 //!
-//! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose digits, so
-//! its solution is refined once and checked; what fails the check is factorised with pivoting inside supernodes (LBLT).
+//! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose
+//! digits, so its solution is refined once and checked; what fails the check is factorised with pivoting inside
+//! supernodes (LBLT).
 
 use super::linear::{
     Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution,
@@ -208,7 +209,8 @@ impl Cholesky {
 }
 
 impl Cholesky {
-    /// Takes the factor in single precision too, if a solve with it leaves little enough of a right-hand side that is rough and always the same.
+    /// Takes the factor in single precision too, if a solve with it leaves little enough of a right-hand side that is
+    /// rough and always the same.
     fn try_single(&mut self, values: &[f64]) -> bool {
         let single = match &mut self.single {
             Some(single) => single,

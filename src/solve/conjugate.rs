@@ -1,14 +1,15 @@
-//! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only (`pivots`), with
-//! Eisenstat's product (1981).
+//! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only
+//! (`pivots`), with Eisenstat's product (1981).
 //!
-//! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and making it ready costs about thirteen
-//! iterations. The number of iterations grows with the root of stiffness over inertia, h sqrt(k/m), so it suits small steps. It works on
+//! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and making it ready
+//! costs about thirteen iterations. The number of iterations grows with the root of stiffness over inertia, h
+//! sqrt(k/m), so it suits small steps. It works on
 //!
 //! ```text
 //! (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
 //! ```
-//! in single precision, and its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller residuals than
-//! single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
+//! in single precision, and its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller
+//! residuals than single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
 use super::blocks::NodeBlocks;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
@@ -30,13 +31,15 @@ const ROUND: f64 = 0.1;
 const ROUNDING: f64 = 1e-5;
 /// [iterations] after which it is judged whether M is nearly singular.
 const PROBE: u32 = 3;
-/// [-] p . W p over p . p that a run of nodes may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves; where M is nearly singular (nets with
-/// waves some springs long, or six nodes of such waves in a flat net) it is 4.5 to 1e8, and motions that hardly matter drown all others
-/// in the residual.
+/// [-] p . W p over p . p that a run of nodes may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves;
+/// where M is nearly singular (nets with waves some springs long, or six nodes of such waves in a flat net) it is 4.5
+/// to 1e8, and motions that hardly matter drown all others in the residual.
 const LARGEST: f64 = 2.0;
-/// [iterations] in which a solve still goes on to the tighter of its two tolerances: where so few reach it, one iteration around the solve is enough.
+/// [iterations] in which a solve still goes on to the tighter of its two tolerances: where so few reach it, one
+/// iteration around the solve is enough.
 const FEW: u32 = 2;
-/// [iterations] after which a solve is given up: as many as unknowns, which would do in exact arithmetic, within these bounds.
+/// [iterations] after which a solve is given up: as many as unknowns, which would do in exact arithmetic, within these
+/// bounds.
 const MOST: [usize; 2] = [200, 20_000];
 
 /// W x = b by conjugate gradients.
@@ -100,8 +103,8 @@ impl ConjugateGradients {
         Ok(ConjugateGradients { pattern, pieces, workers, accuracy, refined, most, iterations, all, indefinite })
     }
 
-    /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual, in `most` iterations
-    /// or not at all, and returns how many were made.
+    /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual,
+    /// in `most` iterations or not at all, and returns how many were made.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
@@ -159,7 +162,8 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked for.
+    /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked
+    /// for.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
         let Taken { scale, first } = self.take(b)?;
         let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };

@@ -1,12 +1,12 @@
-//! The operations of conjugate gradients on W and its preconditioner M: triangular solves over the nodes, forwards and backwards, and Eisenstat's
-//! product made of them.
+//! The operations of conjugate gradients on W and its preconditioner M: triangular solves over the nodes, forwards and
+//! backwards, and Eisenstat's product made of them.
 
 use super::blocks::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};
 use prefetch_index::prefetch_index;
 
-/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come: processors that fetch ahead by themselves were seen to fail
-/// at pieces of this size. In the caches it costs nothing.
+/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come:
+/// processors that fetch ahead by themselves were seen to fail at pieces of this size. In the caches it costs nothing.
 const AHEAD: usize = 192;
 
 impl NodeBlocks {
@@ -78,7 +78,8 @@ impl NodeBlocks {
         sums.x_axis + sums.y_axis + sums.z_axis
     }
 
-    /// The first half of the product of Eisenstat (SIAM J. Sci. Stat. Comput. 2, 1981), for the price of one with W itself: with A = I + J + L + L^T and p <- z + beta p,
+    /// The first half of the product of Eisenstat (SIAM J. Sci. Stat. Comput. 2, 1981), for the price of one with W
+    /// itself: with A = I + J + L + L^T and p <- z + beta p,
     ///
     /// ```text
     /// q = (I + L)^-1 A (I + L^T)^-1 p = t + (I + L)^-1 (L^T t + J t),      t = (I + L^T)^-1 p,      L^T t = p - t

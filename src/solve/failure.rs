@@ -39,8 +39,8 @@ pub enum NewtonFailure {
         /// an unknown whose residual is not finite
         worst: usize,
     },
-    /// Rounding of the residual is as large as what moves the scene: no iteration leads on from a guess that it hides, or what one ends with is far
-    /// above all forces.
+    /// Rounding of the residual is as large as what moves the scene: no iteration leads on from a guess that it hides,
+    /// or what one ends with is far above all forces.
     #[error(
         "the forces of the stiffest springs are rounded by {rounding:.1e} N, and {forces:.1e} N are all that act: rounding hides the motion"
     )]

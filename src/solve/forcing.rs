@@ -27,8 +27,9 @@ pub(super) fn settling(residual: f64, tolerance: f64) -> Accuracy {
     Accuracy::to(enough(residual, tolerance).clamp(f64::EPSILON, KEPT_RELATIVE)).checked()
 }
 
-/// The forcing terms of Eisenstat & Walker (1996, choice 2), and no more than the tolerance asks for (Kelley 1995, Eq. 6.20). Their safeguard,
-/// by which a term is not far below a large one before it, is not needed: terms here are small from the first on.
+/// The forcing terms of Eisenstat & Walker (1996, choice 2), and no more than the tolerance asks for (Kelley 1995, Eq.
+/// 6.20). Their safeguard, by which a term is not far below a large one before it, is not needed: terms here are small
+/// from the first on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Forcing {
     /// [N] the last residual; nothing before the first

@@ -41,8 +41,8 @@ pub struct LinearStats {
 /// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
 pub(super) const SOLVE_FLOPS: f64 = 4.0;
 const ITERATION_FLOPS: f64 = 350.0;
-/// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the factor at the speed of memory,
-/// a factorisation works on dense blocks.
+/// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the
+/// factor at the speed of memory, a factorisation works on dense blocks.
 pub(super) const SOLVE_SLOWNESS: f64 = 1.6;
 /// [flop] a multiplication and addition in the dense blocks of a factorisation, and an entry of its factor besides
 pub(super) const DENSE_OPERATION: f64 = 0.25;
@@ -95,7 +95,8 @@ impl Accuracy {
     }
 }
 
-/// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of the old matrix is not better.
+/// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of
+/// the old matrix is not better.
 pub const KEPT_RELATIVE: f64 = 1e-3;
 
 /// What is expected of a matrix that is kept.
@@ -225,7 +226,8 @@ pub trait LinearSolver: Send {
         self.factor_definite(values)
     }
 
-    /// Decides how it would serve such a W, which [`LinearSolver::stats`] tells then, and factorises nothing: [`Inertia::Unknown`], or that it is indefinite.
+    /// Decides how it would serve such a W, which [`LinearSolver::stats`] tells then, and factorises nothing:
+    /// [`Inertia::Unknown`], or that it is indefinite.
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -234,11 +236,12 @@ pub trait LinearSolver: Send {
         Ok(Inertia::Unknown)
     }
 
-    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate gradients leaves `b`.
+    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate
+    /// gradients leaves `b`.
     ///
     /// # Errors
-    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients: W is indefinite, or
-    /// too badly conditioned.
+    /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients:
+    /// W is indefinite, or too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
     /// What further solves may leave; direct solvers leave what rounding does.

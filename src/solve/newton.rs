@@ -1,9 +1,9 @@
 //! Newton's iteration for F(z) = 0, made to converge from far away. Knows nothing of time or schemes.
 //!
-//! Where F is the gradient of a potential (a symmetric tangent), the iteration goes downhill in it: an indefinite tangent is
-//! replaced by its convex part, and the search along the direction d follows F.d, the slope of the potential.
-//! Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both only crawl, the convex
-//! direction and its slope take over until full steps are possible again.
+//! Where F is the gradient of a potential (a symmetric tangent), the iteration goes downhill in it: an indefinite
+//! tangent is replaced by its convex part, and the search along the direction d follows F.d, the slope of the
+//! potential. Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both
+//! only crawl, the convex direction and its slope take over until full steps are possible again.
 
 pub use super::failure::NewtonFailure;
 use super::forcing::{self, Forcing};
@@ -16,8 +16,8 @@ use super::{Accuracy, Inertia, LinearError, search};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As [`Strategy::Quasi`] where a factorisation costs many iterations on an old factor; else, and where that does not
-    /// lead to the end of a step, as [`Strategy::Full`].
+    /// As [`Strategy::Quasi`] where a factorisation costs many iterations on an old factor; else, and where that does
+    /// not lead to the end of a step, as [`Strategy::Full`].
     #[default]
     Auto,
     /// The exact tangent in every iteration.
@@ -29,7 +29,8 @@ pub enum Strategy {
 }
 
 impl Strategy {
-    /// Whether a factor of so many unknowns is kept that costs so many iterations on one that is there; 0: there is none to keep.
+    /// Whether a factor of so many unknowns is kept that costs so many iterations on one that is there; 0: there is
+    /// none to keep.
     pub fn keeps(self, factor_cost: f64, unknowns: usize) -> bool {
         match self {
             Strategy::Full => false,
@@ -68,27 +69,28 @@ pub struct NewtonReport {
 /// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
 const CRAWL: f64 = 0.125;
 
-/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are kept: that of chains. Those of 700 to 10,000 nodes take 0.6 to
-/// 0.75 of the time then.
+/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are kept: that of chains.
+/// Those of 700 to 10,000 nodes take 0.6 to 0.75 of the time then.
 const WORTH_KEEPING: f64 = 0.7;
-/// [-] The same for few unknowns: that of nets of 24. They take 0.15 to 0.77 of the time then; short chains and smaller nets would gain little, and keep the
-/// digits of the exact tangent, which finds motions that are small beside the rounding of forces.
+/// [-] The same for few unknowns: that of nets of 24. They take 0.15 to 0.77 of the time then; short chains and smaller
+/// nets would gain little, and keep the digits of the exact tangent, which finds motions that are small beside the
+/// rounding of forces.
 const WORTH_KEEPING_SMALL: f64 = 1.0;
 const FEW: usize = 1000;
 
-/// [-] Residual over the forces of the step up to which it is accepted where all of it is rounding. Above, the residual alone tells nothing of soft
-/// springs beside stiff ones: the next correction must be small as well.
+/// [-] Residual over the forces of the step up to which it is accepted where all of it is rounding. Above, the residual
+/// alone tells nothing of soft springs beside stiff ones: the next correction must be small as well.
 const TRUSTED: f64 = 1e-5;
 /// [-] A correction that rounding keeps from shrinking further may be this share of the step's motion.
 const SETTLED: f64 = 1e-4;
 /// [-] A correction above this share of the one before has stopped shrinking.
 const SHRINKS: f64 = 0.5;
 
-/// [-] Rounding of the residual, over the forces of the step, from which on it may hide their motion where no iteration leads on. What is rounded
-/// acts along stiff springs, so iterations may find the motion across them far above it.
+/// [-] Rounding of the residual, over the forces of the step, from which on it may hide their motion where no iteration
+/// leads on. What is rounded acts along stiff springs, so iterations may find the motion across them far above it.
 const HIDING: f64 = 1e-3;
-/// [-] Residual that is rounding alone, over the forces of the step and the residual of the first guess, from which on nothing is found across
-/// stiff springs either: on a chain the motion was right up to 1e3 and wrong from 6e6 on.
+/// [-] Residual that is rounding alone, over the forces of the step and the residual of the first guess, from which on
+/// nothing is found across stiff springs either: on a chain the motion was right up to 1e3 and wrong from 6e6 on.
 const HIDDEN: f64 = 1e5;
 
 /// How long a problem without a potential is led by the convex tangent after the exact one crawled.
@@ -114,7 +116,8 @@ pub(super) enum Arrival {
     Arrived,
     /// They are not.
     OnTheWay,
-    /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction has to tell.
+    /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction has to
+    /// tell.
     Hidden,
 }
 
@@ -206,7 +209,8 @@ impl Newton {
         self.spec.max_iterations
     }
 
-    /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the reduction of the residual.
+    /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the
+    /// reduction of the residual.
     pub(super) fn arrival(&self, z: &[f64], goal: Goal, next: f64) -> Arrival {
         let next_increment = next * norm(&self.dz);
         let excess = self.excess();
@@ -243,11 +247,11 @@ impl Newton {
         }
     }
 
-    /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual is
-    /// the one at the returned `z`.
+    /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual
+    /// is the one at the returned `z`.
     ///
-    /// The increment test looks ahead: the next increment is about the last one times the reduction of the residual. So a
-    /// linear problem takes one iteration, and a residual that merely stalls does not pass.
+    /// The increment test looks ahead: the next increment is about the last one times the reduction of the residual. So
+    /// a linear problem takes one iteration, and a residual that merely stalls does not pass.
     ///
     /// # Errors
     /// When the tolerances are not reached; `z` is then worthless.

@@ -2,9 +2,9 @@
 //!
 //! The graph of the *nodes* is ordered, not that of the degrees of freedom: it is nine times smaller and keeps the
 //! three of a node together, which supernodes want. Up to [`AMD_LIMIT`] nodes by approximate minimum degree (Amestoy,
-//! Davis & Duff 1996, from faer), above by nested dissection (George 1973) along the node coordinates: the separator is the
-//! part of one half that touches the other, and hubs are eliminated last. The elimination tree is then postordered (Liu 1990), because faer
-//! takes a given permutation as it is.
+//! Davis & Duff 1996, from faer), above by nested dissection (George 1973) along the node coordinates: the separator is
+//! the part of one half that touches the other, and hubs are eliminated last. The elimination tree is then postordered
+//! (Liu 1990), because faer takes a given permutation as it is.
 
 use crate::assembly::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -15,9 +15,9 @@ use faer::sparse::linalg::amd;
 const AMD_LIMIT: usize = 2000;
 /// Nodes a dissected part may keep undivided.
 const LEAF: usize = 24;
-/// A node with more neighbours than this times the root of the number of nodes, and than [`FEW`], is kept out of the dissection
-/// and eliminated last (the rule of Amestoy, Davis & Duff 2004, Algorithm 837): wherever a hub of lines lies, all its
-/// neighbours on the other side would be a separator.
+/// A node with more neighbours than this times the root of the number of nodes, and than [`FEW`], is kept out of the
+/// dissection and eliminated last (the rule of Amestoy, Davis & Duff 2004, Algorithm 837): wherever a hub of lines
+/// lies, all its neighbours on the other side would be a separator.
 const DENSE: f64 = 10.0;
 /// [-] neighbours that no node is called dense for
 const FEW: usize = 64;
@@ -152,8 +152,8 @@ impl Graph {
         nodes
     }
 
-    /// Two halves and what keeps them apart: the nodes of the first that touch the second, or the other way round where those are
-    /// far fewer.
+    /// Two halves and what keeps them apart: the nodes of the first that touch the second, or the other way round where
+    /// those are far fewer.
     fn cut(&self, (first, second): (&[u32], &[u32]), marks: &mut Marks) -> [Vec<u32>; 3] {
         let (left, separator) = self.apart(first, second, marks);
         // No set of nodes is smaller than this one by that much.
@@ -177,8 +177,8 @@ impl Graph {
         part.iter().partition(|&&g| !self.neighbours(g).iter().any(|&o| marks.of[o as usize] == marks.last))
     }
 
-    /// Entries of L and operations of the factorisation, 3x3 for every node: a row of L is the part of the elimination tree between its
-    /// entries in W and itself (Liu 1990, section 5).
+    /// Entries of L and operations of the factorisation, 3x3 for every node: a row of L is the part of the elimination
+    /// tree between its entries in W and itself (Liu 1990, section 5).
     fn count(&self, order: &[u32], new: &[u32], parent: &[u32]) -> [f64; 2] {
         let mut rows = vec![0_u32; order.len()];
         let mut marks = vec![NONE; order.len()];

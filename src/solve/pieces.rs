@@ -1,5 +1,6 @@
-//! The vectors of conjugate gradients and the operations on them, strip by strip (`strips`): both halves at once, before or after the seam. Sums are added in the order
-//! of the strips, so that bits do not depend on the number of threads.
+//! The vectors of conjugate gradients and the operations on them, strip by strip (`strips`): both halves at once,
+//! before or after the seam. Sums are added in the order of the strips, so that bits do not depend on the number of
+//! threads.
 //!
 //! ```text
 //! (I + L)^-1        forwards:   the halves, then the seam, which adds what they take from it
@@ -15,7 +16,8 @@ use glam::{DVec3, Vec3A};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// [nodes] in each of the runs over which [`Pieces::runs_within`] looks: a flaw of a few nodes would not show in the whole scene.
+/// [nodes] in each of the runs over which [`Pieces::runs_within`] looks: a flaw of a few nodes would not show in the
+/// whole scene.
 const RUN: usize = 256;
 
 /// A strip of W with its share of all vectors; t and q hold places of the seam beside it too.
@@ -137,8 +139,8 @@ impl Pieces {
         self.all().map(|piece| of(&piece.found)).sum()
     }
 
-    /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are positive definite, and those beside them no larger
-    /// than that allows.
+    /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are
+    /// positive definite, and those beside them no larger than that allows.
     pub fn fill(&mut self, values: &[f64], omega: f64) -> bool {
         let Pieces { halves, seam, scale, workers } = self;
         let diagonals = &seam.blocks.pattern.col_ptr;

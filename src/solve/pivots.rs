@@ -1,28 +1,34 @@
-//! The pivots of M: those of an incomplete factorisation of W without any fill, of which part comes to the diagonal instead.
+//! The pivots of M: those of an incomplete factorisation of W without any fill, of which part comes to the diagonal
+//! instead.
 //!
 //! ```text
 //! P_g = (1 + delta) D_g - sum_j N_gj P_j^-1 N_gj^T - omega_g sym sum_j sum_s N_gj P_j^-1 N_sj^T Y_s Y_g^-1,      j < g,   s > j, s != g
 //! ```
-//! with Y_g = diag(1/scale), three translations that all nodes share in the numbers of a scaled W; its inverse is 0 in idle places. Without the sum over s
-//! these are the pivots of D-ILU (Pommerell, in Barrett et al., Templates, SIAM 1994, section 3.4). The fill in it would stand beside the diagonal; put on it
-//! as here (Dupont, Kendall & Rachford, SIAM J. Numer. Anal. 5, 1968; Gustafsson, BIT 18, 1978), a translation meets M nearly as it meets W, and so do the
-//! smooth motions that take conjugate gradients longest. omega < 1 keeps pivots away from zero (relaxed: Axelsson & Lindskog, Numer. Math. 48, 1986), and
-//! is halved at nodes whose pivot would lose too much, as where stiff springs meet soft ones; delta is a shift (Manteuffel, Math. Comp. 34, 1980). Where even a
-//! pivot without fill is not positive definite, P_g = D_g. The product of Eisenstat (`eisenstat`) costs the same with any pivots, and M is positive definite if
-//! they are.
+//! with Y_g = diag(1/scale), three translations that all nodes share in the numbers of a scaled W; its inverse is 0 in
+//! idle places. Without the sum over s these are the pivots of D-ILU (Pommerell, in Barrett et al., Templates, SIAM
+//! 1994, section 3.4). The fill in it would stand beside the diagonal; put on it as here (Dupont, Kendall & Rachford,
+//! SIAM J. Numer. Anal. 5, 1968; Gustafsson, BIT 18, 1978), a translation meets M nearly as it meets W, and so do the
+//! smooth motions that take conjugate gradients longest. omega < 1 keeps pivots away from zero (relaxed: Axelsson &
+//! Lindskog, Numer. Math. 48, 1986), and is halved at nodes whose pivot would lose too much, as where stiff springs
+//! meet soft ones; delta is a shift (Manteuffel, Math. Comp. 34, 1980). Where even a pivot without fill is not positive
+//! definite, P_g = D_g. The product of Eisenstat (`eisenstat`) costs the same with any pivots, and M is positive
+//! definite if they are.
 
 use super::blocks::{BLOCK, Block, ELSEWHERE, NodeBlocks, SymmetricBlock};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 /// [-] omega. On taut nets of 703 to a million nodes 0.9, 0.98 and 1 took as many iterations within an eighth.
 pub(super) const RELAXATION: f64 = 0.95;
-/// [-] What fill must leave of a pivot. With 0.8 smooth nets take up to four tenths more iterations, with 0.3 as many or a fifth more.
+/// [-] What fill must leave of a pivot. With 0.8 smooth nets take up to four tenths more iterations, with 0.3 as many
+/// or a fifth more.
 const LEAST_LEFT: f64 = 0.5;
 /// Times that omega is halved for it before a node takes no fill.
 const HALVINGS: i32 = 3;
-/// [-] delta: what pivots have more of their block than elimination leaves: without it, a light node on stiff springs costs single precision its digits.
+/// [-] delta: what pivots have more of their block than elimination leaves: without it, a light node on stiff springs
+/// costs single precision its digits.
 const SHIFT: f64 = 0.01;
-/// Entries of a positive definite matrix stay below the root of the product of the two on the diagonal; one that does not by more than this is no rounding.
+/// Entries of a positive definite matrix stay below the root of the product of the two on the diagonal; one that does
+/// not by more than this is no rounding.
 const LARGEST: f32 = 1.0 + 1e-5;
 
 impl NodeBlocks {
@@ -61,7 +67,8 @@ impl NodeBlocks {
         self.surplus[own..].copy_from_slice(&seam.surplus);
     }
 
-    /// Eliminates all nodes in their order, with `omega` [-] of the fill in the pivots; whether the blocks on W's diagonal are positive definite.
+    /// Eliminates all nodes in their order, with `omega` [-] of the fill in the pivots; whether the blocks on W's
+    /// diagonal are positive definite.
     pub fn eliminate(&mut self, values: &[f64], scale: &[f64], omega: f64) -> bool {
         (0..self.nodes()).all(|g| {
             let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.as_dmat3());
@@ -155,7 +162,8 @@ struct Pivot {
 }
 
 impl Pivot {
-    /// From the lower half of D, what eliminations have taken from it, and their fill. `None` where no pivot is positive definite.
+    /// From the lower half of D, what eliminations have taken from it, and their fill. `None` where no pivot is
+    /// positive definite.
     fn new(lower: &DMat3, [taken, fill]: [DMat3; 2], omega: f64) -> Option<Self> {
         let [x, y, z] = [lower.x_axis, lower.y_axis, lower.z_axis];
         let block = DMat3::from_cols(x, DVec3::new(x.y, y.y, y.z), DVec3::new(x.z, y.z, z.z));

@@ -27,8 +27,8 @@ pub trait NonlinearProblem {
     /// Writes the residual r = F(z) and, one by one, what rounding alone can leave of it.
     fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]);
 
-    /// Called after the residual at a first guess `z`: replaces a guess that went too far by a more cautious one and says
-    /// so; `false` keeps it.
+    /// Called after the residual at a first guess `z`: replaces a guess that went too far by a more cautious one and
+    /// says so; `false` keeps it.
     fn retreat(&mut self, z: &mut [f64]) -> bool {
         let _ = z;
         false
@@ -39,15 +39,16 @@ pub trait NonlinearProblem {
         false
     }
 
-    /// Factorises the tangent dF/dz where the residual was last evaluated. An exact tangent of a conservative problem that is
-    /// indefinite need not be factorised: no direction is taken from it.
+    /// Factorises the tangent dF/dz where the residual was last evaluated. An exact tangent of a conservative problem
+    /// that is indefinite need not be factorised: no direction is taken from it.
     ///
     /// # Errors
     /// A tangent that is not finite or singular.
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
-    /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to be used for many
-    /// solves; `false` if there is none to be had. `expected` is what it will be used for ([`super::LinearSolver::anticipate`]).
+    /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to
+    /// be used for many solves; `false` if there is none to be had. `expected` is what it will be used for
+    /// ([`super::LinearSolver::anticipate`]).
     ///
     /// # Errors
     /// A tangent that is not finite.
@@ -67,7 +68,8 @@ pub trait NonlinearProblem {
         0
     }
 
-    /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an earlier problem too.
+    /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an
+    /// earlier problem too.
     fn take_frozen(&mut self) {}
 
     /// Whether there is a matrix to be kept over many solves.

@@ -1,13 +1,15 @@
-//! Newton's iteration on a frozen factor: the tangent of some earlier iterate, made symmetric and positive definite, corrected by the
-//! last few steps themselves (L-BFGS: Nocedal & Wright 2006, algorithm 7.4, with the factor in the place of H_0).
+//! Newton's iteration on a frozen factor: the tangent of some earlier iterate, made symmetric and positive definite,
+//! corrected by the last few steps themselves (L-BFGS: Nocedal & Wright 2006, algorithm 7.4, with the factor in the
+//! place of H_0).
 //!
 //! ```text
 //! s_i = z_{i+1} - z_i,   y_i = F(z_{i+1}) - F(z_i),   rho_i = 1/(y_i . s_i)
 //! H_{i+1} = (I - rho s y^T) H_i (I - rho y s^T) + rho s s^T,      dz = -H F
 //! ```
-//! An iteration costs a force pass and a solve, no factorisation. When to factorise anew is a question of rent or buy: within a step, as soon
-//! as the iterations still to be made cost more than a new factor and what it needs itself; from step to step, as soon as the iterations that
-//! an old factor has cost beyond those of a fresh one add up to a factorisation. All of it is counted, nothing timed.
+//! An iteration costs a force pass and a solve, no factorisation. When to factorise anew is a question of rent or buy:
+//! within a step, as soon as the iterations still to be made cost more than a new factor and what it needs itself; from
+//! step to step, as soon as the iterations that an old factor has cost beyond those of a fresh one add up to a
+//! factorisation. All of it is counted, nothing timed.
 
 use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
@@ -23,7 +25,8 @@ const EXPECTED: u32 = 6;
 const MOST_FACTORS: u32 = 8;
 /// Steps made on the exact tangent at most before a kept factor is tried again.
 const LONGEST_REST: u32 = 64;
-/// A pair whose y . s is below this share of |y||s| tells more of rounding or of a tangent that is not positive definite.
+/// A pair whose y . s is below this share of |y||s| tells more of rounding or of a tangent that is not positive
+/// definite.
 const CURVED: f64 = 1e-8;
 
 /// What is known of the factor that is kept.
@@ -72,7 +75,8 @@ impl Frozen {
         Expected { reuse, cg_iterations }
     }
 
-    /// A kept factor has not led through a step: the next ones are made on the exact tangent, twice as many as the last time.
+    /// A kept factor has not led through a step: the next ones are made on the exact tangent, twice as many as the last
+    /// time.
     pub(super) fn gave_up(&mut self) {
         self.rest = self.next_rest.clamp(1, LONGEST_REST);
         *self = Frozen { next_rest: 2 * self.rest, ..self.lost() };
@@ -300,8 +304,8 @@ impl Iteration<'_> {
         Ok(None)
     }
 
-    /// Whether a factor of another kind, which costs more to make and less to use, would have been chosen, had it been known how long this one serves and how
-    /// many iterations its solves take.
+    /// Whether a factor of another kind, which costs more to make and less to use, would have been chosen, had it been
+    /// known how long this one serves and how many iterations its solves take.
     fn another_would_serve(&self) -> bool {
         let (seen, expected) = (self.frozen.seen(self.problem.factor_cost()), self.frozen.expected);
         // As long as it is of use no longer than was expected, it is too early to tell how long it will be.
@@ -374,8 +378,8 @@ impl Iteration<'_> {
         Ok(Step::Taken(lambda))
     }
 
-    /// The share of the direction that leads downhill, if any. Without a potential the slope is still that of the symmetric part, which leads
-    /// here; norms of residuals need not fall.
+    /// The share of the direction that leads downhill, if any. Without a potential the slope is still that of the
+    /// symmetric part, which leads here; norms of residuals need not fall.
     fn search(&mut self, z: &mut [f64]) -> Option<f64> {
         if dot(&self.newton.r, &self.newton.dz) >= 0.0 {
             return None;

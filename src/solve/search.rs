@@ -18,8 +18,8 @@ const STRIDE: f64 = 4.0;
 /// A trial keeps this share of the bracket's width from its ends.
 const MARGIN: f64 = 0.1;
 
-/// Halves the step until the residual falls or the same tangent asks for a clearly smaller correction; moves `z` and the
-/// iteration's residual there.
+/// Halves the step until the residual falls or the same tangent asks for a clearly smaller correction; moves `z` and
+/// the iteration's residual there.
 pub(super) fn smaller_residual(
     newton: &mut Newton,
     problem: &mut dyn NonlinearProblem,
@@ -40,9 +40,9 @@ pub(super) fn smaller_residual(
     None
 }
 
-/// Seeks the lowest point of a potential along the direction from its slope F.d alone, by regula falsi within a bracket: sums of
-/// energies would lose the digits that slopes keep (Crisfield 1991, section 9.2). Where the slope has not changed at the end of
-/// a step, as when a convex tangent leads away from a saddle, the search strides on.
+/// Seeks the lowest point of a potential along the direction from its slope F.d alone, by regula falsi within a
+/// bracket: sums of energies would lose the digits that slopes keep (Crisfield 1991, section 9.2). Where the slope has
+/// not changed at the end of a step, as when a convex tangent leads away from a saddle, the search strides on.
 pub(super) fn downhill(
     newton: &mut Newton,
     problem: &mut dyn NonlinearProblem,
@@ -85,8 +85,8 @@ fn between((a, slope_a): (f64, f64), (b, slope_b): (f64, f64)) -> f64 {
 }
 
 impl Newton {
-    /// Evaluates the residual at z + lambda dz. A trial within the tolerance is good whatever a merit says: rounding may
-    /// not allow a decrease.
+    /// Evaluates the residual at z + lambda dz. A trial within the tolerance is good whatever a merit says: rounding
+    /// may not allow a decrease.
     fn look(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], lambda: f64, tolerance: f64) -> bool {
         for ((trial, z), dz) in self.trial.iter_mut().zip(z).zip(&self.dz) {
             *trial = z + lambda * dz;
@@ -101,10 +101,10 @@ impl Newton {
         std::mem::swap(&mut self.r, &mut self.r_trial);
     }
 
-    /// Whether the trial is nearer to the solution although its residual (of norm `residual`) is larger: the same tangent asks of
-    /// it a correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004, section 3.3, algorithm
-    /// NLEQ-ERR). Where a stiff spring turns or a flat sheet begins to bulge, the residual must rise first: its norm only
-    /// sees the stiff direction.
+    /// Whether the trial is nearer to the solution although its residual (of norm `residual`) is larger: the same
+    /// tangent asks of it a correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004,
+    /// section 3.3, algorithm NLEQ-ERR). Where a stiff spring turns or a flat sheet begins to bulge, the residual must
+    /// rise first: its norm only sees the stiff direction.
     fn nears(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, residual: f64) -> bool {
         if !residual.is_finite() {
             return false;

@@ -1,5 +1,6 @@
-//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes and twice the numbers in a register. Its loops are made for the
-//! small supernodes of a net, where the dense kernels of a library spend most of their time on being called.
+//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes and twice the numbers in a
+//! register. Its loops are made for the small supernodes of a net, where the dense kernels of a library spend most of
+//! their time on being called.
 //!
 //! Columns are taken in pieces, with the inverse of their own triangle and the rows below it in chunks:
 //!
@@ -36,7 +37,8 @@ const ZERO: Eight = Eight([0.0; WIDE]);
 #[derive(Debug)]
 pub(super) struct SingleFactor {
     pieces: Vec<Piece>,
-    /// rows of the pieces below their columns, one piece after the other; the last chunk is filled up with a row that is always zero
+    /// rows of the pieces below their columns, one piece after the other; the last chunk is filled up with a row that
+    /// is always zero
     rows: Vec<[u32; WIDE]>,
     /// of every piece: L11^-1, then L21; chunks of rows, in a chunk one register a column
     l: Vec<Eight>,
@@ -60,7 +62,8 @@ struct Piece {
     rows: Range<usize>,
     /// its registers
     l: Range<usize>,
-    /// where its first column's diagonal is among the values of the library's factor, and how far from there the next column's entry of that row is
+    /// where its first column's diagonal is among the values of the library's factor, and how far from there the next
+    /// column's entry of that row is
     first: usize,
     tall: usize,
 }
@@ -253,8 +256,8 @@ fn together<const N: usize>(l: &[Eight], wide: usize, k: usize, x: &[Eight]) -> 
     sums
 }
 
-/// Subtracts the sum of every register. Not inlined: its order would otherwise choose that of the lanes in the loops before it, as in
-/// `Lanes::total`.
+/// Subtracts the sum of every register. Not inlined: its order would otherwise choose that of the lanes in the loops
+/// before it, as in `Lanes::total`.
 #[inline(never)]
 fn take_totals(sums: &[Eight], from: &mut [f32]) {
     for (from, Eight(l)) in from.iter_mut().zip(sums) {

@@ -1,12 +1,14 @@
-//! How a matrix's nodes are cut into two halves that two threads eliminate at once, each from its end towards the seam between them, which comes last:
+//! How a matrix's nodes are cut into two halves that two threads eliminate at once, each from its end towards the seam
+//! between them, which comes last:
 //!
 //! ```text
 //! node:           0 1 2 ...  first half  ... | seam | ...  second half  ... n-1
 //! eliminated:     --->                         last                        <---
 //! ```
-//! This is the twisted factorisation of van der Vorst (Parallel Computing 5, 1987). An incomplete one loses nothing by it, as each node still meets what has been
-//! eliminated beside it only: at a million nodes, a second half that went away from the seam took 1.6 times the iterations. Nodes numbered along a mesh
-//! (Cuthill-McKee) have seams as wide as the mesh. The cut depends on the matrix alone, and so results do not depend on the number of threads.
+//! This is the twisted factorisation of van der Vorst (Parallel Computing 5, 1987). An incomplete one loses nothing by
+//! it, as each node still meets what has been eliminated beside it only: at a million nodes, a second half that went
+//! away from the seam took 1.6 times the iterations. Nodes numbered along a mesh (Cuthill-McKee) have seams as wide as
+//! the mesh. The cut depends on the matrix alone, and so results do not depend on the number of threads.
 
 use crate::assembly::Pattern;
 use std::ops::Range;
@@ -16,7 +18,8 @@ const LEAST: usize = 4096;
 /// [-] of all nodes that a seam may have.
 const WIDEST: f64 = 0.125;
 
-/// Nodes that are eliminated one after another, a half or the seam; vectors hold their own, and then those of the seam beside them.
+/// Nodes that are eliminated one after another, a half or the seam; vectors hold their own, and then those of the seam
+/// beside them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Strip {
     /// its nodes
@@ -114,7 +117,8 @@ mod tests {
         }
     }
 
-    /// Halves of a size have nothing to do with each other, every node has its place, and the seam is as wide as the net.
+    /// Halves of a size have nothing to do with each other, every node has its place, and the seam is as wide as the
+    /// net.
     #[test]
     fn a_seam_parts_two_halves() {
         let (nodes, width) = (5000, 70);

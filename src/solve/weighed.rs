@@ -1,9 +1,10 @@
 //! Cholesky or conjugate gradients for a W that is kept over many solves, by counted work.
 //!
-//! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of conjugate gradients is
-//! the number of iterations that real solves with earlier matrices have taken. For the first matrix a trial solves W x = b for a fixed pseudo-random b; it
-//! ends as soon as Cholesky would have been cheaper. So the choice depends on W and on what earlier matrices have shown (`quasi`), which is counted as
-//! well: not on the machine.
+//! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
+//! conjugate gradients is the number of iterations that real solves with earlier matrices have taken. For the first
+//! matrix a trial solves W x = b for a fixed pseudo-random b; it ends as soon as Cholesky would have been cheaper. So
+//! the choice depends on W and on what earlier matrices have shown (`quasi`), which is counted as well: not on the
+//! machine.
 
 use super::linear::{
     ASSEMBLY_FLOPS, Accuracy, DENSE_OPERATION, Expected, FACTOR, Inertia, LinearError, LinearSolver, LinearStats,
@@ -22,19 +23,22 @@ const PADDING: f64 = 1.3;
 const SOLVE: f64 = SOLVE_SLOWNESS * SOLVE_FLOPS;
 /// [units of work] of an entry of W in an iteration of conjugate gradients (1.0 to 1.5 ns).
 const ITERATION: f64 = 7.5;
-/// [-] Iterations of an average solve over those of the trial: its right-hand side is smoother, and the last solve of a step need not be exact (0.55 to 0.75 on
-/// square nets of 10,000 and 90,000 nodes).
+/// [-] Iterations of an average solve over those of the trial: its right-hand side is smoother, and the last solve of a
+/// step need not be exact (0.55 to 0.75 on square nets of 10,000 and 90,000 nodes).
 const EASIER: f64 = 0.65;
-/// [-] What the trial may leave of its right-hand side; to leave its square, as solves may, takes twice as many iterations.
+/// [-] What the trial may leave of its right-hand side; to leave its square, as solves may, takes twice as many
+/// iterations.
 const TRIAL: f64 = 0.0316;
-/// [-] The first matrix gets conjugate gradients even if the trial says that they cost so many times the iterations: they cost little to make, and real solves
-/// soon tell whether they are dearer, while the cost of a factor that is not needed is lost.
+/// [-] The first matrix gets conjugate gradients even if the trial says that they cost so many times the iterations:
+/// they cost little to make, and real solves soon tell whether they are dearer, while the cost of a factor that is not
+/// needed is lost.
 const DOUBT: f64 = 1.3;
 /// [units of work] of an entry of W in making conjugate gradients ready.
 const READY: f64 = 97.5;
 /// [units of work] of an unknown in one iteration around the solve: a force pass and operations on vectors.
 const AROUND: f64 = 250.0;
-/// [-] Entries of L over those of W from which on a factor takes several times the memory of conjugate gradients, and how much less work it must then be.
+/// [-] Entries of L over those of W from which on a factor takes several times the memory of conjugate gradients, and
+/// how much less work it must then be.
 const MUCH_MEMORY: f64 = 10.0;
 const CLEAR_GAIN: f64 = 1.1;
 
@@ -48,9 +52,9 @@ struct Cost {
 }
 
 impl Cost {
-    /// What a useful iteration costs with all that ageing brings. A matrix that is replaced when its age has cost as many iterations beyond those of a fresh one as
-    /// a new one costs (`quasi`), c = making/iteration, serves for u = reuse sqrt(c) useful iterations, since the cost of age grows with its square; these cost
-    /// u + 2 c iterations.
+    /// What a useful iteration costs with all that ageing brings. A matrix that is replaced when its age has cost as
+    /// many iterations beyond those of a fresh one as a new one costs (`quasi`), c = making/iteration, serves for u =
+    /// reuse sqrt(c) useful iterations, since the cost of age grows with its square; these cost u + 2 c iterations.
     fn with_reuse(self, reuse: f64) -> f64 {
         self.iteration + 2.0 * (self.making * self.iteration).sqrt() / reuse
     }
@@ -136,14 +140,16 @@ impl Weighed {
         Cost { iteration: gain * (SOLVE * stored + AROUND * n), making: gain * making }
     }
 
-    /// Of conjugate gradients that take so many iterations in an average solve; to begin and to end a solve takes as long as one.
+    /// Of conjugate gradients that take so many iterations in an average solve; to begin and to end a solve takes as
+    /// long as one.
     fn cg_cost(&self, iterations: f64) -> Cost {
         let (n, entries) = (self.pattern.n() as f64, self.pattern.nonzeros() as f64);
         let iteration = ITERATION * entries * (iterations + 1.0) + AROUND * n;
         Cost { iteration, making: (READY + ASSEMBLY_FLOPS) * entries }
     }
 
-    /// Compares the two: by the iterations of earlier solves, or, where there were none, by a trial that lasts as long as conjugate gradients may be cheaper.
+    /// Compares the two: by the iterations of earlier solves, or, where there were none, by a trial that lasts as long
+    /// as conjugate gradients may be cheaper.
     fn weigh(&mut self) -> Result<Option<Prediction>, LinearError> {
         let Some(e) = &self.elimination else { return Ok(None) };
         let cholesky_work = self.cholesky_cost(e).with_reuse(self.expected.reuse);

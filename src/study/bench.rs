@@ -137,7 +137,8 @@ pub fn interval(problem: &Problem, scene: &dyn Scene) -> f64 {
     asked * (bytes / MOST_BYTES).ceil().max(1.0)
 }
 
-/// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on every machine.
+/// [s] What a step of a method costs, to an order of magnitude, from counts alone: what is decided by it is the same on
+/// every machine.
 pub fn nominal_step(scene: &dyn Scene, method: &MethodChoice) -> f64 {
     let [spring, triangle, node, pass] = NOMINAL;
     let sizes = [scene.edges().len(), scene.triangles().len(), scene.reference().len()].map(|n| n as f64);
@@ -163,8 +164,8 @@ impl Pace {
     }
 }
 
-/// The tolerance of a reference. Its absolute part is so small a share of the scene's size that it is small against the motion too, which is
-/// often a small part of that size.
+/// The tolerance of a reference. Its absolute part is so small a share of the scene's size that it is small against the
+/// motion too, which is often a small part of that size.
 pub(super) fn reference_tolerance(scene: &dyn Scene, relative: f64) -> Tolerance {
     let size = scene.size();
     Tolerance { relative, absolute: 1e-3 * relative * if size > 0.0 { size } else { 1.0 } }

@@ -1,7 +1,7 @@
 //! The states at the frame times of a run: kept, or compared with those of a reference.
 //!
-//! Frames are what `solve` would write: the state at every multiple of the interval and at the end, a frame between two steps being
-//! their cubic Hermite interpolation.
+//! Frames are what `solve` would write: the state at every multiple of the interval and at the end, a frame between two
+//! steps being their cubic Hermite interpolation.
 
 use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Point, StepView};
 use crate::model::state::State;
@@ -68,7 +68,8 @@ impl Distance {
         }
     }
 
-    /// [-] Root mean square over that of the motion, and the largest over the largest; nothing if frames are missing or not numbers.
+    /// [-] Root mean square over that of the motion, and the largest over the largest; nothing if frames are missing or
+    /// not numbers.
     pub fn over(&self, motion: Motion) -> Option<[f64; 2]> {
         let relative = [(self.squares / motion.squares).sqrt(), self.largest / motion.largest];
         (self.frames == motion.frames && relative.iter().all(|e| e.is_finite())).then_some(relative)
@@ -110,8 +111,8 @@ impl<'a> Sampler<'a> {
         Self::of(scene, Schedule::new(Some(every), 0.0), Purpose::Keep(Frames { nodes, ..Frames::default() }))
     }
 
-    /// Compares the frames of a run with those of the reference, which are `every` [s] apart. A run that is taken up at `from` [s]
-    /// brings the distance it had come to.
+    /// Compares the frames of a run with those of the reference, which are `every` [s] apart. A run that is taken up at
+    /// `from` [s] brings the distance it had come to.
     pub fn comparing(scene: &'a dyn Scene, every: f64, reference: &'a Frames, (from, so_far): (f64, Distance)) -> Self {
         let mut sampler = Self::of(scene, Schedule::new(Some(every), from), Purpose::Compare(reference, so_far));
         sampler.last = from;

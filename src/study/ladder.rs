@@ -1,8 +1,8 @@
 //! Which steps and tolerances are tried when nobody says.
 //!
-//! Explicit methods: just below their critical step, and halved from there; and once at twice the limit, to show it. Implicit methods:
-//! from a fraction of the period of what moves most, halved until the fastest motion is resolved. Steps are the interval of the
-//! frames over, or times, numbers 2^a 5^b, so that they are round and meet the frames.
+//! Explicit methods: just below their critical step, and halved from there; and once at twice the limit, to show it.
+//! Implicit methods: from a fraction of the period of what moves most, halved until the fastest motion is resolved.
+//! Steps are the interval of the frames over, or times, numbers 2^a 5^b, so that they are round and meet the frames.
 
 use crate::analysis::critical::Spectrum;
 use crate::integrate::registry::{Family, MethodChoice};
@@ -35,7 +35,8 @@ pub struct Scales {
     pub end: f64,
     /// [s] about the period of what moves most
     pub period: f64,
-    /// [s] what an explicit method with a limit of 2 over the fastest frequency may take; infinite if nothing oscillates
+    /// [s] what an explicit method with a limit of 2 over the fastest frequency may take; infinite if nothing
+    /// oscillates
     pub fastest: f64,
 }
 
@@ -48,7 +49,8 @@ impl Scales {
         Scales { every, end, period, fastest }
     }
 
-    /// [s] The largest step that is not above `wanted` and meets the frames: the interval over, or times, a number 2^a 5^b.
+    /// [s] The largest step that is not above `wanted` and meets the frames: the interval over, or times, a number 2^a
+    /// 5^b.
     pub fn round(&self, wanted: f64) -> f64 {
         let ratio = wanted / self.every;
         if !(ratio > 0.0 && ratio.is_finite()) {
@@ -78,8 +80,8 @@ impl Scales {
         (0..most).find(fine).map_or(most, |k| (k + 1).clamp(2, most))
     }
 
-    /// Those of [`TOLERANCES`] that matter for a method with a limit of `limit` [s], infinite if it has none: where stability holds the
-    /// steps, looser tolerances all give the same run.
+    /// Those of [`TOLERANCES`] that matter for a method with a limit of `limit` [s], infinite if it has none: where
+    /// stability holds the steps, looser tolerances all give the same run.
     pub fn tolerances(&self, order: u32, limit: f64) -> Vec<f64> {
         let held = if limit > 0.0 && limit.is_finite() { 10.0 * self.rough_error(limit, order) } else { f64::INFINITY };
         let matters = |(i, t): &(usize, f64)| *i == 0 || *t < held;
@@ -173,7 +175,8 @@ mod tests {
         }
     }
 
-    /// A stiff scene, whose limit is far below what accuracy needs: few steps, and one tolerance that shows it. A soft one: all.
+    /// A stiff scene, whose limit is far below what accuracy needs: few steps, and one tolerance that shows it. A soft
+    /// one: all.
     #[test]
     fn nothing_is_tried_that_tells_nothing() {
         let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };

@@ -3,9 +3,10 @@
 //! ```text
 //! case + wishes --plan--> references, list of runs --run--> one file a run --rows--> front, answers --report--> csv json svg html
 //! ```
-//! A study is a list of independent runs ([`plan`]), so that machines can share it: each run has its own file ([`store`]), finished ones
-//! are never made again, and a stopped one goes on where it was. Errors are distances from a reference that knows its own error
-//! ([`reference`]). Everything that decides numbers is counted; seconds are only measured.
+//! A study is a list of independent runs ([`plan`]), so that machines can share it: each run has its own file
+//! ([`store`]), finished ones are never made again, and a stopped one goes on where it was. Errors are distances from a
+//! reference that knows its own error ([`reference`]). Everything that decides numbers is counted; seconds are only
+//! measured.
 
 pub mod answers;
 pub mod bench;

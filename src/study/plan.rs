@@ -165,7 +165,8 @@ impl Planner<'_> {
         asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
     }
 
-    /// The runs of a variant, the cheapest first by nominal figures, so that a budget that ends early has seen the most.
+    /// The runs of a variant, the cheapest first by nominal figures, so that a budget that ends early has seen the
+    /// most.
     fn list(
         &self,
         bench: &Bench,
@@ -245,7 +246,8 @@ impl Tried {
     }
 }
 
-/// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run and what it is.
+/// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run
+/// and what it is.
 fn by_cost(tried: Vec<Tried>, scales: &Scales, variant: usize) -> Vec<Job> {
     let runs = tried.iter().flat_map(|t| t.list.iter().map(|pace| (t.seconds(*pace, scales), &t.method, *pace)));
     let mut runs: Vec<(f64, &Method, Pace)> = runs.collect();

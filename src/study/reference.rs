@@ -1,13 +1,14 @@
 //! The solution that all others are measured against, and what it is worth itself.
 //!
-//! Two solutions by different schemes are made as exact as is affordable; their difference is the stated error, and nothing is
-//! ranked below it. Where explicit steps are affordable they are two embedded Runge-Kutta pairs with tight tolerances, stepping
-//! onto every frame; else Newmark's trapezoidal rule with steps halved again and again and extrapolated: its error is a
-//! series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section II.8), so
+//! Two solutions by different schemes are made as exact as is affordable; their difference is the stated error, and
+//! nothing is ranked below it. Where explicit steps are affordable they are two embedded Runge-Kutta pairs with tight
+//! tolerances, stepping onto every frame; else Newmark's trapezoidal rule with steps halved again and again and
+//! extrapolated: its error is a series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section II.8), so
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders a column. What is affordable is estimated from counts, before and while it is made, so the reference is the same on every machine.
+//! gains two orders a column. What is affordable is estimated from counts, before and while it is made, so the
+//! reference is the same on every machine.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -29,8 +30,8 @@ use crate::output::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
-/// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a scene does, are told to
-/// differ by this.
+/// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a
+/// scene does, are told to differ by this.
 const ROUNDING: f64 = 1e-13;
 /// [-] Difference above which two solutions do not agree.
 const NOT_AGREED: f64 = 0.1;
@@ -40,7 +41,8 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
-/// How many times its allowance the accepted steps of the explicit solutions may take together: it was estimated by the longest steps of the first.
+/// How many times its allowance the accepted steps of the explicit solutions may take together: it was estimated by the
+/// longest steps of the first.
 const PATIENCE: f64 = 4.0;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;

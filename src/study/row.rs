@@ -78,7 +78,8 @@ pub struct Measured {
     pub status: RowStatus,
     /// why, and what to do, if not well
     pub note: String,
-    /// [-] root mean square over frames and free nodes of the distance to the reference, over that of the reference's motion
+    /// [-] root mean square over frames and free nodes of the distance to the reference, over that of the reference's
+    /// motion
     pub error: Option<f64>,
     /// [-] largest distance over the largest motion
     pub error_max: Option<f64>,

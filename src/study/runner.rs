@@ -87,8 +87,8 @@ struct Place {
 }
 
 impl Runner<'_> {
-    /// Makes every run of the share that is not finished: for each variant all of them once, then again for the repeats. Returns why runs
-    /// were left out, by identifier.
+    /// Makes every run of the share that is not finished: for each variant all of them once, then again for the
+    /// repeats. Returns why runs were left out, by identifier.
     ///
     /// # Errors
     /// An interrupt, another case than the plan's, or files that cannot be written.

@@ -6,7 +6,8 @@
 //! DIR/tradeoff/runs/ID.json            what came of a run
 //! DIR/tradeoff/runs/ID.part            where an unfinished run has come to
 //! ```
-//! Every file appears whole, by a rename; processes that make the same run write the same result, and the last one stays. A file that does not fit is refused, but for `.part`: such a run begins again.
+//! Every file appears whole, by a rename; processes that make the same run write the same result, and the last one
+//! stays. A file that does not fit is refused, but for `.part`: such a run begins again.
 
 use std::fs;
 use std::io;

@@ -17,8 +17,8 @@ fn close(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} instead of {b}");
 }
 
-/// Every case that comes with the program parses and builds; those of the thesis' canopies are heavier than cloth, the wind of
-/// its first one is faster than light, and its spring pendulum's springs are stretched far.
+/// Every case that comes with the program parses and builds; those of the thesis' canopies are heavier than cloth, the
+/// wind of its first one is faster than light, and its spring pendulum's springs are stretched far.
 #[test]
 fn assets_build() {
     let names: Vec<String> = assets()
@@ -73,7 +73,8 @@ fn cloth_is_the_thesis_canopy() {
 fn masses_add_up() {
     let case = base_with(&[("system.network.springs.0.linear_density", "0.2")]).expect("good");
     let mass = &network(case.problem()).mass;
-    // Each triangle: 0.5 m^2 * 3 kg/m^2 / 3 = 0.5 kg a corner; edges of 1 m give 0.1 kg an end, the diagonal 0.1 sqrt 2.
+    // Each triangle: 0.5 m^2 * 3 kg/m^2 / 3 = 0.5 kg a corner; edges of 1 m give 0.1 kg an end, the diagonal 0.1 sqrt
+    // 2.
     let diagonal = 0.1 * 2.0_f64.sqrt();
     let expected =
         [0.5 + 1.0 + 0.2 + diagonal, 0.5 + 0.5 + 0.2, 0.5 + 1.0 + 0.3 + diagonal, 0.5 + 0.5 + 0.2, 0.5 + 0.1];

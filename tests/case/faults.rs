@@ -58,8 +58,8 @@ fn pointers(json: &Value, at: &str, all: &mut Vec<String>) {
     }
 }
 
-/// Every value of a case made wrong in every way that types allow: whatever serde refuses is told, at the value or below
-/// it, nothing is told that only follows from it, and a fault of another section is told as well.
+/// Every value of a case made wrong in every way that types allow: whatever serde refuses is told, at the value or
+/// below it, nothing is told that only follows from it, and a fault of another section is told as well.
 #[test]
 fn every_wrong_type_and_key_is_told_and_hides_nothing() {
     let good: Value = serde_json::from_str(ALL).expect("JSON");

@@ -47,7 +47,8 @@ fn syntax_errors_name_place_and_remedy() {
     assert!(message("{\n\n /* x").contains(" --> base.json:3:2\n"), "line and column of the comment");
 }
 
-/// What editors write into JSON with comments: the place of a schema, and commas behind the last entry. Neither changes a run.
+/// What editors write into JSON with comments: the place of a schema, and commas behind the last entry. Neither changes
+/// a run.
 #[test]
 fn a_schema_and_trailing_commas_are_read() {
     let plain = text_with(BASE, &[]).expect("good");

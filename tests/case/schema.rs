@@ -63,7 +63,8 @@ fn every_number_has_a_unit() {
     assert!(seen > 60, "the walk saw only {seen} numbers: it does not reach the whole schema");
 }
 
-/// The schema's lower bounds are the checks' bounds: the bound itself is refused where it is exclusive, accepted where not.
+/// The schema's lower bounds are the checks' bounds: the bound itself is refused where it is exclusive, accepted where
+/// not.
 #[test]
 fn ranges_agree_with_the_checks() {
     let schema = json_schema();

@@ -1,11 +1,12 @@
-//! A chain of n elastic links between two points of equal height, brought to rest by backward Euler with damping. Its forces are those of the
-//! funicular polygon: one horizontal pull H in all links, and a vertical one that changes by m g at every bead. With a link's
-//! length l0 (1 + T/EA) its form follows exactly, whatever n. For many links it tends to the elastic catenary (Irvine, Cable
-//! Structures, section 1.3) from the half length s, of weight W in all:
+//! A chain of n elastic links between two points of equal height, brought to rest by backward Euler with damping. Its
+//! forces are those of the funicular polygon: one horizontal pull H in all links, and a vertical one that changes by m
+//! g at every bead. With a link's length l0 (1 + T/EA) its form follows exactly, whatever n. For many links it tends to
+//! the elastic catenary (Irvine, Cable Structures, section 1.3) from the half length s, of weight W in all:
 //!
 //! x = H s/EA + H/w asinh(w s/H), z = w s^2/(2 EA) + H/w (sqrt(1 + (w s/H)^2) - 1), w = W/S
 //!
-//! and without elasticity to z = a cosh(x/a). The polygon takes the integrals behind it by the midpoint rule: its error falls with n^-2.
+//! and without elasticity to z = a cosh(x/a). The polygon takes the integrals behind it by the midpoint rule: its error
+//! falls with n^-2.
 
 use crate::claim::Claim;
 use crate::common::run::{Run, case_of, run};
@@ -123,7 +124,8 @@ pub fn claims() -> Vec<Claim> {
         // The midpoint rule's next term is (w l0/H)^2 of the first or a share of it: 0.03 at 20 links.
         claims.push(Claim::absolute(format!("order of the sag's error, {n} and {} links", 2 * n), order, 2.0, 0.02));
     }
-    // What the orders lack of 2 is an error of n^-4, b = 0.001 of the finest one; extrapolation leaves 4/3 b of it, 1e-7.
+    // What the orders lack of 2 is an error of n^-4, b = 0.001 of the finest one; extrapolation leaves 4/3 b of it,
+    // 1e-7.
     let extrapolated = continuous + (4.0 * errors[2] - errors[1]) / 3.0;
     let what = "sag extrapolated from 40 and 80 links: the elastic catenary";
     claims.push(Claim::relative(what, extrapolated, continuous, 3e-7));
@@ -140,8 +142,8 @@ fn polygon(links: usize, rest: &Run, sag: f64) -> [Claim; 4] {
     let worst = |off: Vec<f64>| off.into_iter().fold(0.0, f64::max);
     let level = worst(forces.iter().map(|f| (f[0] / pull - 1.0).abs()).collect());
     let steps = worst(forces.windows(2).map(|f| ((f[1][1] - f[0][1]) / load - 1.0).abs()).collect());
-    // Positions of 0.5 m are rounded to 1e-16 m, so a link's pull to EA n 1e-16 or a few of them, beside m g = W/n. Along the chain
-    // n such beads, of either sign, change the horizontal pull.
+    // Positions of 0.5 m are rounded to 1e-16 m, so a link's pull to EA n 1e-16 or a few of them, beside m g = W/n.
+    // Along the chain n such beads, of either sign, change the horizontal pull.
     let n = links as f64;
     let rounding = EA / WEIGHT * n * f64::EPSILON;
     [

@@ -1,10 +1,11 @@
-//! One mass on a spring with one damper of every kind, m x'' = -k x - c x': what its column `dissipated` says against the energy
-//! that the closed form has lost, with d = c/(2 m), wd^2 = k/m - d^2:
+//! One mass on a spring with one damper of every kind, m x'' = -k x - c x': what its column `dissipated` says against
+//! the energy that the closed form has lost, with d = c/(2 m), wd^2 = k/m - d^2:
 //! ```text
 //! x = X exp(-d t) (cos wd t + (d/wd) sin wd t),     v = -X (w^2/wd) exp(-d t) sin wd t
 //! dissipated = k X^2/2 - m v^2/2 - k x^2/2
 //! ```
-//! Along a line all dampers are the same c: Rayleigh's alpha is c/m and beta is c/k. Nothing else acts, so `external_work` is 0.
+//! Along a line all dampers are the same c: Rayleigh's alpha is c/m and beta is c/k. Nothing else acts, so
+//! `external_work` is 0.
 
 use crate::claim::Claim;
 use crate::common::run::{case_of, follow};
@@ -62,8 +63,9 @@ pub fn claims() -> Vec<Claim> {
     let first = 0.5 * STIFFNESS * START * START;
     let mut claims = Vec::new();
     for (name, key, rule) in &dampers {
-        // rk4 integrates the power with the motion, to w t (w h)^4/120 = 5e-11. Newmark's phase is w t (w h)^2/12 = 2e-5 late, and
-        // the loss of the end changes by a quarter of that; its own account closes to the rounding of 2000 steps.
+        // rk4 integrates the power with the motion, to w t (w h)^4/120 = 5e-11. Newmark's phase is w t (w h)^2/12 =
+        // 2e-5 late, and the loss of the end changes by a quarter of that; its own account closes to the rounding of
+        // 2000 steps.
         for (method, tolerance, remainder) in [("rk4", 5e-11, 5e-11), ("newmark", 5e-6, 1e-12)] {
             let (t, ledger) = last_row(method, (key, rule));
             let what = |column| format!("{name}, {method}: {column} over the first energy");

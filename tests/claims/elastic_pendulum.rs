@@ -1,13 +1,15 @@
-//! A mass that turns freely on a spring (Kuhl & Crisfield 1999: 10 kg, 3.0443 m, 7.72 m/s; EA = 1e10 N, nearly rigid, or 1e4 N):
-//! the touchstone of schemes that are stable on linear problems only. Stretched by T = m v^2/r at the start it turns evenly; so it
-//! does in the schemes, as x_n = r lambda^n with the root of their characteristic polynomial at p = h^2 T/(m r):
+//! A mass that turns freely on a spring (Kuhl & Crisfield 1999: 10 kg, 3.0443 m, 7.72 m/s; EA = 1e10 N, nearly rigid,
+//! or 1e4 N): the touchstone of schemes that are stable on linear problems only. Stretched by T = m v^2/r at the start
+//! it turns evenly; so it does in the schemes, as x_n = r lambda^n with the root of their characteristic polynomial at
+//! p = h^2 T/(m r):
 //! * velocity Verlet has cos(theta) = 1 - p/2 and keeps L = m x cross v, all its kicks being central;
-//! * Newmark (1/4, 1/2) has tan(theta/2) = sqrt(p)/2; as the midpoint rule in other variables it keeps L + m h^2/4 v cross a;
-//! * a scheme with |lambda| < 1 brakes. A slowly changing oscillation keeps r^2 w, here L; the spring holds r, so that all of the scheme's
-//!   shrinking shows in L, which falls by |lambda|^2 a step.
+//! * Newmark (1/4, 1/2) has tan(theta/2) = sqrt(p)/2; as the midpoint rule in other variables it keeps L + m h^2/4 v
+//!   cross a;
+//! * a scheme with |lambda| < 1 brakes. A slowly changing oscillation keeps r^2 w, here L; the spring holds r, so that
+//!   all of the scheme's shrinking shows in L, which falls by |lambda|^2 a step.
 //!
-//! On the stiff spring its invariant does not help Newmark: at h = 0.01 s the energy grows by orders of magnitude within some turns.
-//! HHT and generalised alpha damp the swing along the spring and go on.
+//! On the stiff spring its invariant does not help Newmark: at h = 0.01 s the energy grows by orders of magnitude
+//! within some turns. HHT and generalised alpha damp the swing along the spring and go on.
 
 mod theory;
 
@@ -134,8 +136,8 @@ fn invariants(claims: &mut Vec<Claim>) {
         let of_verlet = even(spring, h, l0, |p| (1.0 - (1.0 - 0.5 * p).powi(2)).sqrt(), |p| (1.0 - 0.5 * p).acos());
         let momentum = |p: f64| p.sqrt() * (1.0 + 0.25 * p);
         let of_newmark = even(spring, h, l0 * (1.0 + 0.25 * p0), momentum, |p| 2.0 * (0.5 * p.sqrt()).atan());
-        // Rounding of 25,000 steps: one by one at random, or, where a first guess is so good that no more than rounding of positions is left to
-        // Newton, on one side.
+        // Rounding of 25,000 steps: one by one at random, or, where a first guess is so good that no more than rounding
+        // of positions is left to Newton, on one side.
         claims.push(Claim::below(
             format!("soft, velocity-verlet, h {h}: worst relative change of L in 100 turns"),
             verlet.momentum_off,
@@ -146,7 +148,8 @@ fn invariants(claims: &mut Vec<Claim>) {
             newmark.midpoint_off,
             2e-11,
         ));
-        // Starting off the scheme's own radius by h^2/4 of it leaves a swing along the spring: its square and end are seen.
+        // Starting off the scheme's own radius by h^2/4 of it leaves a swing along the spring: its square and end are
+        // seen.
         for (name, t, own) in [("velocity-verlet", verlet, of_verlet), ("newmark", newmark, of_newmark)] {
             claims.push(Claim::relative(
                 format!("soft, {name}, h {h}: angle gained or lost in 100 turns [rad]"),

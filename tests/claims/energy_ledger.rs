@@ -1,9 +1,10 @@
 //! The columns of the account on a damped, forced, nonlinear net, for every scheme, against an account of our own.
 //!
-//! The reference is a Runge-Kutta trajectory of the test's own, 4 to 32 times finer than the runs. On it kinetic, elastic and gravity
-//! energy are computed from the numbers of the case, and external work and dissipation are the integrals by Simpson's rule of
-//! powers that [`crate::rich_power`] computes from them too; only the total force that moves the net comes from the program.
-//! Every column of a scheme must tend to it with the scheme's order, and `numerical`, which is nothing but error, to 0.
+//! The reference is a Runge-Kutta trajectory of the test's own, 4 to 32 times finer than the runs. On it kinetic,
+//! elastic and gravity energy are computed from the numbers of the case, and external work and dissipation are the
+//! integrals by Simpson's rule of powers that [`crate::rich_power`] computes from them too; only the total force that
+//! moves the net comes from the program. Every column of a scheme must tend to it with the scheme's order, and
+//! `numerical`, which is nothing but error, to 0.
 
 use crate::claim::Claim;
 use crate::common::run::{case_of, changed, follow};
@@ -48,8 +49,9 @@ pub fn claims() -> Vec<Claim> {
 }
 
 fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
-    // -log2 of the steps, fine enough for the slope and coarse enough for the reference: a triangle that turns its edge to the
-    // wind has a jump in the curvature of v|v| and leaves an error of h^3, small but noticed by order 4 in finer steps.
+    // -log2 of the steps, fine enough for the slope and coarse enough for the reference: a triangle that turns its edge
+    // to the wind has a jump in the curvature of v|v| and leaves an error of h^3, small but noticed by order 4 in finer
+    // steps.
     let first = match method.order {
         1 => 11,
         2 => 10,
@@ -66,7 +68,8 @@ fn one(method: &MethodInfo, reference: &[Account], claims: &mut Vec<Claim>) {
         claims.push(if method.order <= 4 {
             Claim::absolute(name, slope(i), order, TOLERANCE)
         } else {
-            // That jump, and the reference, hide higher orders; `order.rs` measures them, two-sided, on a net without it.
+            // That jump, and the reference, hide higher orders; `order.rs` measures them, two-sided, on a net without
+            // it.
             Claim::between(name, slope(i), 4.5, 20.0)
         });
     }

@@ -1,9 +1,10 @@
 //! What the column `numerical` says of a scheme that damps on its own, on the undamped oscillator with W = w h.
 //!
-//! The scheme by hand gives E_n/E_0, and the column must be 1 - E_n/E_0 in every step. Once the start has died out the energy goes
-//! with the spectral radius of the amplification matrix (Hughes 1987, section 9.3): 1 - rho^(2n), but for the swing of E_n about
-//! rho^(2n) in every turn, which comes of x and v being in no exact quadrature. Schemes that multiply the energy by one factor a
-//! step have their rows in [`crate::energy_oscillator`]; of them only the order of what they lose or make is here.
+//! The scheme by hand gives E_n/E_0, and the column must be 1 - E_n/E_0 in every step. Once the start has died out the
+//! energy goes with the spectral radius of the amplification matrix (Hughes 1987, section 9.3): 1 - rho^(2n), but for
+//! the swing of E_n about rho^(2n) in every turn, which comes of x and v being in no exact quadrature. Schemes that
+//! multiply the energy by one factor a step have their rows in [`crate::energy_oscillator`]; of them only the order of
+//! what they lose or make is here.
 
 use crate::claim::Claim;
 use crate::linear_theory::{Member, Named, generalized_alpha, hht, method_name, newmark};

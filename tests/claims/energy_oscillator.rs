@@ -1,5 +1,6 @@
-//! What every scheme does to the energy of an undamped oscillator, W = w h: kinetic, elastic and numerical of the program's own
-//! account against the closed forms of the schemes (Hairer, Lubich & Wanner 2006, chapters I and IX; Hughes 1987, chapter 9).
+//! What every scheme does to the energy of an undamped oscillator, W = w h: kinetic, elastic and numerical of the
+//! program's own account against the closed forms of the schemes (Hairer, Lubich & Wanner 2006, chapters I and IX;
+//! Hughes 1987, chapter 9).
 
 use crate::claim::Claim;
 use crate::common::polynomials::{size, stability_polynomial};
@@ -24,7 +25,8 @@ pub fn claims() -> Vec<Claim> {
     predicted_only(&mut claims);
     for wh in [0.1, 1.0, 10.0] {
         let kept = worst(&rows(&json!("newmark"), wh, 10_000), Row::energy);
-        // The map's coefficients 4/h^2, 4/h, 2/h are rounded once for all steps, which makes growth or decay of some eps a step.
+        // The map's coefficients 4/h^2, 4/h, 2/h are rounded once for all steps, which makes growth or decay of some
+        // eps a step.
         claims.push(Claim::below(
             format!("newmark 1/4: w h {wh}: energy over 10^4 steps, worst share off"),
             kept,
@@ -59,8 +61,8 @@ fn runge_kutta(method: &str, wh: f64) -> f64 {
 /// Schemes that are one complex number on an oscillator: they multiply the energy by the same factor in every step.
 fn fixed_factors(wh: f64) -> Vec<Claim> {
     let w2 = wh * wh;
-    // |1 + iW|^2, |1 + iW - W^2/2|^2, |1 + iW - W^2/2 - iW^3/6 + W^4/24|^2 and 1/|1 - iW|^2; Kang's filter on one mass with an
-    // anchor is backward Euler.
+    // |1 + iW|^2, |1 + iW - W^2/2|^2, |1 + iW - W^2/2 - iW^3/6 + W^4/24|^2 and 1/|1 - iW|^2;
+    // Kang's filter on one mass with an anchor is backward Euler.
     let factors = [
         ("explicit-euler", 1.0 + w2),
         ("euler-richardson", 1.0 + w2 * w2 / 4.0),
@@ -101,7 +103,8 @@ fn extremes(rows: &[Row]) -> [f64; 2] {
     shares.fold([f64::INFINITY, 0.0], |[low, high], e| [low.min(e), high.max(e)])
 }
 
-/// 10^4 steps pass within some 1e-3 rad of every phase (W is no fraction of a turn), and energy is level at its extremes.
+/// 10^4 steps pass within some 1e-3 rad of every phase (W is no fraction of a turn), and energy is level at its
+/// extremes.
 const PHASES: f64 = 3e-6;
 
 /// Keeps v^2 + w^2 x^2 - w^2 h x v (thesis Eq. 15-16). On that ellipse the energy is I/2/(1 - W/2 sin 2 phi).
@@ -136,7 +139,8 @@ fn verlet(wh: f64, claims: &mut Vec<Claim>) {
     claims.push(Claim::relative(name("smallest"), low, 1.0 - wh * wh / 4.0, PHASES));
 }
 
-/// PEC is Adams-Bashforth 2 on linear problems: z^2 - (1 + 3/2 iW) z + iW/2. Its second root is about iW/2 and dies out.
+/// PEC is Adams-Bashforth 2 on linear problems: z^2 - (1 + 3/2 iW) z + iW/2. Its second root is about iW/2 and dies
+/// out.
 fn predicted_only(claims: &mut Vec<Claim>) {
     for wh in [0.1, 0.3] {
         let z = c64::new(0.0, wh);
@@ -149,20 +153,22 @@ fn predicted_only(claims: &mut Vec<Claim>) {
     }
 }
 
-/// x_n^2 - x_{n-1} x_{n+1} of an oscillation c z^n is |z|^2 times itself a step: the spectral radius without any phase in it,
-/// once the third root has died out.
+/// x_n^2 - x_{n-1} x_{n+1} of an oscillation c z^n is |z|^2 times itself a step: the spectral radius without any phase
+/// in it, once the third root has died out.
 fn decay(named: &Named, wh: f64, claims: &mut Vec<Claim>) {
     let (first, last) = (40, 60);
     let rows = rows(&named.method, wh, last + 1);
     let q = |n: usize| rows[n].x.powi(2) - rows[n - 1].x * rows[n + 1].x;
     let radius = (q(last) / q(first)).powf(0.5 / (last - first) as f64);
     let expected = named.member.character(wh).radius;
-    // Rounding of the force is 1e-16 of that at x = l0, x is down to START radius^60; the root of 20 steps takes most of it back.
+    // Rounding of the force is 1e-16 of that at x = l0, x is down to START radius^60; the root of 20 steps takes most
+    // of it back.
     let digits = 2e-14 + 1e-17 * expected.powi(-(last as i32));
     claims.push(Claim::relative(format!("{}: w h {wh}: amplitude a step", named.name()), radius, expected, digits));
 }
 
-/// A chain between two anchors, moving along itself: linear, with frequencies from 0.12 to 2 times the fastest of one spring.
+/// A chain between two anchors, moving along itself: linear, with frequencies from 0.12 to 2 times the fastest of one
+/// spring.
 fn chain() -> f64 {
     let n = 12;
     let nodes: Vec<Value> = (0..n + 2).map(|i| json!([i, 0, 0])).collect();

@@ -1,7 +1,8 @@
-//! Chains of N equal beads hanging at rest, the double pendulum among them. A link that carries n beads pulls with n m g, so the
-//! transverse tangent is m g/l times the matrix with the Laguerre polynomials' recurrence, and w^2 = (g/l) x with L_N(x) = 0; bead j
-//! from the free end moves as L_j(x). For N = 2, w^2 = (2 -+ sqrt 2) g/l: the double pendulum (Landau and Lifshitz, Mechanics,
-//! section 23). With many beads the slowest tends to Bessel's chain, w = j01/2 sqrt(g/L) (D. Bernoulli 1733).
+//! Chains of N equal beads hanging at rest, the double pendulum among them. A link that carries n beads pulls with n m
+//! g, so the transverse tangent is m g/l times the matrix with the Laguerre polynomials' recurrence, and w^2 = (g/l) x
+//! with L_N(x) = 0; bead j from the free end moves as L_j(x). For N = 2, w^2 = (2 -+ sqrt 2) g/l: the double pendulum
+//! (Landau and Lifshitz, Mechanics, section 23). With many beads the slowest tends to Bessel's chain, w = j01/2
+//! sqrt(g/L) (D. Bernoulli 1733).
 //!
 //! Along itself the chain is a rod held at one end: w = 2 sqrt(k/m) sin((2j - 1) pi/(2 (2N + 1))).
 
@@ -22,8 +23,8 @@ fn laguerre(last: usize, x: f64) -> Vec<f64> {
     l
 }
 
-/// Zeros of L_n: those of L_(n-1) part them, and bisection of the recurrence finds them. No matrix is asked, because the chain's own
-/// tangent is the matrix one would ask.
+/// Zeros of L_n: those of L_(n-1) part them, and bisection of the recurrence finds them. No matrix is asked, because
+/// the chain's own tangent is the matrix one would ask.
 fn zeros(n: usize) -> Vec<f64> {
     let mut between = vec![0.0, 4.0 * n as f64 + 2.0];
     for degree in 1..=n {

@@ -1,5 +1,6 @@
-//! Hencky's membrane (1915; corrected by Campbell 1956 and Fichter 1997): a flat, unstrained disc held at its edge bulges under a
-//! uniform pressure across it. With q = p R/(E t), r = R rho, N_r = n E t q^(2/3), w' = -rho/(2 n) q^(1/3):
+//! Hencky's membrane (1915; corrected by Campbell 1956 and Fichter 1997): a flat, unstrained disc held at its edge
+//! bulges under a uniform pressure across it. With q = p R/(E t), r = R rho, N_r = n E t q^(2/3), w' = -rho/(2 n)
+//! q^(1/3):
 //! ```text
 //! n^2 (n'' + 3 n'/rho) = -1/8,     n'(1) + (1 - nu) n(1) = 0  (no radial displacement at the edge)
 //! n = sum a_k rho^2k,   w(0) = R q^(1/3) int_0^1 rho/(2 n) drho
@@ -32,8 +33,9 @@ enum Push {
     Nodal,
 }
 
-/// A disc of springs under pressure, brought to rest by backward Euler: with w h = 3 a step leaves a third of what moves.
-/// It starts from a bulge: a flat sheet without tension resists no small deflection, and Newton does not get off it in such steps.
+/// A disc of springs under pressure, brought to rest by backward Euler: with w h = 3 a step leaves a third of what
+/// moves. It starts from a bulge: a flat sheet without tension resists no small deflection, and Newton does not get off
+/// it in such steps.
 struct Disc {
     mesh: Value,
     springs: Value,
@@ -185,9 +187,9 @@ fn lattices(claims: &mut Vec<Claim>, series: &Series) {
     ));
 }
 
-/// Nets without order are no sheet of Poisson ratio 1/3 at any fineness: their mean deflection does not tend to the series'. Four
-/// seeds each gave -1.0e-3 .. -0.7e-3 at 600 nodes, 0.6e-3 .. 2.5e-3 at 1200, 1.3e-3 .. 1.6e-3 at 2400, -0.8e-3 .. -0.4e-3 at
-/// 4800: to either side and without a trend. Only single nodes get better, and slowly.
+/// Nets without order are no sheet of Poisson ratio 1/3 at any fineness: their mean deflection does not tend to the
+/// series'. Four seeds each gave -1.0e-3 .. -0.7e-3 at 600 nodes, 0.6e-3 .. 2.5e-3 at 1200, 1.3e-3 .. 1.6e-3 at 2400,
+/// -0.8e-3 .. -0.4e-3 at 4800: to either side and without a trend. Only single nodes get better, and slowly.
 fn unstructured(claims: &mut Vec<Claim>, series: &Series) {
     let mut worst_of = [600, 1200, 2400, 4800].map(|nodes| (nodes, 0.0_f64, 0.0_f64));
     for (nodes, mean, worst) in &mut worst_of {
@@ -231,8 +233,8 @@ fn follower(claims: &mut Vec<Claim>) {
     let (lattice, load) = (Lattice::disc(24), 1e-3_f64);
     let [dead, follower] =
         [Push::Nodal, Push::Follower].map(|kind| height(&Disc::net(&lattice, load * SHEET, kind).at_rest(load)));
-    // The sixths cut off at the circle do not follow: 0.8 % at this edge, falling with its square. The next order in q^(2/3) = 0.01
-    // gives 0.4 %.
+    // The sixths cut off at the circle do not follow: 0.8 % at this edge, falling with its square. The next order in
+    // q^(2/3) = 0.01 gives 0.4 %.
     claims.push(Claim::relative(
         "pressure that follows against one that does not, q = 1e-3, edge R/24: gain of the centre's deflection over q^(2/3)",
         (follower / dead - 1.0) / load.powf(2.0 / 3.0),

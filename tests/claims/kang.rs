@@ -1,12 +1,15 @@
-//! Kang's scheme (thesis Eq. 55): one step against the equation written out, and its four artefacts against closed forms, with
-//! kappa = h^2 k/m:
-//! * gravity inside the filter falls with (1 + 2 n kappa)/(1 + n kappa)^2 of g where every node has n springs; the program keeps
-//!   gravity outside and falls with g;
-//! * that has its price at rest: k e/(1 + kappa) = m g, so a weight on one spring comes to rest 1 + kappa times as far down as it should;
-//! * a spinning dumbbell at rest length has F = -+2 h k v, and a step leaves v + h F m/(m + h^2 k)^2 = v (1 + kappa^2)/(1 + kappa)^2;
-//! * the two sweeps give a force on node i the weight w_i = [1 + kappa sum_j 1/(1 + n_j kappa)]/(1 + n_i kappa) in the total momentum.
-//!   A spring between nodes of unequal weight moves the whole net by h k e (w_0 - w_1). In a chain of four stretched at
-//!   its end that is h k e kappa^2/((1 + kappa)(1 + 2 kappa)^2). Weights are equal in rings, and also in stars and chains of three.
+//! Kang's scheme (thesis Eq. 55): one step against the equation written out, and its four artefacts against closed
+//! forms, with kappa = h^2 k/m:
+//! * gravity inside the filter falls with (1 + 2 n kappa)/(1 + n kappa)^2 of g where every node has n springs; the
+//!   program keeps gravity outside and falls with g;
+//! * that has its price at rest: k e/(1 + kappa) = m g, so a weight on one spring comes to rest 1 + kappa times as far
+//!   down as it should;
+//! * a spinning dumbbell at rest length has F = -+2 h k v, and a step leaves v + h F m/(m + h^2 k)^2 = v (1 +
+//!   kappa^2)/(1 + kappa)^2;
+//! * the two sweeps give a force on node i the weight w_i = [1 + kappa sum_j 1/(1 + n_j kappa)]/(1 + n_i kappa) in the
+//!   total momentum. A spring between nodes of unequal weight moves the whole net by h k e (w_0 - w_1). In a chain of
+//!   four stretched at its end that is h k e kappa^2/((1 + kappa)(1 + 2 kappa)^2). Weights are equal in rings, and also
+//!   in stars and chains of three.
 
 use crate::claim::Claim;
 use crate::common::Random;
@@ -107,7 +110,8 @@ impl Net {
         run(&case_of(&case, &[]))
     }
 
-    /// Eq. 55 with k inside the sums, written out node by node: velocities after a step. What acts besides springs is part of F if `filtered`.
+    /// Eq. 55 with k inside the sums, written out node by node: velocities after a step. What acts besides springs is
+    /// part of F if `filtered`.
     fn eq55(&self, h: f64, filtered: bool) -> Vec<[f64; 3]> {
         let n = self.nodes.len();
         let x: Vec<[f64; 3]> = (0..n).map(|i| sum(self.nodes[i], self.displacement[i])).collect();
@@ -174,7 +178,8 @@ fn steps_of(claims: &mut Vec<Claim>, acts: &str, net: &Net) {
     for kappa in KAPPAS {
         let h = step_of(kappa);
         let by_hand = net.eq55(h, false);
-        // A few tens of roundings of the fastest velocity. A dashpot's part comes to kappa times that and is taken out again.
+        // A few tens of roundings of the fastest velocity. A dashpot's part comes to kappa times that and is taken out
+        // again.
         let mut compare = |what: &str, dashpot: Option<Value>| {
             let cancelled = if dashpot.is_some() { kappa } else { 0.0 };
             let run = net.after(h, 1.0, dashpot);

@@ -1,10 +1,11 @@
-//! Equilateral nets, whose continuum is known: springs of axial rigidity EA = (sqrt 3/2) E t a on all edges of length a are a sheet
-//! of modulus E, thickness t and Poisson ratio 1/3; a force T in all of them is the tension N = sqrt 3 T/a. A node
-//! stands for the area (sqrt 3/2) a^2.
+//! Equilateral nets, whose continuum is known: springs of axial rigidity EA = (sqrt 3/2) E t a on all edges of length a
+//! are a sheet of modulus E, thickness t and Poisson ratio 1/3; a force T in all of them is the tension N = sqrt 3 T/a.
+//! A node stands for the area (sqrt 3/2) a^2.
 //!
-//! A disc is cut out exactly: where a lattice edge leaves it, a node is pinned on the circle and the edge keeps its EA (and
-//! its T). A uniform strain stays in equilibrium next to such an edge, so that only the second differences of the
-//! outermost nodes are off; that costs order h^2, as in Shortley and Weller's scheme, where a trimmed lattice costs order h.
+//! A disc is cut out exactly: where a lattice edge leaves it, a node is pinned on the circle and the edge keeps its EA
+//! (and its T). A uniform strain stays in equilibrium next to such an edge, so that only the second differences of the
+//! outermost nodes are off; that costs order h^2, as in Shortley and Weller's scheme, where a trimmed lattice costs
+//! order h.
 
 use std::collections::HashMap;
 

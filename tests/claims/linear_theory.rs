@@ -4,8 +4,8 @@
 //! ```text
 //! x_{n+2} - 2 x_{n+1} + x_n = h^2 [beta a_{n+2} + (1/2 - 2 beta + gamma) a_{n+1} + (1/2 + beta - gamma) a_n]
 //! ```
-//! and all members balance (1 - am) a_{n+1} + am a_n = -w^2 [(1 - af) x_{n+1} + af x_n]. With x_n ~ lambda^n and W = w h the
-//! amplification matrix therefore has the characteristic polynomial
+//! and all members balance (1 - am) a_{n+1} + am a_n = -w^2 [(1 - af) x_{n+1} + af x_n]. With x_n ~ lambda^n and W = w
+//! h the amplification matrix therefore has the characteristic polynomial
 //! ```text
 //! (z - 1)^2 [(1 - am) z + am] + W^2 [(1 - af) z + af] [beta z^2 + (1/2 - 2 beta + gamma) z + (1/2 + beta - gamma)]
 //! ```

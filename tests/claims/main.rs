@@ -1,13 +1,13 @@
-//! Claim, measured, tolerance: what the program promises of its schemes, forces and systems, each against a closed form or an
-//! independent computation, printed as one table.
+//! Claim, measured, tolerance: what the program promises of its schemes, forces and systems, each against a closed form
+//! or an independent computation, printed as one table.
 //!
 //! ```text
 //! cargo test --release --test claims                 # all groups
 //! cargo test --release --test claims -- pendulum     # groups whose name contains a word
 //! ```
 //!
-//! A group is a file with `pub fn claims() -> Vec<Claim>` and a line in [`GROUPS`]. Tolerances stand beside the claims with what
-//! explains them: the order of the scheme, the size of the elements, rounding.
+//! A group is a file with `pub fn claims() -> Vec<Claim>` and a line in [`GROUPS`]. Tolerances stand beside the claims
+//! with what explains them: the order of the scheme, the size of the elements, rounding.
 
 mod catenary;
 mod chain;

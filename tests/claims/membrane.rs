@@ -1,11 +1,12 @@
 //! A flat prestressed membrane: tension N, areal density sigma, w'' = (N/sigma) Laplace w across it.
 //!
 //! * Disc of radius R, fixed at its edge: w_mn = (j_mn/R) sqrt(N/sigma), j_mn the zeros of Bessel's J_m.
-//! * Equilateral triangle of side s (Lame): w_mn = (4 pi/(3 s)) sqrt(m^2 + m n + n^2) sqrt(N/sigma). Lame's modes are sums of plane waves
-//!   that an equilateral net has as well, with w^2 = (T/(a M)) [6 - 2 cos p - 2 cos q - 2 cos(p - q)], where
-//!   p = (2 pi a/(3 s)) (2 m + n), q = (2 pi a/(3 s)) (m + 2 n).
+//! * Equilateral triangle of side s (Lame): w_mn = (4 pi/(3 s)) sqrt(m^2 + m n + n^2) sqrt(N/sigma). Lame's modes are
+//!   sums of plane waves that an equilateral net has as well, with w^2 = (T/(a M)) [6 - 2 cos p - 2 cos q - 2 cos(p -
+//!   q)], where p = (2 pi a/(3 s)) (2 m + n), q = (2 pi a/(3 s)) (m + 2 n).
 //!
-//! Springs with the same EA and the same `rest_scale` s on every edge pull with T = EA (1 - s)/s; in an equilateral net N = sqrt 3 T/a.
+//! Springs with the same EA and the same `rest_scale` s on every edge pull with T = EA (1 - s)/s; in an equilateral net
+//! N = sqrt 3 T/a.
 
 use crate::claim::Claim;
 use crate::common::run::{case_of, changed, follow};
@@ -98,8 +99,8 @@ const DISC: [(&str, usize, f64, [f64; 2]); 3] = [
     ("j21", 3, 5.135622301840683, [0.92, 0.97]),
 ];
 
-/// A plane wave of wave number k is slower by the share (k a)^2/32 in the net. The cut edge makes up for some of it, the more the
-/// fewer waves there are, differently from net to net; the bounds hold for R/a = 5 .. 16.
+/// A plane wave of wave number k is slower by the share (k a)^2/32 in the net. The cut edge makes up for some of it,
+/// the more the fewer waves there are, differently from net to net; the bounds hold for R/a = 5 .. 16.
 fn disc(claims: &mut Vec<Claim>) {
     let wave = (TENSION / DENSITY).sqrt();
     for n in [8, 16] {
@@ -153,8 +154,8 @@ fn triangle(claims: &mut Vec<Claim>) {
     }
 }
 
-/// [rad/s] of a node that swings across the plane, from its first and last passage through z = 0 in a run of 20 periods; `rate`
-/// places the passage between two steps.
+/// [rad/s] of a node that swings across the plane, from its first and last passage through z = 0 in a run of 20
+/// periods; `rate` places the passage between two steps.
 fn swing(case: &Case, node: usize, rate: f64, step: f64) -> f64 {
     let (mut last, mut passages) = (None, Vec::new());
     follow(case, |seen| {
@@ -182,7 +183,8 @@ fn motion(claims: &mut Vec<Claim>) {
     // Stretching the springs by a swing of 1e-7 raises the frequency by a share below 1e-12.
     let small: Vec<[f64; 3]> = slowest.iter().map(|u| u.map(|c| 1e-7 * c)).collect();
     json["system"]["network"]["initial"] = json!({"displacement": small});
-    // The motion is so small that rounded positions hide the last digits of the residual, where an iteration would stop.
+    // The motion is so small that rounded positions hide the last digits of the residual, where an iteration would
+    // stop.
     json["solver"] = json!({"linear": "cholesky", "newton": {"strategy": "full"}});
     // Waves in the plane are ten times faster and not asked about.
     json["system"]["network"]["supports"].as_array_mut().expect("a list").push(json!({"on": "all", "fix": "xy"}));

@@ -2,9 +2,10 @@
 //!
 //! D(q) = 2/m sum over the 3 bonds r of (1 - cos q r) (k n n^T + T/a (I - n n^T)), n = r/a
 //!
-//! (Ashcroft and Mermin, Solid State Physics, chapter 22). Without pull: long waves have c_p^2 = 9 k a^2/(8 m), c_s^2 = 3 k a^2/(8 m),
-//! in every direction, so c_p/c_s = sqrt 3, Poisson's ratio 1/3; the fastest has w^2 = 6 k/m, at q = 2 pi/(a sqrt 3) across a bond.
-//! Verlet is stable below 2/w = 0.816 sqrt(m/k); the thesis' rule, Eq. 72, is pi sqrt(m/k).
+//! (Ashcroft and Mermin, Solid State Physics, chapter 22). Without pull: long waves have c_p^2 = 9 k a^2/(8 m), c_s^2 =
+//! 3 k a^2/(8 m), in every direction, so c_p/c_s = sqrt 3, Poisson's ratio 1/3; the fastest has w^2 = 6 k/m, at q = 2
+//! pi/(a sqrt 3) across a bond. Verlet is stable below 2/w = 0.816 sqrt(m/k); the thesis' rule, Eq. 72, is pi
+//! sqrt(m/k).
 
 use crate::claim::Claim;
 use crate::common::run::case_of;
@@ -163,8 +164,8 @@ fn fastest(linear: &Linearised) -> Vec<Claim> {
     let estimated = Spectrum::of(&*scene, scene.initial_state().as_ref()).rates().frequency;
     let mut claims = vec![
         Claim::relative("tangent: fastest wave, w^2 m/k = 6", square, 6.0, 1e-14),
-        // w^2 m/k = 6 - 3/8 (dq_x a)^2 - 9/8 (dq_y a)^2 about the fastest, and a net of n a side lets in half a wave each way:
-        // 6 - 3/2 (pi/12)^2. The sides are not along x and y: a third of the difference.
+        // w^2 m/k = 6 - 3/8 (dq_x a)^2 - 9/8 (dq_y a)^2 about the fastest, and a net of n a side lets in half a wave
+        // each way: 6 - 3/2 (pi/12)^2. The sides are not along x and y: a third of the difference.
         Claim::absolute(
             "a free net of 12 x 12: largest w^2 m/k",
             modes.squares[top] / unit,
@@ -179,7 +180,8 @@ fn fastest(linear: &Linearised) -> Vec<Claim> {
             0.01,
         ),
     ];
-    // Beyond the limit x(n+1) + x(n-1) = (2 - (w h)^2) x(n) grows, below it turns. Steps enough to tell, few enough to stay small.
+    // Beyond the limit x(n+1) + x(n-1) = (2 - (w h)^2) x(n) grows, below it turns. Steps enough to tell, few enough to
+    // stay small.
     for (share, steps) in [(0.98, 100), (1.02, 40), (PI / (2.0 / 6f64.sqrt()), 4)] {
         let h = share * 2.0 / w;
         let shape = &modes.shapes[top];

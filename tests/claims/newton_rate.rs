@@ -1,8 +1,9 @@
-//! Newton's iteration near the solution: every force term has the exact tangent, so that the residual of an implicit step falls
-//! quadratically, |r_{k+1}| ~ C |r_k|^2 (Dennis & Schnabel 1983, Theorem 5.2.1), wherever no spring changes between taut and
-//! slack. A wrong or missing entry of a tangent gives order 1.
+//! Newton's iteration near the solution: every force term has the exact tangent, so that the residual of an implicit
+//! step falls quadratically, |r_{k+1}| ~ C |r_k|^2 (Dennis & Schnabel 1983, Theorem 5.2.1), wherever no spring changes
+//! between taut and slack. A wrong or missing entry of a tangent gives order 1.
 //!
-//! The residuals are those of the program's own iteration: a step that is refused after k iterations says what it reached.
+//! The residuals are those of the program's own iteration: a step that is refused after k iterations says what it
+//! reached.
 
 use crate::claim::Claim;
 use crate::common::run::{asset, case_of, follow};
@@ -56,8 +57,8 @@ fn counts(name: &str, case: &Case, record: &str) -> Claim {
     Claim::absolute(what, differ as f64, 0.0, 0.0)
 }
 
-/// [N] norms of the residual of the first step at the first guess and after 1, 2, ... iterations, as long as they are more
-/// than rounding.
+/// [N] norms of the residual of the first step at the first guess and after 1, 2, ... iterations, as long as they are
+/// more than rounding.
 fn residuals(case: &Case, h: f64) -> Vec<f64> {
     let mut problem = case.problem().clone();
     let scene = build_scene(problem.take_system(), 1).expect("the case is good");

@@ -1,5 +1,6 @@
-//! One mass on one spring from an anchor, free along the spring only: m x'' = -k x, with x the distance from rest. The spring's
-//! length at rest is 16 times the displacement, so few digits are lost in l - l0 and the mass stays on its side of the anchor.
+//! One mass on one spring from an anchor, free along the spring only: m x'' = -k x, with x the distance from rest. The
+//! spring's length at rest is 16 times the displacement, so few digits are lost in l - l0 and the mass stays on its
+//! side of the anchor.
 
 use crate::common::run::{case_of, follow_on};
 use canopy_fem::case::Case;

@@ -1,5 +1,5 @@
-//! The order of every method, measured two-sided on [`crate::rich_net`] from positions and velocities at the end, and what
-//! parameters do to it. The declared order is the one the registry tells the program's users.
+//! The order of every method, measured two-sided on [`crate::rich_net`] from positions and velocities at the end, and
+//! what parameters do to it. The declared order is the one the registry tells the program's users.
 
 use crate::claim::Claim;
 use crate::common::run::{case_of, changed, run};
@@ -9,12 +9,13 @@ use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::methods;
 use serde_json::{Value, json};
 
-/// [-] At these steps the next term of the error still bends the slopes, by 0.02 as measured; a method that loses an order,
-/// even at one parameter or on one term only, is off by 1.
+/// [-] At these steps the next term of the error still bends the slopes, by 0.02 as measured; a method that loses an
+/// order, even at one parameter or on one term only, is off by 1.
 const TOLERANCE: f64 = 0.1;
 
-/// The quadratic law v|v| has a jump in its second derivative where the flow through a triangle turns round; there the local error of any
-/// method is of third order. Methods of order 4 and less do not see it at these steps, those of higher order see little else.
+/// The quadratic law v|v| has a jump in its second derivative where the flow through a triangle turns round; there the
+/// local error of any method is of third order. Methods of order 4 and less do not see it at these steps, those of
+/// higher order see little else.
 #[derive(Clone, Copy, PartialEq)]
 enum Air {
     Quadratic,
@@ -40,7 +41,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 struct Reference {
     air: Air,
     state: Vec<f64>,
-    /// its own error: the distance to half as fine a solution, less the factor 2^4 of a method of order 4; or to that of a method of order 5
+    /// its own error: the distance to half as fine a solution, less the factor 2^4 of a method of order 4; or to that
+    /// of a method of order 5
     error: f64,
 }
 
@@ -91,8 +93,8 @@ pub fn claims() -> Vec<Claim> {
     claims
 }
 
-/// Parameters change the order where theory says so, and nowhere else: numerical damping costs Newmark one order and HHT and
-/// generalised alpha none.
+/// Parameters change the order where theory says so, and nowhere else: numerical damping costs Newmark one order and
+/// HHT and generalised alpha none.
 fn with_parameters() -> [(u32, Value); 13] {
     [
         (1, json!({"newmark": {"gamma": 0.6, "beta": 0.3025}})),

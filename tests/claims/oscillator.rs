@@ -1,7 +1,8 @@
-//! The oscillator of the thesis' Appendix A, k = 3 N/m, m = 2 kg, from 2 m with and without a speed, with and without a dashpot.
-//! With s = -zeta w0 + i wd the complex motion Z = (x - i (v + zeta w0 x)/wd)/A is exp(s t) times a phase: x = A exp(-zeta w0 t)
-//! sin(wd t + phi), phi = atan2(x0 wd, v0 + zeta w0 x0). A scheme of order p turns it by exp(s h + K (s h)^(p+1) + ...) a step
-//! instead of exp(s h), so after a time T its error is |exp(K s^(p+1) h^p T) - 1| of what is left: a closed form, no bound.
+//! The oscillator of the thesis' Appendix A, k = 3 N/m, m = 2 kg, from 2 m with and without a speed, with and without a
+//! dashpot. With s = -zeta w0 + i wd the complex motion Z = (x - i (v + zeta w0 x)/wd)/A is exp(s t) times a phase: x =
+//! A exp(-zeta w0 t) sin(wd t + phi), phi = atan2(x0 wd, v0 + zeta w0 x0). A scheme of order p turns it by exp(s h + K
+//! (s h)^(p+1) + ...) a step instead of exp(s h), so after a time T its error is |exp(K s^(p+1) h^p T) - 1| of what is
+//! left: a closed form, no bound.
 
 use crate::claim::Claim;
 use crate::common::run::{asset, changed};
@@ -29,9 +30,10 @@ const fn scheme(name: &'static str, order: i32, constant: f64, pure: bool) -> Sc
     Scheme { name, order, constant, pure }
 }
 
-/// Runge-Kutta of order p: what z^(p+1) is multiplied by less 1/(p+1)!, which is -1/(p+1)! with as many stages as the order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by
-/// 2 asin(w h/2). Generalised alpha: (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the
-/// case am = 0, af = -alpha. Kang's sweeps are exact for one spring to an anchor: backward Euler.
+/// Runge-Kutta of order p: what z^(p+1) is multiplied by less 1/(p+1)!, which is -1/(p+1)! with as many stages as the
+/// order. Two-step Adams-Bashforth, trapezium, Euler: the textbook's. Verlet turns by 2 asin(w h/2). Generalised alpha:
+/// (beta - (af - am) af - 1/12)/2, by expansion of its characteristic polynomial; HHT is the case am = 0, af = -alpha.
+/// Kang's sweeps are exact for one spring to an anchor: backward Euler.
 const SCHEMES: [Scheme; 13] = [
     scheme("explicit-euler", 1, -1.0 / 2.0, true),
     scheme("backward-euler", 1, 1.0 / 2.0, true),
@@ -142,8 +144,9 @@ pub fn claims() -> Vec<Claim> {
     let mut claims = Vec::new();
     for Example { title, case, motion } in examples() {
         let damped = motion.decay > 0.0;
-        // The drift of 10 periods (40 without damping) stands far above what a start or a velocity is off once, which the
-        // leading term leaves out: 1 in 100. First order takes finer steps, so that its square does not count either.
+        // The drift of 10 periods (40 without damping) stands far above what a start or a velocity is off once, which
+        // the leading term leaves out: 1 in 100. First order takes finer steps, so that its square does not count
+        // either.
         for s in SCHEMES.iter().filter(|s| s.pure || !damped) {
             let pace = match (s.order, damped) {
                 (1, _) => Pace { steps: 1000, periods: 10 },
@@ -212,8 +215,9 @@ fn orders(case: &Case, motion: Motion) -> Vec<Claim> {
     methods.map(claim).to_vec()
 }
 
-/// Euler-Cromer's speeds belong to half a step earlier. Its first-order error is that and does not grow: w h/2 of x0 in x, w h/2
-/// of v0/w in v/w. The phase turns in second order only, w h/12 of that in one period; the step's own end is w h/2.
+/// Euler-Cromer's speeds belong to half a step earlier. Its first-order error is that and does not grow: w h/2 of x0 in
+/// x, w h/2 of v0/w in v/w. The phase turns in second order only, w h/12 of that in one period; the step's own end is w
+/// h/2.
 fn euler_cromer(title: &str, case: &Case, motion: Motion) -> Vec<Claim> {
     let run = follow(case, motion, "euler-cromer", Pace { steps: 1000, periods: 1 });
     let z = motion.wd * run.t[1];

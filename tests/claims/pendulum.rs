@@ -1,10 +1,11 @@
-//! The plane pendulum at every amplitude: T = 4 sqrt(L/g) K(sin(a/2)) = 2 pi sqrt(L/g)/agm(1, cos(a/2)), with the arithmetic-geometric
-//! mean (Gauss); and the energy, read from where it turns and how fast it passes its lowest point, v^2 = 2 g L (1 - cos a).
+//! The plane pendulum at every amplitude: T = 4 sqrt(L/g) K(sin(a/2)) = 2 pi sqrt(L/g)/agm(1, cos(a/2)), with the
+//! arithmetic-geometric mean (Gauss); and the energy, read from where it turns and how fast it passes its lowest point,
+//! v^2 = 2 g L (1 - cos a).
 //!
-//! Velocity Verlet moves exactly by H + h^2 (p^2 V''/12 - V'^2/24) + O(h^4) (Hairer, Lubich, Wanner, Geometric Numerical
-//! Integration, IX). With T = dJ/dE at the energy of the start this makes its period wrong by the share
-//! -(w h)^2/24 (3 E/K - 2 + k^2), k = sin(a/2): too short at first, too long above 153 degrees. The trapezium rule, Newmark's, is
-//! the midpoint rule seen from half a step aside: minus twice that.
+//! Velocity Verlet moves exactly by H + h^2 (p^2 V''/12 - V'^2/24) + O(h^4) (Hairer, Lubich, Wanner, Geometric
+//! Numerical Integration, IX). With T = dJ/dE at the energy of the start this makes its period wrong by the share -(w
+//! h)^2/24 (3 E/K - 2 + k^2), k = sin(a/2): too short at first, too long above 153 degrees. The trapezium rule,
+//! Newmark's, is the midpoint rule seen from half a step aside: minus twice that.
 
 use crate::claim::Claim;
 use crate::common::run::case_of;
@@ -97,7 +98,8 @@ pub fn claims() -> Vec<Claim> {
     for degrees in [10.0, 90.0, 150.0, 170.0, 179.0_f64] {
         let swing = Swing { degrees, method: "rk4", step: 1e-3 };
         let (exact, run) = (period(swing.angle()), swing.run());
-        // (w h)^4/120 = 8e-13; near the top what is wrong with the angle grows as 1/cos(a/2), to 115 times at 179 degrees.
+        // (w h)^4/120 = 8e-13; near the top what is wrong with the angle grows as 1/cos(a/2), to 115 times at 179
+        // degrees.
         let gain = 1.0 / (0.5 * swing.angle()).cos();
         let from = format!("from {degrees} degrees");
         claims.push(Claim::relative(format!("rk4, 1 ms: period {from}"), TAU / run.frequency(), exact, 2e-12 * gain));

@@ -1,8 +1,8 @@
-//! A problem that hides nothing: large motion of a net with axial and relative dashpots and Rayleigh damping, in a wind, under a
-//! load and a follower pressure that change with time.
+//! A problem that hides nothing: large motion of a net with axial and relative dashpots and Rayleigh damping, in a
+//! wind, under a load and a follower pressure that change with time.
 //!
-//! Steps are powers of two and the rows of the tables fall on multiples of the largest, so that the force is smooth within every
-//! step and the kinks of the tables cost no order.
+//! Steps are powers of two and the rows of the tables fall on multiples of the largest, so that the force is smooth
+//! within every step and the kinks of the tables cost no order.
 
 use serde_json::{Value, json};
 

@@ -65,8 +65,9 @@ impl Signal {
         PI * (zeros.len() - 1) as f64 / (zeros[zeros.len() - 1] - zeros[0])
     }
 
-    /// Cosine of the angle by which a step turns the oscillation. The positions of a linear scheme without dissipation obey
-    /// x(n+1) + x(n-1) = 2 cos x(n) exactly, whatever the step; least squares over the run. Beyond 1 the motion grows.
+    /// Cosine of the angle by which a step turns the oscillation. The positions of a linear scheme without dissipation
+    /// obey x(n+1) + x(n-1) = 2 cos x(n) exactly, whatever the step; least squares over the run. Beyond 1 the motion
+    /// grows.
     pub fn cosine(&self) -> f64 {
         let (mut product, mut square) = (0.0, 0.0);
         for w in self.x.windows(3) {

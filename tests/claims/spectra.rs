@@ -1,9 +1,10 @@
-//! Spectral radius, period error and numerical damping of the Newmark family over w h from 0.01 to 100, from one real step of
-//! the program at unit position, velocity and carried acceleration, against the formulas of the literature.
+//! Spectral radius, period error and numerical damping of the Newmark family over w h from 0.01 to 100, from one real
+//! step of the program at unit position, velocity and carried acceleration, against the formulas of the literature.
 //!
-//! A1, A2 and A3 are those of Hughes 1987, chapter 9 (Newmark), of Hilber, Hughes & Taylor 1977 (HHT) and of the characteristic
-//! polynomial in [`crate::linear_theory`] (generalised alpha, Chung & Hulbert 1993). Leading terms at small W = w h: with the logarithm of that polynomial, whose factors are
-//! generating functions of distributions on 0, 1 and 2, a method of order 2 has
+//! A1, A2 and A3 are those of Hughes 1987, chapter 9 (Newmark), of Hilber, Hughes & Taylor 1977 (HHT) and of the
+//! characteristic polynomial in [`crate::linear_theory`] (generalised alpha, Chung & Hulbert 1993). Leading terms at
+//! small W = w h: with the logarithm of that polynomial, whose factors are generating functions of distributions on 0,
+//! 1 and 2, a method of order 2 has
 //! ```text
 //! (T_num - T)/T = -c2 W^2/2,  xi = c3 W^3/2
 //! c2 = 1/12 + [am (1 - am) - af (1 - af)]/2 - [2 beta + 1/4 - gamma^2]/2

@@ -1,8 +1,8 @@
 //! Adaptive steps: the error that is delivered follows the tolerance, for every method.
 //!
-//! Delivered is the largest root mean square of all positions' errors at the frame times, as frames show them, against rk4 at a tolerance of
-//! 1e-11; allowed is absolute + relative * (largest displacement, root mean square). Five decades for most methods of
-//! order two and more, four for order eight, two for order one.
+//! Delivered is the largest root mean square of all positions' errors at the frame times, as frames show them, against
+//! rk4 at a tolerance of 1e-11; allowed is absolute + relative * (largest displacement, root mean square). Five decades
+//! for most methods of order two and more, four for order eight, two for order one.
 
 use crate::claim::Claim;
 use crate::common::run::{asset, changed};
@@ -70,7 +70,8 @@ fn largest(of: impl Iterator<Item = f64>) -> f64 {
     of.fold(0.0, f64::max)
 }
 
-/// Tolerance, and delivered over allowed, from the coarsest tolerance, where stability does not hold the steps yet, to the finest.
+/// Tolerance, and delivered over allowed, from the coarsest tolerance, where stability does not hold the steps yet, to
+/// the finest.
 fn ratios(case: &Case, reference: &[State], method: &MethodInfo) -> Vec<(f64, f64)> {
     let start = &reference[0].x;
     let motion = largest(reference.iter().map(|s| rms(&s.x, start)));

@@ -1,5 +1,5 @@
-//! Waves on a chain of beads (Brillouin, Wave Propagation in Periodic Structures): w = 2 sqrt(k/m) sin(q a/2) along the chain,
-//! the same with T/a for k across it; and what a scheme makes of a wave, which has a closed form too.
+//! Waves on a chain of beads (Brillouin, Wave Propagation in Periodic Structures): w = 2 sqrt(k/m) sin(q a/2) along the
+//! chain, the same with T/a for k across it; and what a scheme makes of a wave, which has a closed form too.
 
 use crate::chain::{Start, Strung};
 use crate::claim::Claim;
@@ -46,8 +46,9 @@ pub fn dispersion() -> Vec<Claim> {
             // w h up to 1.2 for the fastest wave.
             let step = 0.3;
             let start = Start { displacement: &[], velocity: &[], method: "", step, steps: 600 };
-            // Verlet turns a wave by 2 asin(w h/2) a step, Newmark by 2 atan(w h/2); Euler-Cromer's positions are Verlet's. Rounding
-            // of positions is 1e-14 of the motion along the chain; across it the square of the amplitude is.
+            // Verlet turns a wave by 2 asin(w h/2) a step, Newmark by 2 atan(w h/2); Euler-Cromer's positions are
+            // Verlet's. Rounding of positions is 1e-14 of the motion along the chain; across it the square of the
+            // amplitude is.
             for (method, turn) in [
                 ("velocity-verlet", 2.0 * (0.5 * w * step).asin()),
                 ("euler-cromer", 2.0 * (0.5 * w * step).asin()),
@@ -85,8 +86,8 @@ pub fn speed() -> Vec<Claim> {
     claims
 }
 
-/// The crest of a smooth bump comes later than c = a sqrt(k/m) says. Of its wavelengths, q is slowed by (q a)^2/24; the crest, by
-/// expansion of the wave equation with that term, by a^2/(8 s^2) for a bump of standard deviation s.
+/// The crest of a smooth bump comes later than c = a sqrt(k/m) says. Of its wavelengths, q is slowed by (q a)^2/24; the
+/// crest, by expansion of the wave equation with that term, by a^2/(8 s^2) for a bump of standard deviation s.
 fn arrival(width: f64) -> Claim {
     let (from, to) = (70usize, 170usize);
     // [1/s] links a second
@@ -113,8 +114,8 @@ fn arrival(width: f64) -> Claim {
     )
 }
 
-/// With h = sqrt(m/k) Verlet's error and the chain's cancel for every wavelength: cos(w h) = cos(q a), and any bump moves one
-/// node a step without changing its form (Courant, Friedrichs, Lewy 1928).
+/// With h = sqrt(m/k) Verlet's error and the chain's cancel for every wavelength: cos(w h) = cos(q a), and any bump
+/// moves one node a step without changing its form (Courant, Friedrichs, Lewy 1928).
 fn shifted() -> Claim {
     let (from, steps) = (70.0, 100);
     // A spike two links wide, which every other step would scatter.

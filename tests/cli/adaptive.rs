@@ -3,8 +3,8 @@
 use crate::bench::Bench;
 use serde_json::json;
 
-/// A tolerance in place of the step: frames stay on their times and change nothing, dropped attempts are counted, and what is shown
-/// is within the tolerance of a run in small fixed steps.
+/// A tolerance in place of the step: frames stay on their times and change nothing, dropped attempts are counted, and
+/// what is shown is within the tolerance of a run in small fixed steps.
 #[test]
 fn a_tolerance_replaces_the_step() {
     let bench = Bench::new();

@@ -15,8 +15,8 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("{key} is no number: {value}"))
 }
 
-/// The step of an implicit runner-up was run, makes about the error that is wanted, and goes with the root of the accuracy; its ratio to the best is that of
-/// the work of the two runs that are told.
+/// The step of an implicit runner-up was run, makes about the error that is wanted, and goes with the root of the
+/// accuracy; its ratio to the best is that of the work of the two runs that are told.
 #[test]
 fn a_runner_up_is_measured_as_the_best_is() {
     let steps = ["1e-3", "1e-2"].map(|accuracy| {
@@ -37,8 +37,8 @@ fn a_runner_up_is_measured_as_the_best_is() {
     assert!(steps[1] / steps[0] < 5.0, "{steps:?}");
 }
 
-/// Nothing is recommended that costs clearly more than what stands in the same table: implicit steps of a net of 10,000 nodes are tried, a second pass at the same
-/// positions is no full one, and one that only the account needs is one.
+/// Nothing is recommended that costs clearly more than what stands in the same table: implicit steps of a net of 10,000
+/// nodes are tried, a second pass at the same positions is no full one, and one that only the account needs is one.
 #[test]
 fn a_net_of_ten_thousand_nodes_is_integrated_with_what_is_cheap_on_it() {
     let told = advice("big/annulus-10k.json", "1e-3");

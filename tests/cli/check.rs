@@ -52,7 +52,8 @@ fn pendulum(bench: &Bench) -> &'static str {
     "pendulum.json"
 }
 
-/// Steps are told exactly, force passes and factorisations within a factor of two, for every method, each with the step it is told.
+/// Steps are told exactly, force passes and factorisations within a factor of two, for every method, each with the step
+/// it is told.
 #[test]
 fn the_work_that_check_predicts_is_the_work_that_solve_counts() {
     for wind in [false, true] {
@@ -123,7 +124,8 @@ fn memory_is_predicted_within_a_factor_of_two() {
     }
 }
 
-/// A net whose factorisation would take seconds is told with the solver that serves it, here conjugate gradients, and what that takes.
+/// A net whose factorisation would take seconds is told with the solver that serves it, here conjugate gradients, and
+/// what that takes.
 #[test]
 fn a_large_net_is_predicted_with_what_solves_it() {
     let bench = Bench::new();
@@ -243,8 +245,8 @@ fn asset(bench: &Bench, name: &'static str) -> &'static str {
     name
 }
 
-/// What is recommended for an accuracy delivers it and not much more than it, with the step and with the tolerance, measured against
-/// dop853 with a far smaller tolerance; the error that is told is the error that is made.
+/// What is recommended for an accuracy delivers it and not much more than it, with the step and with the tolerance,
+/// measured against dop853 with a far smaller tolerance; the error that is told is the error that is made.
 #[test]
 fn what_is_recommended_delivers_the_wanted_accuracy() {
     for (name, end, accuracies) in [
@@ -316,7 +318,8 @@ fn a_tolerance_of_the_case_is_predicted_with() {
     }
 }
 
-/// A run whose adaptive steps change along it is no multiple of its beginning, and where it is far too long to be made its figure is marked.
+/// A run whose adaptive steps change along it is no multiple of its beginning, and where it is far too long to be made
+/// its figure is marked.
 #[test]
 fn adaptive_steps_that_change_along_the_run_are_told_as_doubtful() {
     let bench = Bench::new();

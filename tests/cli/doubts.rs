@@ -56,7 +56,8 @@ fn check_and_solve_warn_with_numbers() {
     }
 }
 
-/// A step above the critical one is announced before the run, with both numbers; a method without limit has nothing to announce.
+/// A step above the critical one is announced before the run, with both numbers; a method without limit has nothing to
+/// announce.
 #[test]
 fn a_step_above_the_critical_one_is_announced() {
     let bench = Bench::new();
@@ -93,7 +94,8 @@ fn a_step_above_the_critical_one_is_announced() {
     assert_eq!(checked, solved);
 }
 
-/// Springs that are all slack at the start say nothing of the step that they will need: the limit with all of them taut is told too.
+/// Springs that are all slack at the start say nothing of the step that they will need: the limit with all of them taut
+/// is told too.
 #[test]
 fn springs_that_are_slack_at_the_start_are_told() {
     let bench = Bench::new();
@@ -148,7 +150,8 @@ const REST: [(&str, &str); 4] = [
     ("time.step", "1e-4"),
 ];
 
-/// Frames beyond the free room of the disk are announced: 17 MB a million times. The run itself ends at once, as it must.
+/// Frames beyond the free room of the disk are announced: 17 MB a million times. The run itself ends at once, as it
+/// must.
 #[test]
 fn frames_beyond_the_disk_are_announced() {
     let bench = Bench::new();
@@ -226,7 +229,8 @@ fn conjugate_gradients_are_refused_where_they_cannot_work() {
     }
 }
 
-/// What is said to be allowed in its place is: no hint leads to the next refusal. Nothing is written, and results that stand are left.
+/// What is said to be allowed in its place is: no hint leads to the next refusal. Nothing is written, and results that
+/// stand are left.
 #[test]
 fn refused_solvers_lead_to_ones_that_solve() {
     let bench = Bench::new();

@@ -78,7 +78,8 @@ fn an_unsolvable_step_is_reported() {
     assert_eq!(last_good_frame(&bench.results()), 0.0);
 }
 
-/// A file that reaches the size a shell allows is a file that cannot be written: status 1 and its name, where a signal would end the program without a word.
+/// A file that reaches the size a shell allows is a file that cannot be written: status 1 and its name, where a signal
+/// would end the program without a word.
 #[cfg(unix)]
 #[test]
 fn a_file_that_may_not_grow_is_told() {

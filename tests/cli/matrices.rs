@@ -94,7 +94,8 @@ fn the_sails_matrices_are_the_differences_of_its_forces() {
         for (i, row) in found.iter().enumerate() {
             for (j, value) in row.iter().enumerate() {
                 let error = (value - columns[j][i]).abs();
-                // Central differences with 1e-6: rounding of forces of 1e2 N over 2e-6 m, relative to a stiffness of 1e2 N/m.
+                // Central differences with 1e-6: rounding of forces of 1e2 N over 2e-6 m, relative to a stiffness of
+                // 1e2 N/m.
                 assert!(error < 1e-7 * size, "{name}[{i}][{j}] = {value}, differences give {}", columns[j][i]);
             }
         }

@@ -111,7 +111,8 @@ fn frames_are_at_multiples_of_the_interval() {
     assert_eq!(probes.column("node"), [2.0, 5.0].repeat(5));
 }
 
-/// Compressed frames of seven digits hold the same picture in less room; what must be exact is not touched, and `plot` reads them.
+/// Compressed frames of seven digits hold the same picture in less room; what must be exact is not touched, and `plot`
+/// reads them.
 #[test]
 fn frames_may_be_small() {
     let bench = Bench::new();
@@ -143,8 +144,8 @@ fn frames_may_be_small() {
     assert!(refused.code == Some(2) && refused.stderr.contains("f32"), "{}", refused.stderr);
 }
 
-/// The account closes in every row for every method: its sum keeps its value at t = 0 to the rounding of its parts. And what it
-/// calls numerical is small for methods of order 2 and above, so that work and loss are told right.
+/// The account closes in every row for every method: its sum keeps its value at t = 0 to the rounding of its parts. And
+/// what it calls numerical is small for methods of order 2 and above, so that work and loss are told right.
 #[test]
 fn the_ledger_closes_row_by_row() {
     let bench = Bench::new();
@@ -243,8 +244,8 @@ fn earlier_results_are_not_overwritten_unasked() {
     assert_eq!(bench.results().text("notes.txt"), "mine");
 }
 
-/// `--quiet` says nothing on either channel; without it the report is on standard output, and no progress bar is drawn where
-/// standard error is no terminal.
+/// `--quiet` says nothing on either channel; without it the report is on standard output, and no progress bar is drawn
+/// where standard error is no terminal.
 #[test]
 fn quiet_prints_nothing() {
     let bench = Bench::new();

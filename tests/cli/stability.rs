@@ -104,7 +104,8 @@ fn the_legend_is_true() {
     assert!(!svg.contains("no limit: hht"));
 }
 
-/// A method that does not go with the scene is a row; a case or a flag that is wrong is refused with status 2 before any file is made.
+/// A method that does not go with the scene is a row; a case or a flag that is wrong is refused with status 2 before
+/// any file is made.
 #[test]
 fn refusals() {
     let bench = bench();

@@ -33,8 +33,8 @@ fn number(text: &str, words: &str) -> f64 {
     rest[..end].parse().unwrap_or_else(|_| panic!("no number after \"{words}\" in {text}"))
 }
 
-/// Across the springs, at height z, K = 2 (T/l (1 - n^2) + k n^2) with n = z/l, so w^2 goes from 0 to 2 k/m = 200 and the limit to
-/// 2/sqrt(200) = 0.1414 s: 0.16 s is too much from some time on, 0.139 s never is.
+/// Across the springs, at height z, K = 2 (T/l (1 - n^2) + k n^2) with n = z/l, so w^2 goes from 0 to 2 k/m = 200 and
+/// the limit to 2/sqrt(200) = 0.1414 s: 0.16 s is too much from some time on, 0.139 s never is.
 #[test]
 fn a_string_that_is_pulled_taut_warns_once() {
     let bench = string();

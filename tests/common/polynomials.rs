@@ -1,4 +1,5 @@
-//! What Runge-Kutta methods do to y' = z y in one step: R(z) as a polynomial, from the literature and not from the program.
+//! What Runge-Kutta methods do to y' = z y in one step: R(z) as a polynomial, from the literature and not from the
+//! program.
 
 /// Coefficients of z^9 to z^12 of DOP853: b A^(k-1) 1 of the tableau as printed, in exact rational arithmetic.
 const DOP853: [f64; 4] =

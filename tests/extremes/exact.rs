@@ -73,8 +73,8 @@ fn motion_below_the_digits_of_a_place_is_right_or_told() {
     assert!(right > 100 && told > 100, "{right} right, {told} told");
 }
 
-/// A taut string moves as Newmark's recurrence does, cos(n theta) with tan(theta/2) = w h/2 (Hughes 2000, section 9.1), however small the
-/// motion: what moves it may be less than the rounding of what its springs hold.
+/// A taut string moves as Newmark's recurrence does, cos(n theta) with tan(theta/2) = w h/2 (Hughes 2000, section 9.1),
+/// however small the motion: what moves it may be less than the rounding of what its springs hold.
 #[test]
 fn motion_below_the_rounding_of_tension_is_right() {
     let (h, steps) = (1e-3_f64, 200);
@@ -97,8 +97,8 @@ fn motion_below_the_rounding_of_tension_is_right() {
     }
 }
 
-/// Where springs are so stiff that the rounding of their forces is as large as all that acts, the motion is right or refused with the cause: no
-/// method that solves says that nothing moves.
+/// Where springs are so stiff that the rounding of their forces is as large as all that acts, the motion is right or
+/// refused with the cause: no method that solves says that nothing moves.
 #[test]
 fn motion_below_the_rounding_of_stiff_springs_is_right_or_refused() {
     let (mut right, mut refused) = (0, 0);
@@ -197,9 +197,9 @@ fn a_million_springs_on_one_node() {
     }
 }
 
-/// The same hub with a rim that is free, and as heavy across a direction as the hub: half the motion goes on for ever, half swings
-/// with w = 1 rad/s. A free rim makes the matrix an arrow: only an ordering that takes the hub last keeps it sparse, wherever the
-/// hub falls when the nodes are halved.
+/// The same hub with a rim that is free, and as heavy across a direction as the hub: half the motion goes on for ever,
+/// half swings with w = 1 rad/s. A free rim makes the matrix an arrow: only an ordering that takes the hub last keeps
+/// it sparse, wherever the hub falls when the nodes are halved.
 #[test]
 fn a_million_springs_on_one_node_with_a_free_rim() {
     let runs = [(10_000, "newmark", 20.0), (10_001, "newmark", 20.0), (10_002, "hht", 20.0), (10_003, "kang", 20.0)];

@@ -1,17 +1,18 @@
-//! Hostile cases, every method: each ends correct, or with a documented status and a true sentence; never in a panic, a hang,
-//! or a good status with nonsense.
+//! Hostile cases, every method: each ends correct, or with a documented status and a true sentence; never in a panic, a
+//! hang, or a good status with nonsense.
 //!
 //! To add a case, write one line:
-//! * a scene with numbers changed: `hostile("what it is", scene(), Must::…, &[("key.of.the.case", "value")])` in `table` (stiffness,
-//!   mass, time, wind) or `states` (shapes, slack, loads, damping, denormals); every method runs it. A scene it needs is a function in
-//!   `scenes`;
+//! * a scene with numbers changed: `hostile("what it is", scene(), Must::…, &[("key.of.the.case", "value")])` in
+//!   `table` (stiffness, mass, time, wind) or `states` (shapes, slack, loads, damping, denormals); every method runs
+//!   it. A scene it needs is a function in `scenes`;
 //! * a mesh file: a line of `files` in `meshes`; the fuzzers' oracle judges it too;
 //! * a case whose answer is known: a test in `exact`;
 //! * what only a program that uses the library can ask for: a test in `library`.
 //!
-//! What must hold for every end is in `verdict`. Every fifth line of the table also runs through the program (`program`): exit status,
-//! words and summary must say the same. With EXTREMES_SHOW in the environment (and `--nocapture`) every end is printed as a user would
-//! read it. Random cases are in `tests/properties`, what fuzzers found in `tests/found.rs`.
+//! What must hold for every end is in `verdict`. Every fifth line of the table also runs through the program
+//! (`program`): exit status, words and summary must say the same. With EXTREMES_SHOW in the environment (and
+//! `--nocapture`) every end is printed as a user would read it. Random cases are in `tests/properties`, what fuzzers
+//! found in `tests/found.rs`.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,7 +1,8 @@
-//! Hostile mesh files: each is read as what it says, or refused with a sentence; and what was read can be used and written.
+//! Hostile mesh files: each is read as what it says, or refused with a sentence; and what was read can be used and
+//! written.
 //!
-//! A new file is a line of `files`. What must hold of everything that is read is in `tests/fuzz/oracle/mesh.rs`, where the fuzzers
-//! use it too.
+//! A new file is a line of `files`. What must hold of everything that is read is in `tests/fuzz/oracle/mesh.rs`, where
+//! the fuzzers use it too.
 
 use crate::mesh_oracle;
 use base64::Engine as _;

@@ -186,7 +186,8 @@ impl Ran {
         let spec = match &self.problem.system {
             SystemSpec::Network(spec) => spec,
             SystemSpec::Pendulum(p) => {
-                // An angle that moves by less than its last digit is not moved by its weight, which is then at work in the account.
+                // An angle that moves by less than its last digit is not moved by its weight, which is then at work in
+                // the account.
                 let moment = p.mass * p.gravity * p.length;
                 return 8.0 * f64::EPSILON * moment * p.angle.abs().max(1.0) * (1 + self.outcome.steps) as f64;
             }

@@ -1,4 +1,5 @@
-//! Adaptive steps across loads that come on fast and across ropes that go taut: they end, and deliver what their tolerance asks for.
+//! Adaptive steps across loads that come on fast and across ropes that go taut: they end, and deliver what their
+//! tolerance asks for.
 
 use super::common::run::case_of;
 use super::program::{program, summary};
@@ -100,7 +101,8 @@ impl Trial<'_> {
 /// [s] when the load begins to rise
 const RISE: f64 = 0.25;
 
-/// A mass of 1 kg on a spring of 100 N/m, on which a force [N] comes within `ramp` [s]; `origin` [m] is where the spring is held.
+/// A mass of 1 kg on a spring of 100 N/m, on which a force [N] comes within `ramp` [s]; `origin` [m] is where the
+/// spring is held.
 fn ramped(method: &'static MethodInfo, relative: f64, ramp: f64, force: f64, origin: f64) -> Row {
     let table = [[0.0, 0.0], [RISE, 0.0], [RISE + ramp, 1.0]];
     let case = json!({
@@ -121,8 +123,8 @@ fn ramped(method: &'static MethodInfo, relative: f64, ramp: f64, force: f64, ori
     Trial { case, method, relative, free: 1.0, exact: &exact, what }.run()
 }
 
-/// [-] Displacement over F/k of an undamped oscillator of `w` [rad/s] at rest, `s` [s] after a force F begins to rise within `d` [s]:
-/// s/d - sin(w s)/(w d) until d, then 1 - cos(w (s - d/2)) sin(w d/2)/(w d/2).
+/// [-] Displacement over F/k of an undamped oscillator of `w` [rad/s] at rest, `s` [s] after a force F begins to rise
+/// within `d` [s]: s/d - sin(w s)/(w d) until d, then 1 - cos(w (s - d/2)) sin(w d/2)/(w d/2).
 fn response(w: f64, d: f64, s: f64) -> f64 {
     if s <= 0.0 {
         0.0
@@ -227,27 +229,31 @@ fn ramps(exponents: &[i32], (least, of_order_1): (i32, i32)) -> Vec<Row> {
     runs.into_par_iter().map(|(m, r, d, f, o)| ramped(m, r, d, f, o)).collect()
 }
 
-/// Not by Kang's scheme: at the end of a catch it keeps 1/(1 + h^2 k/m) of the speed, which takes millions of steps to be right to 1e-4.
+/// Not by Kang's scheme: at the end of a catch it keeps 1/(1 + h^2 k/m) of the speed, which takes millions of steps to
+/// be right to 1e-4.
 fn catches(least: i32, of_order_1: i32) -> Vec<Row> {
     let methods = methods().iter().filter(|method| method.family != Family::MatrixFree);
     let runs: Vec<_> = methods.flat_map(|m| tolerances(m, least, of_order_1).map(move |r| (m, r))).collect();
     runs.into_par_iter().map(|(m, r)| caught(m, r)).collect()
 }
 
-/// Steps once stayed at roundings of t after a load that came on within nanoseconds (Newmark, HHT, generalised alpha, velocity Verlet), and HHT was 33 % off at a
-/// tolerance of 1e-2, because the acceleration it carried belonged to the step on the ramp.
+/// Steps once stayed at roundings of t after a load that came on within nanoseconds (Newmark, HHT, generalised alpha,
+/// velocity Verlet), and HHT was 33 % off at a tolerance of 1e-2, because the acceleration it carried belonged to the
+/// step on the ramp.
 #[test]
 fn a_load_may_come_on_as_fast_as_it_likes() {
     all_deliver(&ramps(&[-12, -9, -7, -5, -2], (5, 2)), 10_000);
 }
 
-/// A rope that goes taut throws a mass back. One step of a method of high order once passed over the catch, up to 487 times the tolerance off.
+/// A rope that goes taut throws a mass back. One step of a method of high order once passed over the catch, up to 487
+/// times the tolerance off.
 #[test]
 fn a_slack_rope_catches_a_mass_at_every_tolerance() {
     all_deliver(&catches(6, 4), 3_000);
 }
 
-/// Where steps can never become of a sensible size the run ends with a cause: here an oscillation has a period of 2e-12 s, in a run of 1 s.
+/// Where steps can never become of a sensible size the run ends with a cause: here an oscillation has a period of 2e-12
+/// s, in a run of 1 s.
 #[test]
 fn a_run_without_end_ends_and_says_so() {
     let case = json!({

@@ -1,4 +1,5 @@
-//! Searches that never ended: an eigenvalue iteration of the linear-algebra library, met while the failure of a run was explained.
+//! Searches that never ended: an eigenvalue iteration of the linear-algebra library, met while the failure of a run was
+//! explained.
 
 use crate::common::Random;
 use crate::common::run::{case_of, changed, run};
@@ -55,8 +56,8 @@ fn stability_of_a_damped_rope_is_found() {
     assert!(ran.stdout.contains("velocity-verlet"), "{}", ran.stdout);
 }
 
-/// Random damped ropes of 5 to 30 segments, all explicit methods, steps about the limit: every run ends, and what fails says why. 4 of 16655 did not end.
-/// `CANOPY_FEM_ROPES` asks for more ropes than a test of every day makes.
+/// Random damped ropes of 5 to 30 segments, all explicit methods, steps about the limit: every run ends, and what fails
+/// says why. 4 of 16655 did not end. `CANOPY_FEM_ROPES` asks for more ropes than a test of every day makes.
 #[test]
 fn random_damped_ropes_end_with_every_explicit_method() {
     let ropes: u64 = std::env::var("CANOPY_FEM_ROPES").ok().and_then(|count| count.parse().ok()).unwrap_or(12);

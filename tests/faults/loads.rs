@@ -65,7 +65,8 @@ fn a_pulse_between_steps_moves_what_it_pushes() {
             assert_eq!(outcome.status, Status::Completed, "{}", method.name);
             let off = largest / exact - 1.0;
             assert!(off.abs() < 0.015, "{} from {start} to {end} s: {largest} m, expected {exact}", method.name);
-            // Heun's account of the work of a load that changes within steps is off by second order, wherever its corners lie.
+            // Heun's account of the work of a load that changes within steps is off by second order, wherever its
+            // corners lie.
             if method.name.starts_with("improved-euler") {
                 continue;
             }

@@ -97,7 +97,8 @@ fn the_last_frame_keeps_the_first_law() {
     assert_eq!(frame_times(&out, "cloth-k1000").last(), Some(&0.06));
 }
 
-/// In the last frame of the thesis' run no node has moved farther than the canopy's size in a step, nor has it in any before.
+/// In the last frame of the thesis' run no node has moved farther than the canopy's size in a step, nor has it in any
+/// before.
 #[test]
 fn the_last_frame_shows_nodes_that_stay_within_the_scene_in_a_step() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -114,8 +115,8 @@ fn the_last_frame_shows_nodes_that_stay_within_the_scene_in_a_step() {
     assert!(speed(last + 2e-12) * 1e-12 > 1.0, "{} m in a step", speed(last + 2e-12) * 1e-12);
 }
 
-/// Where the air damps nothing that the springs do, explicit Euler has no stable step, however small; nor have other methods
-/// whose growth in so small a step is lost in rounding.
+/// Where the air damps nothing that the springs do, explicit Euler has no stable step, however small; nor have other
+/// methods whose growth in so small a step is lost in rounding.
 #[test]
 fn no_limit_is_made_of_rounding() {
     let folder = tempfile::tempdir().expect("a folder");

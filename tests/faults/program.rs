@@ -18,7 +18,8 @@ pub struct Finished {
     pub stderr: String,
 }
 
-/// Writes a case into a folder and runs the program there on it; `args` begin with the command, and the case's path follows it.
+/// Writes a case into a folder and runs the program there on it; `args` begin with the command, and the case's path
+/// follows it.
 pub fn program(folder: &Path, case: &serde_json::Value, args: &[&str]) -> Finished {
     std::fs::write(folder.join("case.json"), case.to_string()).expect("written");
     let (command, rest) = args.split_first().expect("a command");

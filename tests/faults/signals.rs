@@ -1,4 +1,5 @@
-//! Signals to computations that are no time step: each takes from many seconds to minutes here, and ends soon after it was asked to.
+//! Signals to computations that are no time step: each takes from many seconds to minutes here, and ends soon after it
+//! was asked to.
 
 use serde_json::{Value, json};
 use std::fs::File;
@@ -130,7 +131,8 @@ fn a_study_ends_at_a_signal_while_its_reference_is_made() {
     assert_eq!(running.end(), Some(130), "{}", running.read("stderr.txt"));
 }
 
-/// A run that fails in its first steps, on a scene whose spectrum takes many seconds: the summary is written with what is known.
+/// A run that fails in its first steps, on a scene whose spectrum takes many seconds: the summary is written with what
+/// is known.
 #[test]
 fn the_search_for_a_cause_is_cut_short_by_a_signal() {
     let arguments = ["solve", "case.json", "--method", "velocity-verlet", "--step", "1e-3"];

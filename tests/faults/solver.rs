@@ -1,4 +1,5 @@
-//! Linear solvers that a user forces, on stiffnesses that are far apart: a step is right or refused, never wrong without a word.
+//! Linear solvers that a user forces, on stiffnesses that are far apart: a step is right or refused, never wrong
+//! without a word.
 
 use crate::common::run::{Run, apart, case_of, run};
 use canopy_fem::drive::Status;
@@ -35,8 +36,8 @@ fn chain(k: &[f64], method: &str, h: f64) -> Value {
     })
 }
 
-/// [m] Displacements of the same chain after the steps: M (ca z + ...) + K (x + z) = f is solved from the free end, where every operation adds positive
-/// numbers, and extensions are carried, so that no digit is lost at any stiffness.
+/// [m] Displacements of the same chain after the steps: M (ca z + ...) + K (x + z) = f is solved from the free end,
+/// where every operation adds positive numbers, and extensions are carried, so that no digit is lost at any stiffness.
 fn displacements(k: &[f64], method: &str, h: f64) -> Vec<f64> {
     let n = k.len();
     let newmark = method == "newmark";
@@ -95,9 +96,9 @@ fn completed(run: &Run, what: &str) -> bool {
     false
 }
 
-/// Springs whose stiffnesses stand by up to 1e14 apart: what is completed is right to a thousandth of the motion, whichever solver was forced.
-/// Conjugate gradients once left soft springs where they were (all of the motion missing, status 0), and factorisations were up to twice the
-/// motion off at 1e14.
+/// Springs whose stiffnesses stand by up to 1e14 apart: what is completed is right to a thousandth of the motion,
+/// whichever solver was forced. Conjugate gradients once left soft springs where they were (all of the motion missing,
+/// status 0), and factorisations were up to twice the motion off at 1e14.
 #[test]
 fn stiffness_ratios_never_give_a_wrong_answer() {
     let (mut runs, mut refused, mut wrong) = (0, 0, Vec::new());

@@ -1,5 +1,5 @@
-//! The equations do not know where the origin is, how axes are turned, what units are used, how nodes are numbered, or how many
-//! threads compute: neither may the results.
+//! The equations do not know where the origin is, how axes are turned, what units are used, how nodes are numbered, or
+//! how many threads compute: neither may the results.
 
 use crate::nets::{Net, net};
 use canopy_fem::case::Case;
@@ -32,8 +32,8 @@ fn run(net: &Net, method: &str, threads: usize) -> Result<End, TestCaseError> {
     Ok(End { status: outcome.status, steps: outcome.steps, positions, velocities })
 }
 
-/// Runs two nets with every method and compares positions by `place` and velocities by `turn` of the first with those of the
-/// second, whose node `number(i)` is the first's node i.
+/// Runs two nets with every method and compares positions by `place` and velocities by `turn` of the first with those
+/// of the second, whose node `number(i)` is the first's node i.
 struct Comparison<'a> {
     nets: [&'a Net; 2],
     place: &'a dyn Fn([f64; 3]) -> [f64; 3],
@@ -72,8 +72,8 @@ fn same(v: [f64; 3]) -> [f64; 3] {
     v
 }
 
-/// Another unit of length, mass and time is a power of two in every number: not a bit of what is computed may change, or some
-/// constant with a unit hides in the code. Powers of four, since Cholesky takes roots.
+/// Another unit of length, mass and time is a power of two in every number: not a bit of what is computed may change,
+/// or some constant with a unit hides in the code. Powers of four, since Cholesky takes roots.
 fn in_units(net: &Net, [length, mass, time]: [f64; 3]) -> Net {
     let mut other = net.clone();
     let scale = |vectors: &mut Vec<[f64; 3]>, by: f64| vectors.iter_mut().flatten().for_each(|x| *x *= by);

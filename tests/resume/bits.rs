@@ -250,8 +250,8 @@ fn of_a_sail_without_damping() {
     }
 }
 
-/// Adaptive steps: their size, the errors and the motion that they depend on go on where they were, and so do rows of the history by
-/// time. HHT's carried acceleration depends on the step that made it.
+/// Adaptive steps: their size, the errors and the motion that they depend on go on where they were, and so do rows of
+/// the history by time. HHT's carried acceleration depends on the step that made it.
 #[test]
 fn every_method_resumes_adaptive_steps_with_the_same_bits() {
     for (scene, what) in [(sail(), "sail"), (calm(), "calm sail"), (pendulum(), "pendulum")] {
@@ -316,8 +316,8 @@ impl Observer for Copier<'_> {
     }
 }
 
-/// What is on the disk when a checkpoint is, is all that is needed, though nothing else was told to write: rows and frames that
-/// wait for more are written first. Beyond a thousand frames the collection waits too.
+/// What is on the disk when a checkpoint is, is all that is needed, though nothing else was told to write: rows and
+/// frames that wait for more are written first. Beyond a thousand frames the collection waits too.
 #[test]
 fn a_checkpoint_has_its_results_beside_it() {
     let sets = [("time.end", "0.32"), ("output.frames.every", "0.0002"), ("output.checkpoint.every", "0.3")];
@@ -358,8 +358,8 @@ fn the_warning_is_kept() {
     assert_eq!(solve(&case, parts.path(), Part { resume: true, ..WHOLE }).doubt, expected.doubt);
 }
 
-/// Counts the checkpoints a run keeps, as they replace each other: at t = 0, at each interval, before the last step; and none
-/// where nobody asked.
+/// Counts the checkpoints a run keeps, as they replace each other: at t = 0, at each interval, before the last step;
+/// and none where nobody asked.
 #[test]
 fn checkpoints_are_kept_when_asked_for() {
     let dir = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! A full disk and a vanished folder: status 1 with the file's name, nothing lost that was written, and a run to resume.
+//! A full disk and a vanished folder: status 1 with the file's name, nothing lost that was written, and a run to
+//! resume.
 
 use std::path::Path;
 use std::process::Command;
@@ -21,7 +22,8 @@ fn shell(bench: &Bench, script: &str) -> Ended {
     Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// Status 1, the file and the reason; what is there can be read, ends with whole lines, and can be resumed to the same bytes.
+/// Status 1, the file and the reason; what is there can be read, ends with whole lines, and can be resumed to the same
+/// bytes.
 fn assert_survived(bench: &Bench, ended: &Ended, reason: &str) {
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     assert!(ended.stderr.starts_with("error: ") && ended.stderr.contains(reason), "{}", ended.stderr);
@@ -65,7 +67,8 @@ fn a_full_disk() {
     assert_survived(&bench, &ended, "No space left on device");
 }
 
-/// A finished run is carried further, past the length from which rows would be told less often: they come as often as they did.
+/// A finished run is carried further, past the length from which rows would be told less often: they come as often as
+/// they did.
 #[test]
 fn a_later_end() {
     let bench = Bench::new();

@@ -17,8 +17,8 @@ pub fn checkpoint(folder: &Path) -> Option<Checkpoint> {
     Some(Checkpoint::decode(&bytes).unwrap_or_else(|fault| panic!("{}: {fault}", folder.display())))
 }
 
-/// Every file of `found` has the bytes it has in `expected`, and none is missing or left over. Of the checkpoint and the summary
-/// only the cost may differ.
+/// Every file of `found` has the bytes it has in `expected`, and none is missing or left over. Of the checkpoint and
+/// the summary only the cost may differ.
 pub fn assert_same(found: &Path, expected: &Path, what: &str) {
     let (a, b) = (contents(found), contents(expected));
     let names = |files: &[(std::path::PathBuf, Vec<u8>)], folder: &Path| -> Vec<String> {
@@ -45,8 +45,8 @@ fn summary(bytes: &[u8]) -> Value {
     summary
 }
 
-/// What a reader finds in a folder whose run was killed: a collection of whole frames, csv files of whole lines but for the last
-/// one, and a sound checkpoint if there is one.
+/// What a reader finds in a folder whose run was killed: a collection of whole frames, csv files of whole lines but for
+/// the last one, and a sound checkpoint if there is one.
 pub fn assert_readable(folder: &Path, stem: &str) {
     if let Ok(collection) = std::fs::read_to_string(folder.join(format!("{stem}.pvd"))) {
         assert!(collection.ends_with("</VTKFile>\n"), "{collection}");

@@ -68,8 +68,8 @@ fn solve(bench: &Bench, out: &str, more: &[&str]) -> Running {
     Running::start(bench, &[&["solve"], &LONG[..], &["--out", out], more].concat())
 }
 
-/// Kills the run eight times at random moments and resumes it each time; returns the steps of the checkpoints it left. Two kills
-/// fall into the start of the program, the others after a new checkpoint, so that the run comes on.
+/// Kills the run eight times at random moments and resumes it each time; returns the steps of the checkpoints it left.
+/// Two kills fall into the start of the program, the others after a new checkpoint, so that the run comes on.
 fn killed_and_resumed(bench: &Bench, out: &str, random: &mut Random) -> BTreeSet<u64> {
     let folder = bench.path(out);
     let step = || checkpoint(&folder).map(|found| found.snapshot.step);
@@ -105,8 +105,8 @@ fn killed_at_any_moment_a_run_resumes_with_the_same_bytes() {
     }
 }
 
-/// Ctrl-C finishes the step, keeps a checkpoint though the case asks for none, and exits 130, and so does SIGTERM; resumed with two
-/// threads the run ends with the bytes of one in one piece, and leaves no checkpoint.
+/// Ctrl-C finishes the step, keeps a checkpoint though the case asks for none, and exits 130, and so does SIGTERM;
+/// resumed with two threads the run ends with the bytes of one in one piece, and leaves no checkpoint.
 #[test]
 fn an_interrupted_run_resumes() {
     let bench = Bench::new();

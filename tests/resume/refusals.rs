@@ -141,7 +141,8 @@ fn no_damage_goes_unseen() {
     assert!(refused > 100, "{refused}");
 }
 
-/// The layout of a format never changes: whoever stores something else makes another format, and with it another sum here.
+/// The layout of a format never changes: whoever stores something else makes another format, and with it another sum
+/// here.
 #[test]
 fn a_format_has_one_layout() {
     let failure = Failure { time: 1.0, node: Some(3), term: Some("air".to_owned()), ..Failure::default() };
@@ -182,7 +183,8 @@ fn changed_results() {
     spoil("frames/sail_000004.vtu", &folder, &["is not a plain file"]);
 }
 
-/// A run that has reached its end says so; with a later end it goes on as if it had never stopped, if the steps are the same.
+/// A run that has reached its end says so; with a later end it goes on as if it had never stopped, if the steps are the
+/// same.
 #[test]
 fn a_finished_run_goes_on_only_beyond_its_end() {
     let bench = Bench::new();
@@ -209,7 +211,8 @@ fn a_finished_run_goes_on_only_beyond_its_end() {
     assert_same(&bench.path("out"), &bench.path("whole"), "longer still");
 }
 
-/// A finished run on a mesh from a file is not that of the case any more once the file holds another mesh, though the case is the same to the letter.
+/// A finished run on a mesh from a file is not that of the case any more once the file holds another mesh, though the
+/// case is the same to the letter.
 #[test]
 fn another_mesh_in_the_same_file() {
     let bench = Bench::new();

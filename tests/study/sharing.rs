@@ -72,7 +72,8 @@ fn shards_join_to_the_whole() {
     assert_eq!(counted(&study(&bench.path("parts")).rows), expected);
 }
 
-/// A budget that ends within a run keeps it; the same command goes on and ends with the rows of a study that was never stopped.
+/// A budget that ends within a run keeps it; the same command goes on and ends with the rows of a study that was never
+/// stopped.
 #[test]
 fn a_spent_budget_is_taken_up() {
     let bench = Bench::new();
@@ -123,7 +124,8 @@ fn kills_cost_nothing_but_time() {
     assert_eq!(left, 0, "nothing unfinished is left");
 }
 
-/// Four processes that all make the whole study in one folder at the same time end well, with the rows of one that was alone.
+/// Four processes that all make the whole study in one folder at the same time end well, with the rows of one that was
+/// alone.
 #[test]
 fn processes_may_make_the_same_runs() {
     let bench = Bench::new();

@@ -3,7 +3,8 @@
 use super::bench::Bench;
 use super::table::study;
 
-/// A factor on the stiffness is a variant with its own reference, and its runs are those of the case with that stiffness.
+/// A factor on the stiffness is a variant with its own reference, and its runs are those of the case with that
+/// stiffness.
 #[test]
 fn a_factor_is_another_case() {
     let bench = Bench::new();

@@ -14,7 +14,8 @@ use super::bench::Bench as Folder;
 use super::common::run::{asset, case_of, changed};
 use super::table::study;
 
-/// A soft oscillator that swings along x, w = 2 pi, and a stiff one at rest, w = 1e5: explicit steps are thirty thousand a period.
+/// A soft oscillator that swings along x, w = 2 pi, and a stiff one at rest, w = 1e5: explicit steps are thirty
+/// thousand a period.
 fn two_oscillators() -> Case {
     let soft = (2.0 * std::f64::consts::PI).powi(2);
     let case = json!({
@@ -31,8 +32,8 @@ fn two_oscillators() -> Case {
     case_of(&case, &[])
 }
 
-/// The study's `error` and `error_max` of every completed fixed-step run equal those computed here from the library's own runs and
-/// x = 10 + 2 cos(w t).
+/// The study's `error` and `error_max` of every completed fixed-step run equal those computed here from the library's
+/// own runs and x = 10 + 2 cos(w t).
 #[test]
 fn errors_are_distances_from_the_closed_form() {
     let folder = Folder::new();
@@ -93,7 +94,8 @@ fn frequency() -> f64 {
     (number("/system/network/springs/0/stiffness") / number("/system/network/mass/nodal")).sqrt()
 }
 
-/// Explicit pairs where they are affordable, extrapolated Newmark where they are not: both are as close to the closed form as they say.
+/// Explicit pairs where they are affordable, extrapolated Newmark where they are not: both are as close to the closed
+/// form as they say.
 #[test]
 fn references_are_worth_what_they_say() {
     let case = two_oscillators();
@@ -124,7 +126,8 @@ fn references_are_worth_what_they_say() {
     assert!(ways[0].starts_with("dop853") && ways[1].starts_with("newmark"), "{ways:?}");
 }
 
-/// Steps at the limit of stability would be affordable, but those that accuracy asks for are far shorter: the pairs are given up while they are under way.
+/// Steps at the limit of stability would be affordable, but those that accuracy asks for are far shorter: the pairs are
+/// given up while they are under way.
 #[test]
 fn a_reference_keeps_within_its_allowance() {
     let case = asset("oscillator", &[("system.network.springs.0.stiffness", "1e7")]);
@@ -143,7 +146,8 @@ fn a_reference_keeps_within_its_allowance() {
     assert_eq!(of_pairs, 1, "{told:?}");
 }
 
-/// A run above its limit diverges, a method that does not fit and a step beyond the end are refused: both are rows with a reason, and none is on the front.
+/// A run above its limit diverges, a method that does not fit and a step beyond the end are refused: both are rows with
+/// a reason, and none is on the front.
 #[test]
 fn failures_are_rows() {
     let folder = Folder::new();

@@ -1,5 +1,6 @@
-//! Every force term against finite differences, at random states, slack and compressed springs included; and its energy or
-//! power against its force; and what its information says against its forces. A failure names the term, the state and the bad entry.
+//! Every force term against finite differences, at random states, slack and compressed springs included; and its energy
+//! or power against its force; and what its information says against its forces. A failure names the term, the state
+//! and the bad entry.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -179,8 +180,8 @@ fn columns(assembler: &Assembler) -> Vec<Vec<f64>> {
     (0..n).map(column).collect()
 }
 
-/// What a factor is made of that is kept: the exact W of terms with a symmetric one; the exact C of the air, which is symmetric; and where it is
-/// asked to be convex, nothing that any motion could gain energy from.
+/// What a factor is made of that is kept: the exact W of terms with a symmetric one; the exact C of the air, which is
+/// symmetric; and where it is asked to be convex, nothing that any motion could gain energy from.
 #[test]
 fn symmetric_tangents_are_symmetric_and_near() {
     let mut random = Random(7);
@@ -311,7 +312,8 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     assert!((energy + work).abs() < 1e-12 * (1.0 + work.abs()), "{name}: {energy} {work}");
 }
 
-/// What diagnoses ask of a term is what its forces do. A term that says nothing of itself would be missing from them in silence.
+/// What diagnoses ask of a term is what its forces do. A term that says nothing of itself would be missing from them in
+/// silence.
 #[test]
 fn terms_are_what_they_say() {
     for (name, spec) in scenes() {
@@ -336,7 +338,8 @@ fn terms_are_what_they_say() {
     }
 }
 
-/// Diagnoses and the floor of rounding go by it: at rest no diagonal entry of an elastic K is above the stiffness that is told.
+/// Diagnoses and the floor of rounding go by it: at rest no diagonal entry of an elastic K is above the stiffness that
+/// is told.
 #[test]
 fn the_stiffness_of_nodes_is_that_of_their_springs() {
     let mut elastic = 0;

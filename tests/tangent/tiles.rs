@@ -1,4 +1,5 @@
-//! Every force term on a net of several tiles: as many copies of a small scene as it takes, each of which must feel what the small scene feels alone.
+//! Every force term on a net of several tiles: as many copies of a small scene as it takes, each of which must feel
+//! what the small scene feels alone.
 
 use super::{Sample, build, scenes::scenes};
 use canopy_fem::force::threads::Threads;

@@ -7,8 +7,8 @@ use crate::figures::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::WarningCode;
 
-/// [-] Rounding of a coordinate over the shortest spring from which on a scene cannot be computed: fewer than three digits of its
-/// length are left, and motions smaller than that are lost without a trace.
+/// [-] Rounding of a coordinate over the shortest spring from which on a scene cannot be computed: fewer than three
+/// digits of its length are left, and motions smaller than that are lost without a trace.
 const LOST: f64 = 1e-3;
 
 /// [-] The same from which on strains are doubtful.

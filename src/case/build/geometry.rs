@@ -46,7 +46,8 @@ impl Geometry {
         self.mesh.nodes.len()
     }
 
-    /// [m] Length of an edge at the start; `displacement` [m] holds one vector a node, or nothing where no node is displaced.
+    /// [m] Length of an edge at the start; `displacement` [m] holds one vector a node, or nothing where no node is
+    /// displaced.
     pub fn start_length(&self, edge: u32, displacement: &[[f64; 3]]) -> Option<f64> {
         if displacement.is_empty() {
             return self.length.get(edge as usize).copied();

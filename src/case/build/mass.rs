@@ -6,7 +6,8 @@ use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Mass, PerNode};
 
-/// [kg] Mass of every node from the `mass` section: a third of each triangle's mass to each vertex, plus the nodal masses.
+/// [kg] Mass of every node from the `mass` section: a third of each triangle's mass to each vertex, plus the nodal
+/// masses.
 pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, faults: &mut Faults<'_>) -> Vec<f64> {
     let mut mass = vec![0.0; geometry.nodes()];
     let Some(section) = section else { return mass };

@@ -15,8 +15,8 @@ use crate::warning::WarningCode;
 /// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
 const MOST_STEPS: f64 = 1e15;
 
-/// [s] Shortest step and latest end: schemes work with squares of a step and their inverses, which must stay numbers with room
-/// for masses and accelerations beside them.
+/// [s] Shortest step and latest end: schemes work with squares of a step and their inverses, which must stay numbers
+/// with room for masses and accelerations beside them.
 const TIMES: [f64; 2] = [1e-120, 1e120];
 
 /// Method and times of a run.

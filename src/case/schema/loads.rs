@@ -17,8 +17,8 @@ pub struct Load {
     /// How a pressure follows the surface; `follower` if not given. Only with `pressure`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PressureKindKey>,
-    /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's normal at t = 0, initial displacements
-    /// included.
+    /// [-] Direction of a dead pressure, of any length above 0; not given: each triangle's normal at t = 0, initial
+    /// displacements included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// [N] Force on each of the nodes.

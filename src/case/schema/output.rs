@@ -19,7 +19,8 @@ pub struct Output {
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
-    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows, counted for the end that the run began with.
+    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows, counted for the end
+    /// that the run began with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<EverySteps>,
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
@@ -50,8 +51,8 @@ pub struct Every {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EveryCheckpoint {
-    /// [s] At t = 0, after the first step that reaches a multiple of this, and before the last step, so that a finished run
-    /// in fixed steps can be resumed with a later end.
+    /// [s] At t = 0, after the first step that reaches a multiple of this, and before the last step, so that a finished
+    /// run in fixed steps can be resumed with a later end.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub every: f64,
 }
@@ -71,13 +72,13 @@ pub struct EverySteps {
 pub enum Field {
     /// Velocity of the nodes, m/s; always written.
     Velocity,
-    /// Net force on the nodes, N: of springs, dampers, weight, air and loads; 0 in held directions, where the support's reaction balances it. Of a pendulum: its
-    /// weight and damping, without the pull of the rod.
+    /// Net force on the nodes, N: of springs, dampers, weight, air and loads; 0 in held directions, where the support's
+    /// reaction balances it. Of a pendulum: its weight and damping, without the pull of the rod.
     Force,
     /// Support reaction on the nodes, N.
     Reaction,
-    /// Tension of the springs with their axial dashpots, N; below 0 they push. Relative dashpots and Rayleigh damping do not act along the springs and
-    /// are not in it.
+    /// Tension of the springs with their axial dashpots, N; below 0 they push. Relative dashpots and Rayleigh damping
+    /// do not act along the springs and are not in it.
     Tension,
     /// Strain of the springs.
     Strain,

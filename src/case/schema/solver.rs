@@ -19,12 +19,13 @@ pub struct Solver {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Newton {
-    /// [-] Residual at which a step counts as solved, relative to the largest of |M a|, |f_internal| and |f_external| at
-    /// the step's start; 1e-8 if not given.
+    /// [-] Residual at which a step counts as solved, relative to the largest of |M a|, |f_internal| and |f_external|
+    /// at the step's start; 1e-8 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub relative: Option<f64>,
-    /// [-] Iterations on the exact tangent after which a step counts as not solvable, and besides at most as many on one that is kept; 100 if not given.
+    /// [-] Iterations on the exact tangent after which a step counts as not solvable, and besides at most as many on
+    /// one that is kept; 100 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub max_iterations: Option<u32>,
@@ -37,7 +38,8 @@ pub struct Newton {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that leads nowhere, as `full`.
+    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that
+    /// leads nowhere, as `full`.
     #[default]
     Auto,
     /// In every iteration.
@@ -52,14 +54,16 @@ pub enum Strategy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Linear {
-    /// Where a matrix is kept over many steps, Cholesky or conjugate gradients of it, by counted work; else Cholesky for a symmetric tangent, LU for another.
+    /// Where a matrix is kept over many steps, Cholesky or conjugate gradients of it, by counted work; else Cholesky
+    /// for a symmetric tangent, LU for another.
     #[default]
     Auto,
     /// Sparse Cholesky; needs a symmetric tangent.
     Cholesky,
     /// Sparse LU.
     Lu,
-    /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little memory, for small steps and large meshes. Of the
-    /// symmetric part where the tangent is not symmetric, for which the strategy must not be `full`.
+    /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
+    /// memory, for small steps and large meshes. Of the symmetric part where the tangent is not symmetric, for which
+    /// the strategy must not be `full`.
     Cg,
 }

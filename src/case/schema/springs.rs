@@ -90,7 +90,7 @@ pub enum DashpotRule {
     Time(#[schemars(range(min = 0))] f64),
     /// [N s] Coefficient of the strain rate: c = this/l0.
     PerStrain(#[schemars(range(min = 0))] f64),
-    /// c = k h with the fixed step h, the linearised implicit term of the thesis' Eq. 53 and 68. The physics then changes
-    /// with the step: use it only to reproduce the thesis.
+    /// c = k h with the fixed step h, the linearised implicit term of the thesis' Eq. 53 and 68. The physics then
+    /// changes with the step: use it only to reproduce the thesis.
     Step,
 }

@@ -23,9 +23,10 @@ pub struct Time {
     pub tolerance: Option<Tolerance>,
 }
 
-/// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as the root mean
-/// square over the free degrees of freedom. Each step may make its share of it by time. What errors really come to depends on
-/// the scene as well: on swinging pendulums and cloths they are within a factor of ten of this.
+/// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as
+/// the root mean square over the free degrees of freedom. Each step may make its share of it by time. What errors
+/// really come to depends on the scene as well: on swinging pendulums and cloths they are within a factor of ten of
+/// this.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {

@@ -1,10 +1,13 @@
 //! Forces that change their law within a step: springs that go slack or taut.
 //!
-//! An estimate that trusts in smooth forces does not see such a change, or takes it for less than it is: a step may pass over the whole of a catch. The scene says what
-//! impulse hangs on the changes within a step ([`Scene::branch_changes`]). Where that is no small part of the tolerance, the step is made again to end where the largest of
-//! them happens, or so short that it does not matter, whichever is longer: where hundreds of springs change all the time, steps do not go from change to change.
+//! An estimate that trusts in smooth forces does not see such a change, or takes it for less than it is: a step may
+//! pass over the whole of a catch. The scene says what impulse hangs on the changes within a step
+//! ([`Scene::branch_changes`]). Where that is no small part of the tolerance, the step is made again to end where the
+//! largest of them happens, or so short that it does not matter, whichever is longer: where hundreds of springs change
+//! all the time, steps do not go from change to change.
 //!
-//! A step of h in a run of T may leave a share `sqrt(h/T)` to the changes within it: they come at random, so their errors add up as their squares do.
+//! A step of h in a run of T may leave a share `sqrt(h/T)` to the changes within it: they come at random, so their
+//! errors add up as their squares do.
 
 use super::attempt::{Bench, Dropped};
 use super::estimate::Deviation;
@@ -13,8 +16,9 @@ use crate::model::point::Point;
 
 /// [-] of the step, the most that is left of one that ends where a force changes its law.
 const MOST: f64 = 0.999;
-/// [-] of the tolerance that changes within a run could make if no scheme saw anything of them. Its stages see most, but where a change is not seen at all the error is several
-/// times larger: at 5 a net whose springs go slack and taut all the time is left with errors of the tolerance, but a single catch with 20 times that.
+/// [-] of the tolerance that changes within a run could make if no scheme saw anything of them. Its stages see most,
+/// but where a change is not seen at all the error is several times larger: at 5 a net whose springs go slack and taut
+/// all the time is left with errors of the tolerance, but a single catch with 20 times that.
 const SHARE: f64 = 1.0;
 /// An impulse falls with the square of the step, and what is allowed with its root.
 const EXPONENT: f64 = -1.0 / 1.5;

@@ -1,8 +1,8 @@
 //! From the error of a step to the size of the next.
 //!
-//! With E = error of the step per unit of time over what the tolerance allows per unit of time, which is proportional to h^p for a
-//! scheme of order p, the next step is that of a proportional-integral controller (Gustafsson 1991, ACM TOMS 17; Hairer &
-//! Wanner 1996, section IV.2, "A PI step size control", whose exponents these are):
+//! With E = error of the step per unit of time over what the tolerance allows per unit of time, which is proportional
+//! to h^p for a scheme of order p, the next step is that of a proportional-integral controller (Gustafsson 1991, ACM
+//! TOMS 17; Hairer & Wanner 1996, section IV.2, "A PI step size control", whose exponents these are):
 //! ```text
 //! h_{n+1} = 0.9 h_n E_n^(-0.7/p) E_{n-1}^(0.4/p)          after a step that is kept (E_n <= 1)
 //! h       = 0.9 h E^(-1/p)                                for the next attempt after one that is not
@@ -16,8 +16,8 @@ const PRESENT: f64 = 0.7;
 const PREVIOUS: f64 = 0.4;
 /// Errors below this tell nothing but that the step may grow.
 const NO_ERROR: f64 = 1e-10;
-/// The least previous error that counts (Hairer, Norsett & Wanner 1993, `dopri5`): growth from an error of nothing to a small one is no reason to
-/// shrink.
+/// The least previous error that counts (Hairer, Norsett & Wanner 1993, `dopri5`): growth from an error of nothing to a
+/// small one is no reason to shrink.
 const LEAST_PREVIOUS: f64 = 1e-4;
 /// Most a step shrinks at once.
 const MOST_SHRINK: f64 = 0.1;
@@ -76,7 +76,8 @@ impl Controller {
         (self.previous, self.dropped) = (now.max(LEAST_PREVIOUS), 0);
     }
 
-    /// Where forces are not smooth: what the last steps have shown is forgotten, but for their size where it is above `least` [s].
+    /// Where forces are not smooth: what the last steps have shown is forgotten, but for their size where it is above
+    /// `least` [s].
     pub fn restart(&mut self, least: f64) {
         *self = Controller::new(self.h.max(least));
     }

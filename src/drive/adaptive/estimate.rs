@@ -1,21 +1,23 @@
 //! The local error of a step, for any scheme.
 //!
-//! [`Quadrature`], for orders 1 and 2: the true accelerations a = M^-1 f at the step's ends and at the end of the step before
-//! define a parabola; what integrating it gives is right to h^4 in v and h^5 in x, so the scheme's difference from it is the leading
-//! term of its own local error, whatever the scheme (the idea of Milne's device: Hairer, Norsett & Wanner 1993, III.1). With
-//! g the step before, and d2 the second divided difference of a:
+//! [`Quadrature`], for orders 1 and 2: the true accelerations a = M^-1 f at the step's ends and at the end of the step
+//! before define a parabola; what integrating it gives is right to h^4 in v and h^5 in x, so the scheme's difference
+//! from it is the leading term of its own local error, whatever the scheme (the idea of Milne's device: Hairer, Norsett
+//! & Wanner 1993, III.1). With g the step before, and d2 the second divided difference of a:
 //! ```text
 //! e_x = x_{n+1} - x_n - h v_n - h^2/6 (2 a_n + a_{n+1}) + h^4/12 d2
 //! e_v = v_{n+1} - v_n - h/2 (a_n + a_{n+1})             + h^3/6  d2
 //! d2  = [(a_{n+1} - a_n)/h - (a_n - a_{n-1})/g] / (h + g)
 //! ```
-//! It costs no force pass. For Newmark's displacement it is the estimate h^2 (beta - 1/6) (a_{n+1} - a_n) of Zienkiewicz & Xie
-//! (1991, Earthquake Eng. Struct. Dyn. 20, 871-887) to leading order, and unlike that sees the velocity's error too, which is as large, and does not vanish for beta = 1/6.
+//! It costs no force pass. For Newmark's displacement it is the estimate h^2 (beta - 1/6) (a_{n+1} - a_n) of
+//! Zienkiewicz & Xie (1991, Earthquake Eng. Struct. Dyn. 20, 871-887) to leading order, and unlike that sees the
+//! velocity's error too, which is as large, and does not vanish for beta = 1/6.
 //!
-//! [`embedded`], for schemes that bring their own estimate ([`crate::integrate::PairInfo`]), whatever came before. The run goes on with the finer of the two
-//! solutions (local extrapolation), whose own error is the estimate's times about C w h, with a constant C of the pair and the w of what
-//! moves. So it is the estimate of a step, not that of a unit of time, that is in proportion to what the errors come to at the end: error per
-//! step with extrapolation (XEPS: Shampine 1977, Math. Comp. 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
+//! [`embedded`], for schemes that bring their own estimate ([`crate::integrate::PairInfo`]), whatever came before. The
+//! run goes on with the finer of the two solutions (local extrapolation), whose own error is the estimate's times about
+//! C w h, with a constant C of the pair and the w of what moves. So it is the estimate of a step, not that of a unit of
+//! time, that is in proportion to what the errors come to at the end: error per step with extrapolation (XEPS: Shampine
+//! 1977, Math. Comp. 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
 //!
 //! [`doubled`], for higher orders and for steps without a step before: one step against two halves, divided by
 //! 2^p - 1 (Hairer, Norsett & Wanner 1993, section II.4).
@@ -44,7 +46,8 @@ impl LocalError {
     }
 }
 
-/// What the motion has come to so far: errors are compared with it. Norms are Euclidean, over all degrees of freedom. Part of a checkpoint.
+/// What the motion has come to so far: errors are compared with it. Norms are Euclidean, over all degrees of freedom.
+/// Part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// [m] largest displacement from where it was at t = 0
@@ -93,8 +96,8 @@ impl Motion {
         Motion { slow: KEPT * self.slow + bends.slow, fast: KEPT * self.fast + bends.fast, ..self }
     }
 
-    /// With the state `at`, of a run that began at positions `start`. Only of a step that is kept: one that blows up is not to be
-    /// compared with its own size.
+    /// With the state `at`, of a run that began at positions `start`. Only of a step that is kept: one that blows up is
+    /// not to be compared with its own size.
     #[must_use]
     pub fn at(self, start: &[f64], at: StateRef<'_>) -> Self {
         let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
@@ -108,9 +111,9 @@ impl Motion {
         if period > 0.0 { h / period } else { 1.0 }
     }
 
-    /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what moves
-    /// fastest counts, because that is what a step gets wrong.
-    /// Never less than the step of `h` [s]: the next one makes that of it in any case, also of a scene that has not moved yet.
+    /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what
+    /// moves fastest counts, because that is what a step gets wrong. Never less than the step of `h` [s]: the next one
+    /// makes that of it in any case, also of a scene that has not moved yet.
     fn period(&self, h: f64) -> f64 {
         let whole = if self.v > 0.0 { self.x / self.v } else { 0.0 };
         let bend = (self.slow / self.fast).sqrt();
@@ -127,9 +130,9 @@ impl Motion {
         if self.v > 0.0 { (self.x / self.v).max(h) } else { h }
     }
 
-    /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of freedom. What rounding of that state
-    /// makes of an estimate is left out, as long as it is below the tolerance: it does not fall with the step, and shared out over time it would hold short
-    /// steps short for ever.
+    /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of
+    /// freedom. What rounding of that state makes of an estimate is left out, as long as it is below the tolerance: it
+    /// does not fall with the step, and shared out over time it would hold short steps short for ever.
     pub fn deviation(
         &self,
         h: f64,
@@ -209,8 +212,8 @@ impl Quadrature {
     }
 }
 
-/// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v are one step of the same
-/// oscillations, so they tell the time scale as two derivatives of the acceleration do.
+/// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v
+/// are one step of the same oscillations, so they tell the time scale as two derivatives of the acceleration do.
 pub fn embedded(stepper: &mut Stepper<'_>, attempt: Attempt<'_>, to: &Point, error: &mut LocalError) -> Bends {
     stepper.embedded_error(attempt, to, ErrorOut { x: &mut error.x, v: &mut error.v });
     let mut bends = Bends::default();

@@ -1,8 +1,9 @@
 //! How long a scene remembers an error.
 //!
-//! Damping makes an error of velocity e decay at the rate lambda/2, where lambda is the Rayleigh quotient (e.C e)/(e.M e). If all errors of a run of
-//! duration T decayed at that rate, what is left of them at its end would be 2/(lambda T) of their sum. But the quotient is dominated by what decays fast, and
-//! does not show what decays slowly, so only the square root of that gain is counted on.
+//! Damping makes an error of velocity e decay at the rate lambda/2, where lambda is the Rayleigh quotient (e.C e)/(e.M
+//! e). If all errors of a run of duration T decayed at that rate, what is left of them at its end would be 2/(lambda T)
+//! of their sum. But the quotient is dominated by what decays fast, and does not show what decays slowly, so only the
+//! square root of that gain is counted on.
 
 use serde::{Deserialize, Serialize};
 

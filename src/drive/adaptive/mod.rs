@@ -1,21 +1,24 @@
 //! Steps as large as a tolerance allows, for every scheme.
 //!
-//! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance, so that errors which only add
-//! up come to the tolerance at the end, whatever the steps were. The estimates are in [`estimate`], the choice of the next step in
-//! [`controller`]. An attempt that is too far off, not finite or cannot be solved is dropped, which restores everything; a step
-//! below the floor ends the run with a diagnosis.
+//! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance, so that
+//! errors which only add up come to the tolerance at the end, whatever the steps were. The estimates are in
+//! [`estimate`], the choice of the next step in [`controller`]. An attempt that is too far off, not finite or cannot be
+//! solved is dropped, which restores everything; a step below the floor ends the run with a diagnosis.
 //!
-//! The tolerance is on the root mean square over the free degrees of freedom. What errors really come to is not known in a run; local
-//! errors are shared out so that on swinging pendulums and cloths the result lies within a factor of ten of the tolerance (most within
-//! three; `tests/claims/tolerance.rs`): their norms add up to about three times what they do themselves, and damping forgets them
-//! ([`memory`]). Motion that multiplies errors, such as buckling, is beyond any of this.
+//! The tolerance is on the root mean square over the free degrees of freedom. What errors really come to is not known
+//! in a run; local errors are shared out so that on swinging pendulums and cloths the result lies within a factor of
+//! ten of the tolerance (most within three; `tests/claims/tolerance.rs`): their norms add up to about three times what
+//! they do themselves, and damping forgets them ([`memory`]). Motion that multiplies errors, such as buckling, is
+//! beyond any of this.
 //!
-//! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step. After
-//! three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together may make half of it.
+//! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step.
+//! After three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together
+//! may make half of it.
 //!
-//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of their own at frames, too). They end where a
-//! spring goes slack or taut as well, if what that changes within the step is no small part of the tolerance ([`branch`]). After either the run begins
-//! anew ([`restart`]). A run that does not go on any more ends with a diagnosis.
+//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of
+//! their own at frames, too). They end where a spring goes slack or taut as well, if what that changes within the step
+//! is no small part of the tolerance ([`branch`]). After either the run begins anew ([`restart`]). A run that does not
+//! go on any more ends with a diagnosis.
 
 mod attempt;
 mod branch;
@@ -45,12 +48,13 @@ const FIRST: f64 = 1e-3;
 const LARGEST: f64 = 0.1;
 /// Smallest step, as a share of the run, but for rounding of the time.
 const SMALLEST: f64 = 1e-13;
-/// The norms of all local errors, added up, over what the errors come to: they change direction, and partly cancel. About what was
-/// measured on swinging pendulums and cloths (`tests/claims/tolerance.rs`).
+/// The norms of all local errors, added up, over what the errors come to: they change direction, and partly cancel.
+/// About what was measured on swinging pendulums and cloths (`tests/claims/tolerance.rs`).
 const CANCELLED: f64 = 3.0;
 /// [-] of the tolerance that a step across a jump may make.
 const SHARE: f64 = 0.01;
-/// [-] of the tolerance that any step may make: what is left of short steps is rounding, and a longer one is the way out.
+/// [-] of the tolerance that any step may make: what is left of short steps is rounding, and a longer one is the way
+/// out.
 const TRIFLE: f64 = 1e-6;
 /// Attempts after which a step counts as one across a jump.
 const PATIENCE: u32 = 3;
@@ -245,8 +249,8 @@ impl Adaptive {
         self.state.progress.stalls(t, at_row, self.spec.end)
     }
 
-    /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of it. Whether it was
-    /// the first of two halves decides whether the scheme has gone on already.
+    /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of
+    /// it. Whether it was the first of two halves decides whether the scheme has gone on already.
     ///
     /// # Errors
     /// When what the scheme carried does not fit, which it does.
@@ -267,7 +271,8 @@ impl Adaptive {
         let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
         let off = moved.deviation(trial.h, &self.error, end.state.as_ref(), tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
-        // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the estimate.
+        // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the
+        // estimate.
         let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.turn(trial.h));
         let per_time = own * (run / trial.h) / share;
         let judged = Judged { h: trial.h, error: per_time, order, most_growth };

@@ -17,8 +17,9 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// After an accepted step that ended at `t` [s] of a run of `run` [s]: the time [s] that the last [`STEPS`] took, if it is too little. The count begins
-    /// again where a step ends at the row of a table: tables are finite, so such steps do not go on for ever.
+    /// After an accepted step that ended at `t` [s] of a run of `run` [s]: the time [s] that the last [`STEPS`] took,
+    /// if it is too little. The count begins again where a step ends at the row of a table: tables are finite, so such
+    /// steps do not go on for ever.
     pub fn stalls(&mut self, t: f64, at_row: bool, run: f64) -> Option<f64> {
         self.steps += 1;
         if self.steps < STEPS && !at_row {

@@ -1,13 +1,15 @@
-//! A new beginning where forces are not smooth in time: at the corner of a table, and where a spring has gone slack or taut.
+//! A new beginning where forces are not smooth in time: at the corner of a table, and where a spring has gone slack or
+//! taut.
 //!
-//! The scheme drops what it carries, and the step is at least the one that follows from what acts now, however short those before it were. As for the starting
-//! step of Hairer, Norsett & Wanner (1993, section II.4), a short explicit step shows how fast accelerations change:
+//! The scheme drops what it carries, and the step is at least the one that follows from what acts now, however short
+//! those before it were. As for the starting step of Hairer, Norsett & Wanner (1993, section II.4), a short explicit
+//! step shows how fast accelerations change:
 //! ```text
 //! j = |a(t + s, x + s v + s^2/2 a, v + s a) - a| / s
 //! h = sqrt(2 tol / (T j)),  of order 1  h = 2 tol / (T |a|)
 //! ```
-//! so that an error of j h^3/6 (order 1: a h^2/2) is about what a step of h in a run of T may make of the error tol. The first step's error is estimated by halving it,
-//! so a beginning that is too large shrinks.
+//! so that an error of j h^3/6 (order 1: a h^2/2) is about what a step of h in a run of T may make of the error tol.
+//! The first step's error is estimated by halving it, so a beginning that is too large shrinks.
 
 use super::attempt::Bench;
 use super::{Adaptive, FIRST, LARGEST};

@@ -11,7 +11,8 @@ use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
 
 impl Run<'_> {
-    /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end before.
+    /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end
+    /// before.
     pub(super) fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,

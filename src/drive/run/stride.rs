@@ -1,8 +1,8 @@
 //! Several steps in one go, where nobody needs to see the states on the way ([`crate::model::stride`]).
 //!
-//! Every step of a stride enters the account and is watched as a single step is, but for the size of the scene, which is told of the last state and bounded
-//! in those before. Where one looks wrong, the whole stride is dropped and its steps are made again one by one, so that what is reported is what the step
-//! itself shows.
+//! Every step of a stride enters the account and is watched as a single step is, but for the size of the scene, which
+//! is told of the last state and bounded in those before. Where one looks wrong, the whole stride is dropped and its
+//! steps are made again one by one, so that what is reported is what the step itself shows.
 
 use super::super::observer::{Coming, LedgerRow, Observer, Passing};
 use super::super::watch::{Watched, power_of};
@@ -22,7 +22,8 @@ pub(super) struct Strides {
     dropped: u32,
 }
 
-/// After each dropped stride in a row twice as many steps are made one by one, up to its length times two to this power.
+/// After each dropped stride in a row twice as many steps are made one by one, up to its length times two to this
+/// power.
 const PATIENCE: u32 = 10;
 
 impl Run<'_> {
@@ -65,7 +66,8 @@ impl Run<'_> {
         Ok(done)
     }
 
-    /// The steps that may be made in one go; never the last of a run, which may be shorter and before which a run is kept.
+    /// The steps that may be made in one go; never the last of a run, which may be shorter and before which a run is
+    /// kept.
     fn coming(&self, observers: &[&mut dyn Observer]) -> ([Coming; LONGEST], usize) {
         let mut coming = [Coming::default(); LONGEST];
         let Pace::Fixed(clock) = &self.pace else { return (coming, 0) };
@@ -86,14 +88,16 @@ impl Run<'_> {
         let mut power_before = power_of(self.scene, &self.from.forces.tallies);
         for ((step, passed), row) in coming.iter().zip(&strides.passed).zip(&mut strides.rows) {
             let after = self.ledger.passed(self.scene, passed);
-            // Where bounds are told, nodes were nowhere farther out before than they can have come from, with as much again for what speeds are between the ends of steps.
+            // Where bounds are told, nodes were nowhere farther out before than they can have come from, with as much
+            // again for what speeds are between the ends of steps.
             way += 2.0 * step.h * passed.max_speed();
             if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent() + way) {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.from, &self.to);
             let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
-            // Steps by stages are made in strides only where no force does work that the account asks for: then it matters not who has summed it.
+            // Steps by stages are made in strides only where no force does work that the account asks for: then it
+            // matters not who has summed it.
             let (by_stages, step_number) = (false, step.step);
             let watched =
                 Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };

@@ -10,7 +10,8 @@ use super::{BLOW_UP, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::Stepper;
 
-/// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half, which it has.
+/// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half,
+/// which it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     First,

@@ -1,4 +1,5 @@
-//! The simplest elements, for tests of what goes over elements: they add to either end what is at the other, times a weight.
+//! The simplest elements, for tests of what goes over elements: they add to either end what is at the other, times a
+//! weight.
 
 use super::{EdgeBatch, EdgeKernel, Edges};
 use crate::force::batch::{Records, Wants};

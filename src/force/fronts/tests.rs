@@ -43,7 +43,8 @@ impl Done {
         }
     }
 
-    /// Goes over a front, and looks that everything is there when it is needed and is needed no more when it is replaced.
+    /// Goes over a front, and looks that everything is there when it is needed and is needed no more when it is
+    /// replaced.
     fn go_over(&mut self, tiling: &Tiling, front: &mut Front, at_once: usize) {
         let strip_of: Vec<usize> =
             tiling.strips().flat_map(|strip| tiling.tiles_of(strip..strip + 1).map(move |_| strip)).collect();
@@ -73,8 +74,9 @@ impl Done {
     }
 }
 
-/// Whatever the strips, levels and threads: every strip and every node of every level has its turn once, after what it needs and before what replaces
-/// that; fronts side by side go over strips of their own, and none has much less to do than it should.
+/// Whatever the strips, levels and threads: every strip and every node of every level has its turn once, after what it
+/// needs and before what replaces that; fronts side by side go over strips of their own, and none has much less to do
+/// than it should.
 #[test]
 fn fronts_go_over_everything_in_time() {
     let mut divided = Vec::new();

@@ -86,7 +86,8 @@ fn pairs_push_as_their_triangles_do() {
     }
 }
 
-/// Each adds what it has to: nothing is lost where two pairs of a group have nodes in common, or a triangle has one twice.
+/// Each adds what it has to: nothing is lost where two pairs of a group have nodes in common, or a triangle has one
+/// twice.
 #[test]
 fn nodes_may_be_met_again() {
     let group: Group = [[0, 4, 8, 12], [0, 8, 12, 16], [4, 0, 8, 8], [4, 4, 8, 12]];

@@ -161,7 +161,8 @@ fn one_by_one<T: Terms>((terms, sweep): &(T, Sweep), (kicks, present): (Kicks, [
     Found { forces: from.forces, state: from.state, told: of_steps }
 }
 
-/// Of one strip and of many, of strips with several tiles, and such that elements reach many strips ahead, so that levels wait for each other.
+/// Of one strip and of many, of strips with several tiles, and such that elements reach many strips ahead, so that
+/// levels wait for each other.
 const LIMITS: [(usize, usize); 7] = [(NODES, 900), (250, 600), (64, 300), (32, 300), (16, 300), (16, 60), (40, 50)];
 
 fn assert_same<T: Terms>(

@@ -1,4 +1,5 @@
-//! Four numbers in a register of a processor with AVX2. `pulp` proves that it has them, so that its instructions are safe to call; none is fused.
+//! Four numbers in a register of a processor with AVX2. `pulp` proves that it has them, so that its instructions are
+//! safe to call; none is fused.
 
 use super::{Pass, Quad, VectorUnit};
 use pulp::x86::V3;

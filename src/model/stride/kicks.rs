@@ -9,8 +9,8 @@
 //! u = v + k M^-1 f,  x += h u,  v += h M^-1 f         a step begins
 //! v = u + l M^-1 f                                    with the forces at these
 //! ```
-//! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of four numbers, the last of them 0). The same
-//! operations as in single steps, and in the same order: the same bits.
+//! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of
+//! four numbers, the last of them 0). The same operations as in single steps, and in the same order: the same bits.
 
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
@@ -44,8 +44,8 @@ pub struct Nodes<'a, const W: usize> {
     pub v: &'a mut [f64],
     /// [m/s] u of the next step, where it predicts; else empty
     pub kicked: &'a mut [f64],
-    /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0 afterwards where another step follows, whose
-    /// pass adds to them
+    /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0
+    /// afterwards where another step follows, whose pass adds to them
     pub f: &'a mut [f64],
 }
 

@@ -1,4 +1,5 @@
-//! Steps of Runge-Kutta methods each of whose stages goes on from the slopes of the one before, and what happens to nodes between their force passes.
+//! Steps of Runge-Kutta methods each of whose stages goes on from the slopes of the one before, and what happens to
+//! nodes between their force passes.
 //!
 //! ```text
 //! k_1 = (v_n, M^-1 f_n),   y_i = y_n + c_i h k_{i-1},   k_i = (v_i, M^-1 f(y_i))         y = (x, v)
@@ -55,7 +56,8 @@ impl Stages<'_> {
         begin(nodes, self.first, reach);
     }
 
-    /// Goes on with the forces of a stage, by its number among the others; after the last nodes are where the step ends.
+    /// Goes on with the forces of a stage, by its number among the others; after the last nodes are where the step
+    /// ends.
     pub fn go_on(&self, nodes: &mut Staged<'_>, stage: usize) {
         let weight = self.others[stage].weight;
         match self.others.get(stage + 1) {

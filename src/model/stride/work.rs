@@ -9,7 +9,8 @@ use super::kicks::{columns, filled, groups};
 use crate::model::motion::BLOCK;
 use crate::model::quad::{self, Quad, VectorUnit};
 
-/// [J] Sums of f . (x - x_from) for each of the forces [N]; vectors [m] of `W` numbers a node, three and perhaps one that is 0.
+/// [J] Sums of f . (x - x_from) for each of the forces [N]; vectors [m] of `W` numbers a node, three and perhaps one
+/// that is 0.
 pub fn work<const W: usize, const N: usize>(forces: [&[f64]; N], from: &[f64], x: &[f64]) -> [f64; N] {
     quad::run(Pass::<W, N> { forces, from, x })
 }

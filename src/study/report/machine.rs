@@ -32,7 +32,8 @@ pub struct Machine {
 }
 
 impl Rerun {
-    /// This machine, and the arguments of a command line without the program's own name, quoted as a POSIX shell wants them.
+    /// This machine, and the arguments of a command line without the program's own name, quoted as a POSIX shell wants
+    /// them.
     ///
     /// ```
     /// use canopy_fem::study::report::Rerun;
@@ -90,7 +91,8 @@ fn vectors() -> Vec<String> {
     Vec::new()
 }
 
-/// A day of the Gregorian calendar from the days since 1970-01-01 (Fliegel & Van Flandern 1968, from the Julian day number).
+/// A day of the Gregorian calendar from the days since 1970-01-01 (Fliegel & Van Flandern 1968, from the Julian day
+/// number).
 fn date(days: u64) -> String {
     let l = days + 2_440_588 + 68_569;
     let n = 4 * l / 146_097;

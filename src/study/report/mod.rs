@@ -1,7 +1,7 @@
 //! What a study leaves for its reader: tables, figures, and one page with all of it.
 //!
-//! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine differs from
-//! one machine and day to the next.
+//! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine
+//! differs from one machine and day to the next.
 
 mod case;
 mod convergence;

@@ -129,7 +129,8 @@ fn section(study: &Study, answers: &Answers, number: usize, variant: &Variant) -
     }
 }
 
-/// Wanted accuracy; method, pace, error (not told below `floor`) and cost of the best; the next one and its factor; the best of each family.
+/// Wanted accuracy; method, pace, error (not told below `floor`) and cost of the best; the next one and its factor; the
+/// best of each family.
 fn answer(answer: &Answer, floor: f64) -> [String; 9] {
     let Answer { wanted, best, next, explicit, implicit, .. } = answer;
     let factor = |pick: &Pick| format!("{} ×", figures(pick.cpu_seconds / best.cpu_seconds, 2));

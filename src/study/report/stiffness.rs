@@ -69,7 +69,8 @@ fn pair(points: &[&StiffnessPoint], markers: [Marker; 2], color: usize) -> [Line
     ]
 }
 
-/// Cost of the best explicit run at a factor, by interpolation of logarithms between its neighbours that both families have.
+/// Cost of the best explicit run at a factor, by interpolation of logarithms between its neighbours that both families
+/// have.
 fn cost_at(points: &[&StiffnessPoint], factor: f64) -> Option<f64> {
     let both = points.iter().filter(|p| p.implicit.is_some());
     let known: Vec<(f64, f64)> =

@@ -1,7 +1,8 @@
 //! How a method looks in all figures of a study.
 //!
-//! Its family is told by the shape of its marks: discs and triangles for explicit methods, stars for those without a matrix, squares and
-//! diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed lines with open ones.
+//! Its family is told by the shape of its marks: discs and triangles for explicit methods, stars for those without a
+//! matrix, squares and diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed
+//! lines with open ones.
 
 use crate::case::schema::Method;
 use crate::integrate::registry::Family;

@@ -7,8 +7,9 @@ use crate::scene::{BoundRoom, Scene};
 
 /// Looks at the scene in a run.
 const LOOKS: u64 = 64;
-/// [-] Measures that differ by no more than this share are the same. Of states with the same the last is kept: the start is known already, and what the measure cannot tell, such as a
-/// motion across springs that have come under tension, may be told by another.
+/// [-] Measures that differ by no more than this share are the same. Of states with the same the last is kept: the
+/// start is known already, and what the measure cannot tell, such as a motion across springs that have come under
+/// tension, may be told by another.
 const ROUNDING: f64 = 1e-7;
 
 /// Now and then a measure of the critical step, from one pass over the elements.

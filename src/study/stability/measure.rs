@@ -1,9 +1,10 @@
 //! One run of a method at one step: how long it is, what came of it, and where the scene was stiffest on its way.
 //!
-//! A run has to be long enough for an instability just beyond the limit to grow from the tiny displacement that the run starts with to a size
-//! that cannot be overlooked. How fast it grows follows from one step of the scheme on the oscillator that sets the limit. A run makes as many
-//! steps as that growth takes, at least as many as the case itself would, and no more than a number of force passes (or implicit steps) that
-//! depends on the size of the scene alone. A run beyond the predicted limit that is cut short by this, and holds, settles nothing.
+//! A run has to be long enough for an instability just beyond the limit to grow from the tiny displacement that the run
+//! starts with to a size that cannot be overlooked. How fast it grows follows from one step of the scheme on the
+//! oscillator that sets the limit. A run makes as many steps as that growth takes, at least as many as the case itself
+//! would, and no more than a number of force passes (or implicit steps) that depends on the size of the scene alone. A
+//! run beyond the predicted limit that is cut short by this, and holds, settles nothing.
 
 use super::row::RunRow;
 use super::start::Start;
@@ -22,15 +23,15 @@ use crate::scene::{BoundRoom, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start holds hardly anything
-/// becomes far larger than any stable motion.
+/// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start
+/// holds hardly anything becomes far larger than any stable motion.
 pub(super) const E_FOLDS: f64 = 45.0;
 /// [-] Share by which a step lies beyond the predicted limit if its growth is to show in a run.
 const BEYOND: f64 = 0.015;
 /// Degree-of-freedom passes of an explicit run, and most passes of one.
 pub(super) const PASSES: [f64; 2] = [8e6, 2e5];
-/// Degree-of-freedom steps of an implicit run of a method with a predicted limit, and most steps of one: growth a percent beyond a limit takes a thousand
-/// steps where damping slows it. A run takes a second or two.
+/// Degree-of-freedom steps of an implicit run of a method with a predicted limit, and most steps of one: growth a
+/// percent beyond a limit takes a thousand steps where damping slows it. A run takes a second or two.
 const SOLVES: [f64; 2] = [4e6, 1e5];
 /// The same where no growth is waited for.
 const UNLIMITED_SOLVES: [f64; 2] = [6e4, 1e3];
@@ -167,8 +168,9 @@ impl<'a> Bench<'a> {
         self.e_folds(h).map_or(f64::INFINITY, |rate| rate * self.steps(h) as f64)
     }
 
-    /// Whether a run at step `h` [s] that held says that the step is stable: beyond the predicted limit it has to be long enough for growth to
-    /// be seen. Of methods without a predicted limit nothing is known that a run could be too short for.
+    /// Whether a run at step `h` [s] that held says that the step is stable: beyond the predicted limit it has to be
+    /// long enough for growth to be seen. Of methods without a predicted limit nothing is known that a run could be too
+    /// short for.
     pub fn settles(&self, h: f64) -> bool {
         let Kind::Near(limit) = self.kind() else { return true };
         let folds = self.folds(h);
@@ -201,7 +203,8 @@ impl<'a> Bench<'a> {
     pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
         let steps = self.steps(h);
         before(h, steps)?;
-        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is nothing to it.
+        // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
+        // nothing to it.
         let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
         let (outcome, judge) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {

@@ -1,16 +1,16 @@
-//! The largest stable step of every method on a scene: predicted from the spectrum at t = 0, and measured by bisection over real runs
-//! of the real scene.
+//! The largest stable step of every method on a scene: predicted from the spectrum at t = 0, and measured by bisection
+//! over real runs of the real scene.
 //!
 //! ```text
 //! predicted   Spectrum::critical_step: the scene's outer motions, and one real step of the scheme on an oscillator
 //! measured    [h, H]: runs at h held, runs at H did not; H/h - 1 is half a percent where the prediction is confirmed
 //! ```
-//! Runs begin at the scene's own start, a little displaced so that what is unstable shows in a scene at rest too; a scene whose own motion is
-//! linear is measured from small motion where its own start gives another limit (`start`).
-//! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of a percent needs
-//! hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how long the runs are,
-//! `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the budget, which only leaves
-//! methods out.
+//! Runs begin at the scene's own start, a little displaced so that what is unstable shows in a scene at rest too; a
+//! scene whose own motion is linear is measured from small motion where its own start gives another limit (`start`).
+//! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of
+//! a percent needs hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how
+//! long the runs are, `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the
+//! budget, which only leaves methods out.
 
 mod explain;
 mod looks;
@@ -131,8 +131,8 @@ struct Common<'a> {
 type Before<'a> = dyn FnMut(f64, u64) -> Result<(), Halt> + 'a;
 
 impl Common<'_> {
-    /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's own motion is
-    /// linear, from small motion.
+    /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's
+    /// own motion is linear, from small motion.
     fn measure(&self, row: &mut Row, of: (&MethodChoice, CriticalStep), before: &mut Before<'_>) {
         row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
         let given = From { start: row.start, state: &self.given };

@@ -1,10 +1,10 @@
 //! Stability regions, and the scene's own motions in them.
 //!
-//! The plane of z = h lambda: an oscillation of frequency w and damping ratio zeta has lambda = w (-zeta +- i sqrt(1 - zeta^2)). A
-//! method is stable where the spectral radius of one real step of its code on that oscillator is at most 1; the boundary is sought along
-//! rays of equal zeta from the imaginary axis (undamped) to the real one (zeta = 1). What a scheme that treats x and v differently does to
-//! a motion damped more than critically is no matter of z alone: such motions are left out of its panel. Methods without a region are
-//! named in the legend, with what was measured of them.
+//! The plane of z = h lambda: an oscillation of frequency w and damping ratio zeta has lambda = w (-zeta +- i sqrt(1 -
+//! zeta^2)). A method is stable where the spectral radius of one real step of its code on that oscillator is at most 1;
+//! the boundary is sought along rays of equal zeta from the imaginary axis (undamped) to the real one (zeta = 1). What
+//! a scheme that treats x and v differently does to a motion damped more than critically is no matter of z alone: such
+//! motions are left out of its panel. Methods without a region are named in the legend, with what was measured of them.
 
 use super::{KnownBy, Row, Stability, Status};
 use crate::analysis::critical::{Spectrum, has_limit};

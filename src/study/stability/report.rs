@@ -6,9 +6,10 @@ use crate::figures::figures;
 use crate::output::names::csv_field;
 use std::fmt::Write;
 
-/// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no number. Two words say what
-/// each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or `refused`, `measurement` is `limit`, `none-holds`,
-/// `no-limit-found`, `not-settled`, `refused`, `out-of-budget` or `interrupted`.
+/// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no
+/// number. Two words say what each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or
+/// `refused`, `measurement` is `limit`, `none-holds`, `no-limit-found`, `not-settled`, `refused`, `out-of-budget` or
+/// `interrupted`.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = String::from("method,predicted,measured,prediction,measurement\n");
     for row in rows {

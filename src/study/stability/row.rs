@@ -87,8 +87,8 @@ pub struct Row {
     pub at_least: Option<f64>,
     /// [s] where a limit is not settled, or the study ended before: least step known to fail
     pub at_most: Option<f64>,
-    /// what runs from the scene's own start gave, where `start` is small motion: the scene's own motion is linear, and steps near the limit
-    /// are not
+    /// what runs from the scene's own start gave, where `start` is small motion: the scene's own motion is linear, and
+    /// steps near the limit are not
     pub as_given: Option<AsGiven>,
     /// [-] measured over predicted
     pub ratio: Option<f64>,

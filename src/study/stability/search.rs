@@ -4,7 +4,8 @@ use super::Kind;
 
 /// Share of the prediction by which it is tried on either side.
 const NEAR: f64 = 0.02;
-/// [-] relative widths at which bisection ends: about a confirmed prediction, elsewhere, for methods whose steps are dear.
+/// [-] relative widths at which bisection ends: about a confirmed prediction, elsewhere, for methods whose steps are
+/// dear.
 const WIDTHS: [f64; 3] = [0.0051, 0.01, 0.05];
 /// Largest factor between two steps of the search outwards.
 const STRIDE: f64 = 256.0;
@@ -26,7 +27,8 @@ pub(super) struct Bracket {
     pub unstable: Option<f64>,
 }
 
-/// Brackets the largest stable step; `reference` [s] is where the search begins if nothing is predicted, `end` [s] that of the case.
+/// Brackets the largest stable step; `reference` [s] is where the search begins if nothing is predicted, `end` [s] that
+/// of the case.
 ///
 /// # Errors
 /// Those of `holds`.
@@ -146,7 +148,8 @@ mod tests {
         (found, runs)
     }
 
-    /// A right prediction is confirmed to half a percent in six runs; a wrong one is corrected to a percent, however wrong it is.
+    /// A right prediction is confirmed to half a percent in six runs; a wrong one is corrected to a percent, however
+    /// wrong it is.
     #[test]
     fn brackets_hold_the_limit() {
         for (limit, width, most) in

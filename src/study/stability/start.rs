@@ -5,10 +5,10 @@
 //! small motion  its equilibrium x with f(x, v = 0) = 0
 //! both          every free coordinate moved by up to 1e-8 of the scene's size
 //! ```
-//! The displacement gives every motion something to grow from, also in a scene at rest, and is rough so that none is left out.
-//! Near its limit a step (or a stage within it) may reach far beyond the motion there is: from the start as given it may leave the range in
-//! which a scene's forces are linear although the scene's own motion never does. Such a scene is measured from small motion, where
-//! the limit of the linear scene shows.
+//! The displacement gives every motion something to grow from, also in a scene at rest, and is rough so that none is
+//! left out. Near its limit a step (or a stage within it) may reach far beyond the motion there is: from the start as
+//! given it may leave the range in which a scene's forces are linear although the scene's own motion never does. Such a
+//! scene is measured from small motion, where the limit of the linear scene shows.
 
 use super::StabilitySpec;
 use super::measure::PASSES;
@@ -121,7 +121,8 @@ impl Tangent {
     }
 }
 
-/// Whether the scene's tangent stays what it is at the start, along its own motion; `None` where that cannot be followed.
+/// Whether the scene's tangent stays what it is at the start, along its own motion; `None` where that cannot be
+/// followed.
 fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &AtomicBool) -> Option<bool> {
     let method = MethodChoice::with_defaults("rk4").ok()?;
     let passes = (PASSES[0] / spec.scene.n_dof().max(1) as f64).min(PASSES[1]);
@@ -171,7 +172,8 @@ impl Observer for Follower<'_> {
     }
 }
 
-/// The state without velocities in which the forces at t = 0 are balanced: what an endless implicit step comes to rest in.
+/// The state without velocities in which the forces at t = 0 are balanced: what an endless implicit step comes to rest
+/// in.
 fn equilibrium(spec: &StabilitySpec<'_>) -> Option<State> {
     let scene = spec.scene;
     let method = MethodChoice::with_defaults("backward-euler").ok()?;

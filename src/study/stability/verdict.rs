@@ -10,11 +10,13 @@
 //!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the motion's from eighth to eighth
 //! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
 //! ```
-//! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable oscillation, as one step
-//! of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to 1/(1 - (h/h_c)^2), 25 times at
-//! 0.98 h_c and 100 times at 0.995 h_c, and down again within some ten steps; growth does not come down. An instability that a nonlinear
-//! scene holds at some level, such as a pendulum that whirls or a dashpot that overshoots in one spring of a cloth, keeps up a motion
-//! that dies out in shorter steps, or makes energy all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not swing: there the run's own watch decides, as it does in `solve`.
+//! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable
+//! oscillation, as one step of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to 1/(1
+//! - (h/h_c)^2), 25 times at 0.98 h_c and 100 times at 0.995 h_c, and down again within some ten steps; growth does not
+//! come down. An instability that a nonlinear scene holds at some level, such as a pendulum that whirls or a dashpot
+//! that overshoots in one spring of a cloth, keeps up a motion that dies out in shorter steps, or makes energy all the
+//! time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes do not
+//! swing: there the run's own watch decides, as it does in `solve`.
 
 use super::looks::Looks;
 use super::measure::Bench;
@@ -30,12 +32,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A share of the energy supplied that is beyond all swinging.
 const BLOWN: f64 = 1e8;
-/// A share that a stable run comes back below, again and again: of a scheme that never raises the energy of a linear scene, and of others.
+/// A share that a stable run comes back below, again and again: of a scheme that never raises the energy of a linear
+/// scene, and of others.
 pub(super) const STAYS: [f64; 2] = [3.0, 30.0];
 /// [-] part of the last quarter of a run in which a share stays.
 const MOST: f64 = 0.9;
 
-/// A rise of the energy of small motion from an eighth of the run to the next that is growth: share of the motion's, and of all supplied.
+/// A rise of the energy of small motion from an eighth of the run to the next that is growth: share of the motion's,
+/// and of all supplied.
 const RISE: [f64; 2] = [0.02, 1e-3];
 
 /// How a run ended.
@@ -189,7 +193,8 @@ impl Observer for Judge<'_> {
         let there = kinetic + elastic;
         let mut share = self.share(there);
         if share > BLOWN && self.calm {
-            // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not come as a jump.
+            // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not
+            // come as a jump.
             let h = step.to.state.t - step.from.state.t;
             let times = [step.from.state.t, step.to.state.t];
             // On resting masses: on moving ones the air resists what the scheme itself may have made.

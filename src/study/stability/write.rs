@@ -65,7 +65,8 @@ impl Folder {
         Ok(Folder(dir.to_owned()))
     }
 
-    /// Writes all files of a study; returns their paths. A study in which no method has a limit has no picture, and an earlier one goes.
+    /// Writes all files of a study; returns their paths. A study in which no method has a limit has no picture, and an
+    /// earlier one goes.
     ///
     /// # Errors
     /// When a file cannot be written or the picture not be drawn.

@@ -45,26 +45,27 @@ pub struct Advice {
     pub best: Choice,
     /// the cheapest of the other family: implicit against explicit
     pub runner_up: Option<Choice>,
-    /// [-] how many times the runner-up's integration costs what the best's does, by counted work; below 1 where the best was measured and
-    /// the runner-up, which was not, seems cheaper
+    /// [-] how many times the runner-up's integration costs what the best's does, by counted work; below 1 where the
+    /// best was measured and the runner-up, which was not, seems cheaper
     pub factor: Option<f64>,
-    /// [-] how many times cheaper to integrate the case's own run is, by counted work, where it is clearly cheaper and its error is not known
+    /// [-] how many times cheaper to integrate the case's own run is, by counted work, where it is clearly cheaper and
+    /// its error is not known
     pub own_cheaper: Option<f64>,
 }
 
-/// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else the first of
-/// the registry, where simple ones come first.
+/// [-] Costs within this factor are equal: then the case's own method is taken, else the one with the least error, else
+/// the first of the registry, where simple ones come first.
 const TIE: f64 = 1.15;
-/// Methods that come far, tried first so that dear ones are known as such at once. This and the next are choices between methods, not properties of
-/// them: another order costs time and changes no answer's truth.
+/// Methods that come far, tried first so that dear ones are known as such at once. This and the next are choices
+/// between methods, not properties of them: another order costs time and changes no answer's truth.
 const FIRST: [&str; 4] = ["velocity-verlet", "rk4", "dop853", "newmark"];
 /// Methods tried where no reference is affordable.
 const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
 
 /// [-] From so many times on the case's own run, whose error is not known, is said to be cheaper.
 const CHEAPER: f64 = 2.0;
-/// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that are told wrong
-/// by hundreds are steps, and so costs, told wrong by tens.
+/// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that
+/// are told wrong by hundreds are steps, and so costs, told wrong by tens.
 const FAR: f64 = 100.0;
 
 /// [-] Share of the mean step that local errors allow which is told where nothing was measured.
@@ -95,7 +96,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
         self.search.as_ref().is_some_and(|search| search.yardstick.seen() >= 1.0)
     }
 
-    /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their family are left out.
+    /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their
+    /// family are left out.
     pub fn offers(&self, trials: &mut Trials<'_>) -> Vec<Offer<'a>> {
         let mut offers = Vec::new();
         for implicit in [false, true] {
@@ -152,7 +154,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let offer = |candidate: &'a Candidate| {
             let limit = candidate.limit.filter(|limit| limit.step > 0.0)?;
             let made = trials.predict(candidate, Step::Adaptive(tolerance_of(accuracy))).ok()?;
-            // What the errors of single steps come to is not known: with the mean of the steps that they allow it may be hundreds of times more.
+            // What the errors of single steps come to is not known: with the mean of the steps that they allow it may
+            // be hundreds of times more.
             let careful = UNKNOWN * CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
             let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
             // Adaptive steps need other work: every change of a step changes W.
@@ -162,7 +165,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
         tried.filter_map(offer).collect()
     }
 
-    /// The cheapest of all and the cheapest of the other family; `complete` predicts a run of a method where it is not known, and adds its output.
+    /// The cheapest of all and the cheapest of the other family; `complete` predicts a run of a method where it is not
+    /// known, and adds its output.
     pub fn advise(
         &self,
         offers: &[Offer<'a>],
@@ -258,7 +262,8 @@ mod tests {
         Found { step: 1e-3, error: None, proof, seconds, run: None }
     }
 
-    /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its cost.
+    /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its
+    /// cost.
     #[test]
     fn what_was_measured_goes_first_unless_the_other_is_far_cheaper() {
         let candidates = ["velocity-verlet", "newmark"].map(|name| Candidate {

@@ -7,8 +7,8 @@ use std::cell::Cell;
 
 /// [-] Share of the run.
 const SHARE: f64 = 0.25;
-/// [s] What is always allowed on scenes of up to so many degrees of freedom. On larger ones it falls as these grow: to build them
-/// and to choose their solver costs time that is not counted here.
+/// [s] What is always allowed on scenes of up to so many degrees of freedom. On larger ones it falls as these grow: to
+/// build them and to choose their solver costs time that is not counted here.
 const LEAST: f64 = 3.0;
 const SMALL: f64 = 60_000.0;
 /// [s] A search of the spectrum for critical steps, a degree of freedom: some two hundred tangent products.
@@ -16,8 +16,8 @@ const SEARCH: f64 = 1e-5;
 /// [-] Part of what is allowed that such a search may take.
 const SEARCHES: f64 = 0.5;
 
-/// Nominal seconds that are left to spend: counted work times what it costs on an ordinary machine, so that what is left out is the same on every
-/// machine. Small pieces of work, each of a fraction of a second, are not counted.
+/// Nominal seconds that are left to spend: counted work times what it costs on an ordinary machine, so that what is
+/// left out is the same on every machine. Small pieces of work, each of a fraction of a second, are not counted.
 #[derive(Clone, Debug)]
 pub struct Budget {
     left: Cell<f64>,
@@ -51,7 +51,8 @@ impl Budget {
         left
     }
 
-    /// Whether a search of the spectrum is affordable, which the limits of all methods come from; else bounds from the elements must do.
+    /// Whether a search of the spectrum is affordable, which the limits of all methods come from; else bounds from the
+    /// elements must do.
     pub fn affords_search(&self, scene: &dyn Scene) -> bool {
         let cost = SEARCH * scene.n_dof() as f64;
         cost <= SEARCHES * self.left() && self.affords(cost)

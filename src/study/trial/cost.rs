@@ -11,9 +11,11 @@ use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
 
 /// [s] spent on one figure at most, if one piece of the work does not take longer already.
 const BUDGET: f64 = 0.01;
-/// [1/s] Operations of a Cholesky factorisation (8e9 on one core of the machine this was written on, 15.7 million entries).
+/// [1/s] Operations of a Cholesky factorisation (8e9 on one core of the machine this was written on, 15.7 million
+/// entries).
 const OPERATIONS: f64 = 6e9;
-/// [s] Nominal costs: an entry of W in an assembly, an entry of the factor in its making and in a solve (703 nodes, quiet: 0.22, 0.8 and 0.1 ms).
+/// [s] Nominal costs: an entry of W in an assembly, an entry of the factor in its making and in a solve (703 nodes,
+/// quiet: 0.22, 0.8 and 0.1 ms).
 const ASSEMBLY: f64 = 12e-9;
 const FACTOR: f64 = 2e-9;
 const SOLVE: f64 = 1.05e-9;
@@ -32,7 +34,8 @@ pub struct TermCost {
     pub name: &'static str,
     /// springs, triangles or nodes it goes over; null for a system without elements
     pub elements: Option<usize>,
-    /// [s] a force pass with it alone, which forces share much of, so that together they take less; null where it cannot be told apart
+    /// [s] a force pass with it alone, which forces share much of, so that together they take less; null where it
+    /// cannot be told apart
     pub seconds: Option<f64>,
 }
 
@@ -126,7 +129,8 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
     ForceCost { pass_seconds, terms }
 }
 
-/// Measures one tangent, its factorisation and a solve at the start of a scene; `weight` [1/s^2] is that of the mass, 4/h^2 for Newmark.
+/// Measures one tangent, its factorisation and a solve at the start of a scene; `weight` [1/s^2] is that of the mass,
+/// 4/h^2 for Newmark.
 ///
 /// # Errors
 /// What an implicit method would be refused with.

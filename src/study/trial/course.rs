@@ -1,4 +1,5 @@
-//! States sampled along a whole run, from which other methods are tried: a step at the end of a run may cost more than one at its start.
+//! States sampled along a whole run, from which other methods are tried: a step at the end of a run may cost more than
+//! one at its start.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -48,7 +49,8 @@ pub struct Course {
 }
 
 impl Course {
-    /// Follows a pilot until its end, its failure or the end of its budget; nothing of it is written. Empty when it cannot start.
+    /// Follows a pilot until its end, its failure or the end of its budget; nothing of it is written. Empty when it
+    /// cannot start.
     pub fn follow(scene: &dyn Scene, pilot: Pilot<'_>) -> Course {
         let Ok(mut stepper) = Stepper::bind(pilot.method.scheme(pilot.solver), scene.abilities()) else {
             return Course::default();

@@ -28,7 +28,8 @@ pub enum Basis {
 pub struct Estimate {
     /// what it rests on
     pub basis: Basis,
-    /// whether it may be wrong by more than a few times: adaptive steps that change along the run, which was not made to its end
+    /// whether it may be wrong by more than a few times: adaptive steps that change along the run, which was not made
+    /// to its end
     pub doubtful: bool,
     /// accepted steps to the end
     pub steps: f64,
@@ -51,8 +52,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A run to `end` [s] in `steps` steps of one size, or else in as many as the samples need; each sample stands for an equal part of the
-    /// run. `None` without samples.
+    /// A run to `end` [s] in `steps` steps of one size, or else in as many as the samples need; each sample stands for
+    /// an equal part of the run. `None` without samples.
     pub fn of(samples: &[Sample], end: f64, steps: Option<u64>) -> Option<Estimate> {
         if samples.is_empty() {
             return None;
@@ -84,8 +85,8 @@ impl Estimate {
         })
     }
 
-    /// An adaptive run to `end` [s] that was made from its start, samples standing for equal parts of what is left; without them it goes on as it
-    /// did last.
+    /// An adaptive run to `end` [s] that was made from its start, samples standing for equal parts of what is left;
+    /// without them it goes on as it did last.
     pub fn begun(made: &Beginning, later: &[Sample], end: f64) -> Estimate {
         let Beginning { sample: first, pace } = *made;
         let rest = (end - first.simulated).max(0.0);
@@ -154,7 +155,8 @@ impl Delivered {
 mod tests {
     use super::*;
 
-    /// A run that is dear in one half and cheap in the other costs the mean of fixed steps, but of adaptive ones the mean a second simulated.
+    /// A run that is dear in one half and cheap in the other costs the mean of fixed steps, but of adaptive ones the
+    /// mean a second simulated.
     #[test]
     fn parts_of_a_run_count_by_the_time_they_stand_for() {
         let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: [6.0; 5] };
@@ -167,7 +169,8 @@ mod tests {
         assert!(adaptive.doubtful && !fixed.doubtful);
     }
 
-    /// What was made counts as it is, samples for the rest only, and a pace that changes makes a doubt unless the end was seen.
+    /// What was made counts as it is, samples for the rest only, and a pace that changes makes a doubt unless the end
+    /// was seen.
     #[test]
     fn a_run_that_was_begun_goes_on_as_later_samples_tell() {
         let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 5] };

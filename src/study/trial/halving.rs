@@ -1,4 +1,5 @@
-//! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what their order tells of their errors.
+//! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what
+//! their order tells of their errors.
 
 use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
 use super::units::Units;
@@ -53,7 +54,8 @@ pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) 
     found
 }
 
-/// A run and its error, told by one with twice the step; `None` where one of them fails, needs more than it may, or is nowhere near the other.
+/// A run and its error, told by one with twice the step; `None` where one of them fails, needs more than it may, or is
+/// nowhere near the other.
 fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, purse: Purse) -> Option<(Delivered, f64)> {
     let method = &candidate.method;
     let (yardstick, made) = Yardstick::by(spec.scene, spec.problem, method, Step::Fixed(h), purse)?;
@@ -73,7 +75,8 @@ mod tests {
     use crate::study::trial::memory::Baseline;
     use std::path::Path;
 
-    /// Without any other reference the error that is told is that of the run, within a factor of three, and below the accuracy.
+    /// Without any other reference the error that is told is that of the run, within a factor of three, and below the
+    /// accuracy.
     #[test]
     fn a_run_with_twice_the_step_tells_the_error() {
         let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases");

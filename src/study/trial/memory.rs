@@ -16,8 +16,8 @@ const NODE: u64 = 700;
 const KEPT: u64 = 24;
 /// Vectors over all degrees of freedom that the search for a critical step works with, besides those that it keeps.
 const SEARCH: u64 = 10;
-/// [byte] of an LU an entry of W, for every doubling of the unknowns beyond 2^8; columns are ordered for the worst pivots. Measured on
-/// annuli of 703 to 40,000 nodes.
+/// [byte] of an LU an entry of W, for every doubling of the unknowns beyond 2^8; columns are ordered for the worst
+/// pivots. Measured on annuli of 703 to 40,000 nodes.
 const LU_ENTRY: f64 = 40.0;
 
 /// What the process held before any trial.
@@ -89,7 +89,8 @@ impl MemorySpec<'_> {
         let Some(tangent) = self.tangent.filter(|_| needs.family == Family::Implicit) else { return 0 };
         let (entries, blocks) = (tangent.matrix_nonzeros as u64, tangent.blocks as u64);
         match tangent.factor_nonzeros.or((tangent.linear_solver == "cg").then_some(0)) {
-            // Values and rows of W (again in blocks, for conjugate gradients), slots of the blocks, the factor and a front of it, and what the last steps of an iteration take.
+            // Values and rows of W (again in blocks, for conjugate gradients), slots of the blocks, the factor and a
+            // front of it, and what the last steps of an iteration take.
             Some(factor) => {
                 16 * entries + 4 * entries + 24 * blocks + 9 * factor as u64 + 8 * KEPT * tangent.unknowns as u64
             }

@@ -1,14 +1,16 @@
 //! What runs of a scene would cost, predicted from short trials, and the steps of an accuracy; nothing is written.
 //!
-//! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from states
-//! along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of refused steps is not known
-//! otherwise. What these steps cost stands for the parts of the run around them ([`estimate`]); the memory is counted ([`memory`]).
-//! Adaptive steps are first made from the start ([`beginning`]), and where that does not come to the end the states stand for the rest. A scheme may need far smaller
-//! steps in its own motion than from states of another, so paces that differ make a figure a doubtful one.
+//! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from
+//! states along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of
+//! refused steps is not known otherwise. What these steps cost stands for the parts of the run around them
+//! ([`estimate`]); the memory is counted ([`memory`]). Adaptive steps are first made from the start ([`beginning`]),
+//! and where that does not come to the end the states stand for the rest. A scheme may need far smaller steps in its
+//! own motion than from states of another, so paces that differ make a figure a doubtful one.
 //!
-//! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a reference
-//! ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked ([`advice`]) by what their work
-//! costs nominally ([`units`]). Where no reference is affordable an implicit run is compared with one of twice its step (`halving`).
+//! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a
+//! reference ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked
+//! ([`advice`]) by what their work costs nominally ([`units`]). Where no reference is affordable an implicit run is
+//! compared with one of twice its step (`halving`).
 
 pub mod advice;
 pub mod beginning;
@@ -93,8 +95,8 @@ pub struct Row {
     pub run: Option<Estimate>,
     /// why there is no such run
     pub refused: Option<String>,
-    /// [s] fixed step for the wanted accuracy; null where it was not looked for to its end, because another method of the family is clearly
-    /// cheaper
+    /// [s] fixed step for the wanted accuracy; null where it was not looked for to its end, because another method of
+    /// the family is clearly cheaper
     pub accuracy_step: Option<f64>,
     /// the run with that step
     pub at_accuracy: Option<Estimate>,
@@ -196,7 +198,8 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
     Forecast { force, tangent, tangent_refused, output, seen, methods, advice }
 }
 
-/// The step a method would run with: the case's, or what is stable; a method that has no stable step at all keeps the case's.
+/// The step a method would run with: the case's, or what is stable; a method that has no stable step at all keeps the
+/// case's.
 fn planned(candidate: &Candidate, step: Step, end: f64) -> Step {
     let Step::Fixed(asked) = step else { return step };
     let asked = asked.min(end);

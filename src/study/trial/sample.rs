@@ -136,7 +136,8 @@ pub fn sample(
     }
 }
 
-/// The state as a run of this method would have come to it, its account opened anew; for fixed steps at the nearest of their times.
+/// The state as a run of this method would have come to it, its account opened anew; for fixed steps at the nearest of
+/// their times.
 fn begin(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
@@ -202,7 +203,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// What the later steps cost: the first ones start from a state of another method, and adaptive steps have yet to find their size.
+    /// What the later steps cost: the first ones start from a state of another method, and adaptive steps have yet to
+    /// find their size.
     fn sample(&self) -> Option<Sample> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
         let settled = (first.step + last.step) / 2;

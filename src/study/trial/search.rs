@@ -105,7 +105,8 @@ impl Search<'_> {
         stable && (!self.dear(candidate) || [own, "newmark"].contains(&info.name))
     }
 
-    /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be told.
+    /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be
+    /// told.
     pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<Found> {
         let Yardstick { span, whole, .. } = self.yardstick;
         let method = &candidate.method;

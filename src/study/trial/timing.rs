@@ -26,7 +26,8 @@ impl Clock {
     }
 }
 
-/// [s] What a piece of work costs once it is warm: the median of a few samples, or the only one where that already takes `budget` [s].
+/// [s] What a piece of work costs once it is warm: the median of a few samples, or the only one where that already
+/// takes `budget` [s].
 pub fn median_seconds(budget: f64, mut work: impl FnMut()) -> f64 {
     let clock = Clock::default();
     let mut sample = |repeats: u32| {

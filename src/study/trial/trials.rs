@@ -23,10 +23,12 @@ const FAR: f64 = 0.5;
 const WINDOWS: usize = 3;
 /// [s] What a method may take from one state, with fixed steps and with adaptive ones.
 const ALLOWANCE: [f64; 2] = [0.015, 0.03];
-/// States for what adaptive steps leave of a run that was made from its start, and what a trial from one of them may take [s].
+/// States for what adaptive steps leave of a run that was made from its start, and what a trial from one of them may
+/// take [s].
 const MANY: usize = 8;
 const BEYOND: f64 = 0.012;
-/// [s] What makes a pilot dear: a single Newton iteration, or ten force passes; a method is tried from fewer states long before that.
+/// [s] What makes a pilot dear: a single Newton iteration, or ten force passes; a method is tried from fewer states
+/// long before that.
 const COSTLY: f64 = 0.03;
 /// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
 const DEAR: f64 = 0.15;
@@ -35,7 +37,8 @@ const UNTRIED: [f64; 2] = [2.0, 3.0];
 /// Steps of a trial from one state, and times as many that a trial of adaptive steps makes.
 const STEPS: f64 = 8.0;
 const ADAPTIVE: f64 = 4.0;
-/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that no trial tells.
+/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that no
+/// trial tells.
 const BEGINNING: f64 = 0.4;
 const PART: f64 = 0.1;
 /// [s] A run with fixed steps that nominally takes less is made whole.
@@ -149,8 +152,9 @@ impl<'a> Trials<'a> {
         Ok(estimate)
     }
 
-    /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and differs from one part of the run to the next.
-    /// Where only a small part was made and a trial of the rest fails, nothing is told here.
+    /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and
+    /// differs from one part of the run to the next. Where only a small part was made and a trial of the rest fails,
+    /// nothing is told here.
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
         let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
@@ -207,7 +211,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// [s] What trials of a method from so many states nominally take, where its steps are too dear for what trials are allowed.
+    /// [s] What trials of a method from so many states nominally take, where its steps are too dear for what trials are
+    /// allowed.
     fn beyond(&self, method: &MethodChoice, adaptive: bool, windows: usize) -> f64 {
         let [step, allowed] = [nominal_step(self.scene, method), ALLOWANCE[usize::from(adaptive)]];
         let times = if adaptive { ADAPTIVE } else { windows.max(1) as f64 };

@@ -8,10 +8,12 @@ use crate::study::bench::{nominal_pass, nominal_step};
 
 /// [s] What a step costs besides its forces and its equations: of itself, and a degree of freedom.
 const OVERHEAD: [f64; 2] = [3e-7, 4e-9];
-/// [-] Cost of a second force pass at the same positions over that of the first, from which it takes what follows from positions (annuli of 703 nodes in
-/// the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65; with a first pass that kept all sums apart).
+/// [-] Cost of a second force pass at the same positions over that of the first, from which it takes what follows from
+/// positions (annuli of 703 nodes in the wind: 0.88; of 10,000 and 100,000 nodes without: 0.65; with a first pass that
+/// kept all sums apart).
 const AGAIN: f64 = 0.7;
-/// Force passes, assemblies, factorisations and solves of an implicit step as far as it is not known: two iterations and a look whether they were enough.
+/// Force passes, assemblies, factorisations and solves of an implicit step as far as it is not known: two iterations
+/// and a look whether they were enough.
 const UNTRIED: [f64; 4] = [3.0, 2.0, 2.0, 2.0];
 /// The same where a matrix is kept.
 const KEPT: [f64; 4] = [3.0, 0.0, 0.0, 2.0];
@@ -30,8 +32,8 @@ pub struct Units {
 }
 
 impl Units {
-    /// All units are nominal, in proportions that hold on one core of an ordinary machine: what is recommended is the same in every call, whatever else
-    /// the machine does.
+    /// All units are nominal, in proportions that hold on one core of an ordinary machine: what is recommended is the
+    /// same in every call, whatever else the machine does.
     pub fn new(scene: &dyn Scene, tangent: Option<&TangentCost>) -> Units {
         let [assembly, factorization, solve] = tangent.map_or([0.0; 3], TangentCost::nominal);
         let step = OVERHEAD[0] + OVERHEAD[1] * scene.n_dof() as f64;
@@ -62,14 +64,15 @@ impl Units {
         }
     }
 
-    /// Passes a step that are not made in full. What a scheme evaluates only where forces depend on velocities is at positions that it has been to.
+    /// Passes a step that are not made in full. What a scheme evaluates only where forces depend on velocities is at
+    /// positions that it has been to.
     fn saved(&self, method: &MethodChoice) -> f64 {
         let [still, moving] = method.info.evaluations.map(f64::from);
         if self.moving { (1.0 - AGAIN) * (moving - still) } else { 0.0 }
     }
 
-    /// [s] What a step of a method costs before any was made, where that decides how far trials go. An implicit one is told by its equations, which mostly keep
-    /// a matrix, an explicit one as a study tells it.
+    /// [s] What a step of a method costs before any was made, where that decides how far trials go. An implicit one is
+    /// told by its equations, which mostly keep a matrix, an explicit one as a study tells it.
     pub fn affordable(&self, scene: &dyn Scene, method: &MethodChoice) -> f64 {
         match method.info.family {
             Family::Implicit => self.untried(method, 1.0),
@@ -82,8 +85,8 @@ impl Units {
 mod tests {
     use super::*;
 
-    /// A second pass at the same positions is cheaper than the first, before a step was made and by its count; one for the account alone costs as much as any, and is
-    /// known when it was made.
+    /// A second pass at the same positions is cheaper than the first, before a step was made and by its count; one for
+    /// the account alone costs as much as any, and is known when it was made.
     #[test]
     fn a_pass_at_the_same_positions_costs_less_and_one_for_the_account_as_much() {
         let units = Units { step: 0.0, work: [1.0, 0.0, 0.0, 0.0], moving: true, implicit: KEPT };

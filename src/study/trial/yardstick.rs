@@ -1,7 +1,9 @@
-//! Real runs of a scene from its start, as far as is affordable, against a reference: what a step or a tolerance delivers.
+//! Real runs of a scene from its start, as far as is affordable, against a reference: what a step or a tolerance
+//! delivers.
 //!
-//! What local errors come to is only known once they have added up (a phase that runs ahead, a motion that damps them), so it is measured. How
-//! far runs go is decided by nominal costs alone, and what they need is counted: the same case gives the same errors on every machine.
+//! What local errors come to is only known once they have added up (a phase that runs ahead, a motion that damps them),
+//! so it is measured. How far runs go is decided by nominal costs alone, and what they need is counted: the same case
+//! gives the same errors on every machine.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -114,7 +116,8 @@ impl<'a> Yardstick<'a> {
         (far && yardstick.reference.motion.squares > 0.0).then_some(yardstick)
     }
 
-    /// A run of any method to the end as a reference, and what it took; `None` where it does not come to the end, or nothing moves.
+    /// A run of any method to the end as a reference, and what it took; `None` where it does not come to the end, or
+    /// nothing moves.
     pub fn by(
         scene: &'a dyn Scene,
         problem: &Problem,

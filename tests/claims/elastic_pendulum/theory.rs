@@ -3,8 +3,8 @@
 use super::{END, MASS, RADIUS, SPEED, Spring};
 use faer::c64;
 
-/// [rad] angle after 100 turns of the even rotation of a scheme that keeps an invariant: of `angle(p)` a step, with the radius at which
-/// the invariant `r^2 momentum(p)` has the value of the start.
+/// [rad] angle after 100 turns of the even rotation of a scheme that keeps an invariant: of `angle(p)` a step, with the
+/// radius at which the invariant `r^2 momentum(p)` has the value of the start.
 pub fn even(spring: Spring, h: f64, start: f64, momentum: fn(f64) -> f64, angle: fn(f64) -> f64) -> f64 {
     let p = |r: f64| h * h * spring.pull(r);
     let (mut low, mut high) = (0.999 * RADIUS, 1.001 * RADIUS);
@@ -27,7 +27,8 @@ pub enum Braking {
 }
 
 impl Braking {
-    /// |lambda|^2 on x'' = -p/h^2 x. With x = lambda^n in Newmark's relations, beta = (1 - am + af)^2/4, gamma = 1/2 - am + af:
+    /// |lambda|^2 on x'' = -p/h^2 x. With x = lambda^n in Newmark's relations, beta = (1 - am + af)^2/4 and
+    /// gamma = 1/2 - am + af:
     /// (l - 1)^2 ((1 - am) l + am) + p ((1 - af) l + af) (beta l^2 + (1/2 + gamma - 2 beta) l + 1/2 + beta - gamma) = 0
     fn shrinking(self, p: f64) -> f64 {
         let (am, af) = match self {

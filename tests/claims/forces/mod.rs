@@ -1,8 +1,8 @@
 //! Every force law of a case against its closed form, at one state by hand.
 //!
-//! The probe is explicit Euler, x1 = x0 + h v0, v1 = v0 + h f(t0, x0, v0)/m: what a step adds to the velocity is the force at its
-//! start, and the second step has its force where x0 + h v0 is. Steps and masses are powers of two, so that nothing is rounded on
-//! the way but the force itself.
+//! The probe is explicit Euler, x1 = x0 + h v0, v1 = v0 + h f(t0, x0, v0)/m: what a step adds to the velocity is the
+//! force at its start, and the second step has its force where x0 + h v0 is. Steps and masses are powers of two, so
+//! that nothing is rounded on the way but the force itself.
 
 mod springs;
 mod surface;

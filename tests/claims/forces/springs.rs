@@ -126,7 +126,8 @@ fn dashpots(claims: &mut Vec<Claim>) {
     claims.push(agrees("relative dashpot on a slack spring, -c v", slack, -c * SPEED));
 }
 
-/// The end stands at (6, 2, 3), where the spring is 7 m long again: it has no tension, and another direction than in the mesh.
+/// The end stands at (6, 2, 3), where the spring is 7 m long again: it has no tension, and another direction than in
+/// the mesh.
 fn rayleigh(claims: &mut Vec<Claim>) {
     let turned = Start { displacement: DVec3::new(4.0, -1.0, -3.0), velocity: SPEED };
     let damped = |mass: f64, stiffness: f64| json!({"network": {"damping": {"rayleigh": {"mass": mass, "stiffness": stiffness}}}});

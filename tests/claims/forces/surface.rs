@@ -1,5 +1,6 @@
-//! The air, pressures and given forces: on a flat square across the wind, where dp A is the whole force, and on an inclined
-//! triangle with edges (1, 2, 2) and (2, 1, -2), of area 4.5 m^2 and normal N = (-2, 2, -1)/3, a third to each vertex.
+//! The air, pressures and given forces: on a flat square across the wind, where dp A is the whole force, and on an
+//! inclined triangle with edges (1, 2, 2) and (2, 1, -2), of area 4.5 m^2 and normal N = (-2, 2, -1)/3, a third to each
+//! vertex.
 
 use super::{ROUNDING, agrees, forces};
 use crate::claim::Claim;

@@ -41,8 +41,8 @@ impl Series {
     }
 }
 
-/// d ln w(0)/d q^(2/3) that a pressure gains by following the surface: it then also pushes outwards, and acts on the area that has
-/// been stretched. By shooting for n(0) with u(1) = 0, e = q^(2/3) being the switch:
+/// d ln w(0)/d q^(2/3) that a pressure gains by following the surface: it then also pushes outwards, and acts on the
+/// area that has been stretched. By shooting for n(0) with u(1) = 0, e = q^(2/3) being the switch:
 /// ```text
 /// w' = -(rho/2 + e u)/n,   n_t = u/rho + nu n,   rho n' = n_t - n + e rho w',   u' = n - nu n_t - w'^2/2
 /// ```

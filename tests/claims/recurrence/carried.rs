@@ -42,8 +42,8 @@ pub fn claims() -> Vec<Claim> {
     ]
 }
 
-/// What a scheme saves is all it needs: a new stepper that starts at the saved point and takes the saved vectors over goes on
-/// with the same bits.
+/// What a scheme saves is all it needs: a new stepper that starts at the saved point and takes the saved vectors over
+/// goes on with the same bits.
 fn restarted(case: &Case, scene: &Network) -> usize {
     let mut whole = Walk::start(case, scene);
     (0..10).for_each(|_| whole.step(2e-3));

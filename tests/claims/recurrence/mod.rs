@@ -25,8 +25,8 @@ fn follow(case: &Case, o: Oscillator, wh: f64, damper: Damper) -> f64 {
     for expected in case.expected(o, h, damper, start, 40) {
         walk.step(h);
         let (x, v) = (walk.from.state.x[dof], walk.from.state.v[dof]);
-        // An unstable step throws the mass through its anchor, where the spring is no longer linear; the predicted states of
-        // a step go farther than its result.
+        // An unstable step throws the mass through its anchor, where the spring is no longer linear; the predicted
+        // states of a step go farther than its result.
         if expected.x.abs() > 0.25 * REST {
             break;
         }

@@ -1,4 +1,5 @@
-//! What must hold of any bytes as a case file: refused with all faults in their places, or a scene that can be analysed and run.
+//! What must hold of any bytes as a case file: refused with all faults in their places, or a scene that can be analysed
+//! and run.
 //!
 //! Bytes after a NUL are `--set` assignments, one a line.
 

@@ -102,7 +102,8 @@ fn records_are_kicked_as_one_by_one() {
     assert_same::<4>();
 }
 
-/// Also at fixed degrees of freedom, where nothing moves: where a step is the last at once, else by the kinetic energy, in the next step at the latest.
+/// Also at fixed degrees of freedom, where nothing moves: where a step is the last at once, else by the kinetic energy,
+/// in the next step at the latest.
 fn a_wrong_force_is_told<const W: usize>() {
     every_way(|kicks, another| {
         for (at, wrong) in (0..6 * W).flat_map(|at| [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(|f| (at, f))) {
