@@ -12,6 +12,7 @@ use canopy_fem::case::schema::Method;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
+use canopy_fem::model::stop::Stop;
 use canopy_fem::output::process::cpu_seconds;
 use canopy_fem::solve::newton::Strategy;
 use canopy_fem::study::bench::{Bench, Try, choice};
@@ -112,7 +113,7 @@ fn run(bench: &Bench, line: &str) -> Result<String, Any> {
     }
     let mut sampler = Sampler::keeping(&*bench.scene, bench.every);
     let before = cpu_seconds().ok_or("this system does not tell processor time")?;
-    let what = Try { method: &method, step: pace.step(), solver, from: None };
+    let what = Try { method: &method, step: pace.step(), solver, from: None, interrupt: Stop::NEVER };
     let outcome = bench.run(what, &mut [&mut sampler], &AtomicBool::new(false))?;
     let seconds = cpu_seconds().ok_or("this system does not tell processor time")? - before;
     keep(&sampler.into_frames(), Path::new(file))?;

@@ -15,9 +15,9 @@
 //! load; it cannot strain a spring by more than the same share of what is supplied, so the second test does without it.
 //! Kang's filter holds dashpots that the account evaluates outside it, far too large in long steps: there only energy
 //! that is present counts as made, and dissipated energy as lost. The trapezoid of the ledger is blind to one fault:
-//! where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from 1/2 (f_n + f_{n+1}).(x_{n+1}
-//! - x_n) exactly the energy they make. Dashpots that give energy, and work of the air beyond twice what its power at
-//! either end of the step comes to, are therefore counted as made.
+//! where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
+//! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Dashpots that give energy, and work of the air
+//! beyond twice what its power at either end of the step comes to, are therefore counted as made.
 
 use super::observer::LedgerRow;
 use crate::integrate::registry::{Family, MethodInfo};

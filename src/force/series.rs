@@ -4,7 +4,7 @@ use super::step_samples::sampled_by_steps;
 use crate::model::spec::Series;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// A table, and what takes its place in a run of fixed steps: see [`sampled_by_steps`].
+/// A table, and what takes its place in a run of fixed steps: see `step_samples`.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
     given: Series<[f64; N]>,

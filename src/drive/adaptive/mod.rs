@@ -17,7 +17,7 @@
 //!
 //! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of
 //! their own at frames, too). They end where a spring goes slack or taut as well, if what that changes within the step
-//! is no small part of the tolerance ([`branch`]). After either the run begins anew ([`restart`]). A run that does not
+//! is no small part of the tolerance (`branch`). After either the run begins anew (`restart`). A run that does not
 //! go on any more ends with a diagnosis.
 
 mod attempt;
