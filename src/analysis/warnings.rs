@@ -63,11 +63,12 @@ pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warnin
     hidden.then(|| {
         let text = format!(
             "{} springs are slack at the start, so the critical step of {name} there, {} s, holds only until they go taut; with all of them \
-             taut it is about {} s, and the step is {} s",
+             taut it is about {} s, and the step is {} s{}",
             if slack.count == slack.of { format!("all {}", slack.of) } else { format!("{} of {}", slack.count, slack.of) },
             figures(limit.step, 3),
             figures(taut, 3),
-            figures(step, 4)
+            figures(step, 4),
+            if step > taut { format!(": take a step below {} s, or --method newmark", figures(taut, 2)) } else { String::new() }
         );
         Warning::new(WarningCode::SlackSprings, text)
     })

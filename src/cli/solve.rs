@@ -247,24 +247,25 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
         if let Some(t) = seen.last_frame {
             let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
         }
-        let _ = writeln!(text, "  results         {}", results.display());
-        return text;
+    } else {
+        if summary.critical_step == Some(0.0) {
+            let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
+        } else if let Some(critical) = summary.critical_step {
+            let later = seen.least.map_or_else(String::new, |least| {
+                format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4))
+            });
+            let (known, used) = (worth(seen.limit), step / critical);
+            let _ = writeln!(
+                text,
+                "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}"
+            );
+        }
+        let _ = writeln!(
+            text,
+            "  displacement    {:.6} m at most at the end, node {}",
+            seen.farthest.distance, seen.farthest.node
+        );
     }
-    if summary.critical_step == Some(0.0) {
-        let _ = writeln!(text, "  critical step   none: the method's energy grows at every step here");
-    } else if let Some(critical) = summary.critical_step {
-        let later = seen
-            .least
-            .map_or_else(String::new, |least| format!(", about {:.2e} s at t = {} s", least.step, figures(least.t, 4)));
-        let (known, used) = (worth(seen.limit), step / critical);
-        let _ =
-            writeln!(text, "  critical step   {critical:.2e} s at the start ({known}; {used:.2} of it used){later}");
-    }
-    let _ = writeln!(
-        text,
-        "  displacement    {:.6} m at most at the end, node {}",
-        seen.farthest.distance, seen.farthest.node
-    );
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
         let path = folder.file(CHECKPOINT);

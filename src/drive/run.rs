@@ -113,7 +113,8 @@ fn go_on(
         }
     }
     for o in observers.iter_mut() {
-        if matches!(status, Status::Diverged | Status::NotConverged) {
+        // Who goes on past a divergence wants to see what follows.
+        if matches!(status, Status::Diverged | Status::NotConverged) && !run.spec.keep_going {
             o.failed()?;
         }
         o.finished(&run.from)?;

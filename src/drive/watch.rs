@@ -234,7 +234,10 @@ impl Watch {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        if beyond > 0.0 { beyond / supplied.max(f64::MIN_POSITIVE) } else { 0.0 }
+        // Where nothing else was supplied, what a load gives in the step in which it comes on.
+        let pushed = self.push * self.account.longest.powi(2) + self.account.late_push;
+        let supplied = if supplied > 0.0 { supplied } else { pushed.max(f64::MIN_POSITIVE) };
+        if beyond > 0.0 { beyond / supplied } else { 0.0 }
     }
 
     /// The gain now.

@@ -20,14 +20,16 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 pub enum FolderError {
     /// There are results already.
     #[error(
-        "{folder} already holds results ({found}); give --force to replace them, --resume to go on from their checkpoint, or \
-         another folder with --out"
+        "{folder} already holds results ({found}); give --force to replace them,{} or another folder with --out",
+        if *.resumable { " --resume to go on from their checkpoint," } else { "" }
     )]
     HoldsResults {
         /// the folder
         folder: String,
         /// the first result found
         found: String,
+        /// whether a checkpoint is among them
+        resumable: bool,
     },
     /// Something else stands where results belong.
     #[error("{path} is {what}, where a result belongs; move it away or give another folder with --out")]
@@ -78,7 +80,8 @@ impl ResultFolder {
         let earlier = folder.earlier()?;
         if let Some(found) = earlier.first().filter(|_| !force) {
             let found = found.strip_prefix(dir).unwrap_or(found).display().to_string();
-            return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found });
+            let resumable = earlier.iter().any(|path| path.ends_with(CHECKPOINT));
+            return Err(FolderError::HoldsResults { folder: dir.display().to_string(), found, resumable });
         }
         for path in &earlier {
             fs::remove_file(path).map_err(|e| system(path, e))?;

@@ -11,7 +11,9 @@ use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
 use crate::case::spec::RowEvery;
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, Resumable, StepView};
+use crate::drive::observer::{
+    Coming, LedgerRow, ObserveError, Observer, Occasion, Passing, Point, Resumable, StepView,
+};
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
@@ -256,6 +258,10 @@ impl Observer for Recorder<'_> {
     }
 
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
+        // A run that goes on from a state that is not credible would not know the last one that is.
+        if self.last_good.is_some() && run.occasion == Occasion::Step {
+            return Ok(());
+        }
         let Self { shown, waiting, history_every, .. } = *self;
         let mark = RecorderMark { next_frame: self.schedule.position(), shown, waiting, history_every };
         match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
