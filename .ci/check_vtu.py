@@ -98,7 +98,7 @@ def check(pvd):
         told = arrays["displacement"] - first[1]["displacement"]
         scale = max(1.0, np.abs(points).max(), np.abs(arrays["displacement"]).max())
         worst = np.abs(moved - told).max()
-        rounding = 1e-12 if points.dtype == np.float64 else 3e-7
+        rounding = 1e-12 if arrays["displacement"].dtype == np.float64 else 3e-7
         need(worst <= rounding * scale, f"{path}: points and displacement differ by {worst} m")
     lo, hi = points.min(axis=0), points.max(axis=0)
     print(
