@@ -278,7 +278,7 @@ mod tests {
     const LIMIT: Duration = Duration::from_secs(5);
 
     /// The projection that Arnoldi's iteration made of a hanging rope of 15 segments with heavy dashpots
-    /// (`tests/faults`), bit by bit: its size, then its rows.
+    /// (`tests/robustness/faults`), bit by bit: its size, then its rows.
     fn endless() -> Mat<f64> {
         let numbers = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/endless-eigenvalues.txt"));
         let mut numbers = numbers.split_whitespace();
