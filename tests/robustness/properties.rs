@@ -1,8 +1,8 @@
 //! What must hold of every case, tried on random ones: hostile magnitudes with every method, and the symmetries of the
 //! equations.
 //!
-//! The cases are the same in every run. `PROPTEST_CASES=10000 cargo test --release --test robustness properties` goes deeper, with
-//! `PROPTEST_RNG_SEED=7` elsewhere. What once failed is in `found.txt` and is tried first.
+//! The cases are the same in every run. `PROPTEST_CASES=10000 cargo test --release --test robustness properties` goes
+//! deeper, with `PROPTEST_RNG_SEED=7` elsewhere. What once failed is in `found.txt` and is tried first.
 
 mod hostile;
 mod nets;
