@@ -14,7 +14,7 @@ use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::spec::NetworkSpec;
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
 use crate::study::trial::budget::Budget;

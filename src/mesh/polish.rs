@@ -8,7 +8,7 @@
 use super::MeshError;
 use super::distmesh::follow_plan;
 use super::flips::Flips;
-use super::layout::{Freedom, Plan, Start};
+use super::layout::{Freedom, Layout, MeshPlan};
 use super::quality::smallest_angle_of;
 use glam::DVec2;
 
@@ -22,7 +22,7 @@ const SEARCH: [f64; 2] = [0.2, 0.002];
 const MOVES: usize = 200;
 
 /// Improves the mesh in place and returns its triangles; `flips` is its triangulation before the nodes moved last.
-pub(super) fn polish(plan: &Plan, start: &mut Start, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn polish(plan: &MeshPlan, start: &mut Layout, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     let mut triangles = follow_plan(plan, start, &mut flips)?;
     for _ in 0..ROUNDS {
         let nodes = nodes_of_sharp(&start.points, &triangles);
@@ -49,7 +49,7 @@ fn nodes_of_sharp(points: &[DVec2], triangles: &[[u32; 3]]) -> Vec<u32> {
 }
 
 /// Searches along eight directions (a ray's two on a seam) with halving steps; true if the node moved.
-fn improve(plan: &Plan, start: &mut Start, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
+fn improve(plan: &MeshPlan, start: &mut Layout, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
     let here = start.points[node as usize];
     let diagonal = DVec2::new(std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2);
     let directions = match start.freedom[node as usize] {

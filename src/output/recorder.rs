@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
+use super::checkpoint_schedule::CheckpointSchedule;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
 use super::history::HistoryRow;
-use super::keeper::Keeper;
 use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
@@ -18,12 +18,12 @@ use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-pub use super::keeper::CheckpointSpec;
+pub use super::checkpoint_schedule::CheckpointSpec;
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 
 /// What a recorder is to record next; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RecorderMark {
+pub struct RecorderState {
     /// number of the next frame time
     next_frame: u64,
     /// [s] time of the newest frame
@@ -54,7 +54,7 @@ pub struct Recorder<'a> {
     between: State,
     forces: Forces,
     writer: ResultWriter,
-    keeper: Option<Keeper>,
+    keeper: Option<CheckpointSchedule>,
     /// what came before the newest states, where these are not credible
     last_good: Option<LastGood>,
     failed: bool,
@@ -75,7 +75,7 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let writer = ResultWriter::start(&files_spec(picture, spec))?;
-        let mark = RecorderMark { history_every: spec.history_every, ..RecorderMark::default() };
+        let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, spec, writer, mark))
     }
 
@@ -93,8 +93,8 @@ impl<'a> Recorder<'a> {
         Ok(Self::around(picture, spec, writer, checkpoint.recorder))
     }
 
-    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderMark) -> Self {
-        let RecorderMark { next_frame, shown, waiting, history_every } = mark;
+    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
+        let RecorderState { next_frame, shown, waiting, history_every } = mark;
         Self {
             picture,
             fields: spec.fields,
@@ -121,7 +121,7 @@ impl<'a> Recorder<'a> {
     /// Also keeps `checkpoint.bin`; a recorder does not unless it is told what the case is.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
-        Self { keeper: Some(Keeper::new(spec)), ..self }
+        Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }
     }
 
     fn show(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
@@ -263,7 +263,7 @@ impl Observer for Recorder<'_> {
             return Ok(());
         }
         let Self { shown, waiting, history_every, .. } = *self;
-        let mark = RecorderMark { next_frame: self.schedule.position(), shown, waiting, history_every };
+        let mark = RecorderState { next_frame: self.schedule.position(), shown, waiting, history_every };
         match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 /// A row and the line it begins on.
-pub(super) struct Row<'a> {
+pub(super) struct CsvRow<'a> {
     path: &'a Path,
     line: usize,
     cells: Vec<String>,
@@ -15,7 +15,7 @@ pub(super) struct Row<'a> {
 ///
 /// # Errors
 /// Another header, a row of another length, or a quote that does not end.
-pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<Row<'a>>, PlotError> {
+pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<CsvRow<'a>>, PlotError> {
     let columns = header.split(',').count();
     let mut reader = Reader { rest: text, line: 1 };
     let mut rows = Vec::new();
@@ -28,7 +28,7 @@ pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<R
                 return Err(fault(format!("expected the header \"{header}\"")));
             }
         } else if cells.len() == columns {
-            rows.push(Row { path, line, cells });
+            rows.push(CsvRow { path, line, cells });
         } else {
             return Err(fault(format!("{} values where {columns} are expected", cells.len())));
         }
@@ -40,7 +40,7 @@ pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<R
     Ok(rows)
 }
 
-impl Row<'_> {
+impl CsvRow<'_> {
     /// A cell as text.
     pub(super) fn text(&self, column: usize) -> &str {
         self.cells.get(column).map_or("", String::as_str)

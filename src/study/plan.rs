@@ -20,7 +20,7 @@ use crate::case::schema::Method;
 use crate::drive::clock::Step;
 use crate::integrate::registry::{MethodChoice, methods};
 use crate::model::stop::Stop;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
 pub const FORMAT: u32 = 3;
