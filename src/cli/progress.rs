@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::warning::{Warning, WarningCode};
 
 /// Between two updates of the line.
@@ -168,18 +168,12 @@ impl Observer for Progress {
         self.started(at, ledger)
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let t = step.to.state.t;
-        self.stepped(t, t - step.from.state.t, step.newton_iterations);
-        Ok(())
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.t, step.t - step.from, 0);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.t, step.h(), step.newton_iterations);
         Ok(())
     }
 
@@ -255,7 +249,6 @@ fn time_left(remaining: f64, rate: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::state::State;
 
     /// The line shows what a person waits for, and leaves out what the scheme does not have.
     #[test]
@@ -272,17 +265,7 @@ mod tests {
     /// While steps are quick the clock is read ever more rarely; when they become slow, at once again.
     #[test]
     fn clock_is_read_sparsely() {
-        let point = |t| Point { state: State { t, ..State::default() }, ..Point::default() };
-        let (from, to) = (point(0.0), point(0.1));
-        let view = StepView {
-            step: 1,
-            from: &from,
-            to: &to,
-            ledger: LedgerRow::default(),
-            newton_iterations: 3,
-            residual: 0.0,
-            credible: true,
-        };
+        let view = AcceptedStep { step: 1, t: 0.1, newton_iterations: 3, ..AcceptedStep::default() };
         let mut progress = Progress::new(1.0, Display::Quiet);
         let now = Instant::now();
         progress.clock = Some(RefreshClock { start: 0.0, looked: now, drawn: now, t: 0.0, rates: Rates::default() });

@@ -3,7 +3,7 @@
 use crate::common::run::{asset, case_of, changed, run};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::Problem;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::registry::{Family, methods};
@@ -47,8 +47,8 @@ impl Observer for Times {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.all.push(step.to.state.t);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.all.push(step.t);
         Ok(())
     }
 

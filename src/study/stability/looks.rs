@@ -1,7 +1,7 @@
 //! Where a scene was stiffest and softest on the way of a run.
 
 use crate::analysis::rates::step_by_bounds;
-use crate::drive::observer::StepView;
+use crate::drive::observer::AcceptedStep;
 use crate::model::state::{State, StateRef};
 use crate::scene::{BoundRoom, Scene};
 
@@ -42,9 +42,9 @@ impl<'a> Looks<'a> {
         }
     }
 
-    pub fn stepped(&mut self, step: &StepView<'_>) {
-        if step.step.is_multiple_of(self.every) {
-            self.look(step.to.state.as_ref());
+    pub fn stepped(&mut self, step: &AcceptedStep<'_>) {
+        if let Some(end) = step.end.filter(|_| step.step.is_multiple_of(self.every)) {
+            self.look(end.state.as_ref());
         }
     }
 

@@ -14,7 +14,7 @@ use super::StabilitySpec;
 use super::measure::PASSES;
 use crate::analysis::rough;
 use crate::drive::clock::Step;
-use crate::drive::observer::{ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use crate::drive::{self, Explain, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
@@ -156,9 +156,11 @@ struct Follower<'a> {
 }
 
 impl Observer for Follower<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         let look = step.step.is_multiple_of(self.every);
-        if self.stop.load(Ordering::Relaxed) || look && !self.tangent.is_same(self.scene, step.to.state.as_ref()) {
+        if self.stop.load(Ordering::Relaxed)
+            || look && !step.end.is_some_and(|end| self.tangent.is_same(self.scene, end.state.as_ref()))
+        {
             self.left.store(true, Ordering::Relaxed);
         }
         Ok(())
