@@ -3,14 +3,14 @@
 
 mod common;
 
-use canopy_fem::assembly::Pattern;
+use canopy_fem::assembly::{Pattern, TangentSystem};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::force::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};

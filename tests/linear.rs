@@ -3,11 +3,11 @@
 
 mod common;
 
-use canopy_fem::assembly::{Assembler, Pattern};
+use canopy_fem::assembly::{Assembler, Pattern, TangentSystem};
 use canopy_fem::force::threads::Threads;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};

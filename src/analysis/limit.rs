@@ -5,12 +5,13 @@
 
 use super::oscillator::Oscillator;
 use super::rates::Rates;
+use crate::assembly::Abilities;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Carried, Counters};
 use crate::model::point::Point;
-use crate::model::system::{Abilities, System};
+use crate::model::system::System;
 
 /// Excess of the spectral radius over 1 that is rounding.
 const ROUNDING: f64 = 1e-10;

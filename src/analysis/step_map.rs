@@ -7,7 +7,7 @@ use super::arnoldi::{Krylov, place};
 use super::linearised::{Linearised, norm, rough};
 use super::matrices::Matrices;
 use super::shape::Shape;
-use crate::assembly::{Assembler, PatternError};
+use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -16,7 +16,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TermInfo, Weights};
 use faer::c64;
 use std::sync::Arc;
 

@@ -11,8 +11,10 @@ mod assembler;
 mod export;
 mod pattern;
 mod record;
+mod system;
 
 pub use assembler::{Assembler, MatrixSink, Nodes};
 pub use export::{ExportError, write_matrix_market};
 pub use pattern::{Pattern, PatternError};
 pub use record::{Emission, Recorder};
+pub use system::{Abilities, TangentSystem};

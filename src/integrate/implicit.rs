@@ -13,8 +13,8 @@ use super::tangents::Tangents;
 pub use super::tangents::{Factor, kept_factor, refusal};
 use super::updates::acceleration;
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
+use crate::assembly::TangentSystem;
 use crate::model::point::Point;
-use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
 use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 

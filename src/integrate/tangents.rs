@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::kept::Make;
 use super::{Counters, StepError};
-use crate::assembly::Assembler;
+use crate::assembly::{Assembler, TangentSystem};
 use crate::model::state::StateRef;
-use crate::model::system::{TangentSystem, Weights};
+use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{

@@ -21,9 +21,10 @@ pub use check::BuildError;
 pub use network::Network;
 pub use pendulum::Pendulum;
 
+use crate::assembly::{Abilities, TangentSystem};
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
-use crate::model::system::{Abilities, TangentSystem, TermInfo};
+use crate::model::system::TermInfo;
 
 /// What a failure report points at, in the user's numbering.
 #[derive(Clone, Debug, Default, PartialEq)]

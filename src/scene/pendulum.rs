@@ -5,12 +5,12 @@
 //! ```
 
 use super::{BoundRoom, Scene, Suspect};
-use crate::assembly::{Assembler, PatternError};
+use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::picture::Picture;
 use crate::model::spec::PendulumSpec;
 use crate::model::state::{State, StateRef};
-use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TermInfo, Weights};
 
 /// A pendulum; its one degree of freedom is the angle [rad], its mass the moment of inertia.
 #[derive(Clone, Debug)]

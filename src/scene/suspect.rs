@@ -2,11 +2,12 @@
 
 use super::network::{Network, by_node, node_state};
 use super::{BoundRoom, Scene, Suspect};
+use crate::assembly::Abilities;
 use crate::force::{ForceTerm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
-use crate::model::system::{Abilities, Weights};
+use crate::model::system::Weights;
 use glam::{DMat3, DVec3};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
