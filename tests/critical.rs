@@ -2,7 +2,8 @@
 
 mod common;
 
-use canopy_fem::analysis::critical::{Confidence, CriticalStep, Spectrum};
+use canopy_fem::analysis::critical::{Confidence, CriticalStep};
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::integrate::Counters;

@@ -2,7 +2,7 @@
 //! small residual does not bound the error where eigenvectors are nearly parallel.
 
 use super::hessenberg::{Eigenvector, eigenvalues, eigenvector};
-use super::linearised::{LEAST_MOTIONS, add, affordable, norm, orthogonalise};
+use super::vectors::{MIN_ARNOLDI, add, affordable, norm, orthogonalise};
 use crate::model::stop::Stop;
 use faer::{Mat, c64};
 
@@ -74,7 +74,7 @@ fn project(
     mut times: impl FnMut(&[f64], &mut [f64]),
 ) -> Option<Projection> {
     let n = start.len();
-    let most = affordable(n, [LEAST_MOTIONS, most]);
+    let most = affordable(n, [MIN_ARNOLDI, most]);
     let mut h = Mat::<f64>::zeros(most + 1, most);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut q = start;

@@ -1,7 +1,7 @@
 //! Whether a scene buckles: a negative root of its stiffness, and where.
 
 use super::lanczos;
-use super::linearised::Linearised;
+use super::operators::Linearised;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;

@@ -1,7 +1,7 @@
 //! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in
 //! full where that is cheap.
 
-use super::linearised::{SHAPES, add, affordable, dot, norm, orthogonalise};
+use super::vectors::{SHAPES, add, affordable, dot, norm, orthogonalise};
 use crate::model::stop::Stop;
 use faer::{Mat, Side};
 

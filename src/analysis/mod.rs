@@ -7,13 +7,13 @@ pub mod critical;
 mod hessenberg;
 mod lanczos;
 pub mod limit;
-pub(crate) mod linearised;
-mod matrices;
-mod motions;
+pub(crate) mod modes;
+mod operators;
 mod oscillator;
 pub mod rates;
-mod shape;
+pub mod spectrum;
 mod step_map;
+mod vectors;
 pub mod warnings;
 
-pub(crate) use linearised::rough;
+pub(crate) use vectors::pseudo_random;

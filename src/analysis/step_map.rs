@@ -4,9 +4,9 @@
 //! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
 
 use super::arnoldi::{Krylov, place};
-use super::linearised::{Linearised, norm, rough};
-use super::matrices::Matrices;
-use super::shape::Shape;
+use super::modes::ModeShape;
+use super::operators::{Linearised, Matrices};
+use super::vectors::{norm, pseudo_random};
 use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
@@ -125,7 +125,7 @@ impl LinearScene {
                 let ritz = krylov.ritz(z);
                 let vector = krylov.vector(&ritz);
                 let close = ritz.residual <= (CONVERGED * size(&z)).min(CLOSE * (size(&z) - 1.0));
-                let own = || Shape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
+                let own = || ModeShape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
                 if close && own() {
                     continue;
                 }
@@ -175,7 +175,7 @@ impl LinearScene {
     fn krylov(&self, method: &MethodChoice, h: f64, search: Search<'_>, products: usize) -> Option<Krylov> {
         let (root, n) = (&self.root, self.root.len());
         let mut step = self.step_map(method, h, search.unit)?;
-        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
+        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { pseudo_random(i) } else { 0.0 }).collect();
         Krylov::of(start, products, search.stop, |q, y| step(q, y))
     }
 

@@ -1,8 +1,9 @@
 //! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
 //! are taut.
 
-use super::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable, remedy};
+use super::critical::{Confidence, CriticalStep, Effort, has_limit, plainly_stable, remedy};
 use super::rates::Rates;
+use super::spectrum::Spectrum;
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::{State, StateRef};

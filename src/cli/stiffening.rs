@@ -4,8 +4,9 @@
 //! and only then is anything said.
 
 use super::complain;
-use crate::analysis::critical::{CriticalStep, Effort, Spectrum, remedy};
-use crate::analysis::rates::step_by_bounds;
+use crate::analysis::critical::step_by_bounds;
+use crate::analysis::critical::{CriticalStep, Effort, remedy};
+use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
 use crate::figures::figures;

@@ -1,6 +1,6 @@
 //! Where a scene was stiffest and softest on the way of a run.
 
-use crate::analysis::rates::step_by_bounds;
+use crate::analysis::critical::step_by_bounds;
 use crate::drive::observer::StepView;
 use crate::model::state::{State, StateRef};
 use crate::scene::{BoundRoom, Scene};

@@ -1,0 +1,150 @@
+//! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
+
+use super::rates::Rates;
+use super::vectors::{dot, pseudo_random};
+use crate::assembly::Pattern;
+use crate::model::state::StateRef;
+use crate::model::stop::Stop;
+use crate::model::system::Weights;
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// K alone.
+pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
+/// C alone.
+pub(super) const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
+/// Degrees of freedom above which matrices would take more memory than a run with an explicit method.
+const MOST_ASSEMBLED: usize = 400_000;
+
+/// M^-1/2 (c C + k K) M^-1/2 at a state, as products.
+pub(super) struct Linearised<'a> {
+    pub scene: &'a dyn Scene,
+    pub at: StateRef<'a>,
+    /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
+    pub root: Vec<f64>,
+    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are
+    /// not.
+    pub matrices: Option<Arc<Matrices>>,
+    /// looked at between two products of an iteration
+    pub stop: Stop<'a>,
+}
+
+impl<'a> Linearised<'a> {
+    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>, stop: Stop<'a>) -> Self {
+        let root: Vec<f64> = scene.inverse_mass().iter().map(|m| m.sqrt()).collect();
+        let worth = (scene.velocity_dependent() || !scene.symmetric()) && root.len() <= MOST_ASSEMBLED;
+        let matrices = if worth && !stop.asked() { Matrices::of(scene, at).map(Arc::new) } else { None };
+        Linearised { scene, at, root, matrices, stop }
+    }
+
+    /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.
+    pub fn start(&self) -> Vec<f64> {
+        self.root.iter().enumerate().map(|(i, r)| if *r > 0.0 { pseudo_random(i) } else { 0.0 }).collect()
+    }
+
+    /// y = M^-1/2 (c C + k K) M^-1/2 q; `p` is room for M^-1/2 q.
+    pub fn times(&self, w: Weights, q: &[f64], p: &mut [f64], y: &mut [f64]) {
+        for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
+            *p = r * q;
+        }
+        match &self.matrices {
+            Some(matrices) => matrices.times([w.k, w.c], [p, p], y),
+            None => self.scene.tangent_times(self.at, w, p, y),
+        }
+        for (y, r) in y.iter_mut().zip(&self.root) {
+            *y *= r;
+        }
+    }
+
+    /// Rayleigh quotients of K and C of a shape, as rates; none where they are not finite.
+    pub fn quotients(&self, shape: &[f64]) -> Option<Rates> {
+        // There is none where products with the tangent overflow.
+        if shape.is_empty() {
+            return None;
+        }
+        let (mut p, mut y) = (vec![0.0; shape.len()], vec![0.0; shape.len()]);
+        let mut quotient = |w: Weights| {
+            self.times(w, shape, &mut p, &mut y);
+            dot(shape, &y) / dot(shape, shape)
+        };
+        let (k, c) = (quotient(STIFFNESS), quotient(DAMPING));
+        let rates = Rates { frequency: k.max(0.0).sqrt(), damping: c.max(0.0), ..Rates::default() };
+        (k.is_finite() && c.is_finite()).then_some(rates)
+    }
+
+    /// The degree of freedom that moves most.
+    pub fn place(&self, shape: &[f64]) -> usize {
+        let moves = |i: usize| (shape[i] * self.root[i]).abs();
+        (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
+    }
+}
+
+/// Entries `[k, c]` of K and C; rows and columns are degrees of freedom, those that are held have none.
+pub(super) struct Matrices {
+    start: Vec<u32>,
+    column: Vec<u32>,
+    values: Vec<[f64; 2]>,
+}
+
+impl Matrices {
+    /// `None` where the matrix cannot be numbered.
+    pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
+        let mut assembler = scene.assembler().ok()?;
+        let mut values = |c: f64, k: f64| {
+            scene.assemble(at, Weights { m: 0.0, c, k }, &mut assembler);
+            assembler.values().to_vec()
+        };
+        let (c, k) = (values(1.0, 0.0), values(0.0, 1.0));
+        Some(by_rows(&assembler.pattern, scene.n_dof(), [&k, &c]))
+    }
+
+    /// y = k K x + c C v
+    pub fn times(&self, [k, c]: [f64; 2], [x, v]: [&[f64]; 2], y: &mut [f64]) {
+        for (y, ends) in y.iter_mut().zip(self.start.windows(2)) {
+            let row = ends[0] as usize..ends[1] as usize;
+            let (mut of_k, mut of_c) = (0.0, 0.0);
+            for (&j, [stiffness, damping]) in self.column[row.clone()].iter().zip(&self.values[row]) {
+                of_k += stiffness * x[j as usize];
+                of_c += damping * v[j as usize];
+            }
+            *y = k * of_k + c * of_c;
+        }
+    }
+
+    /// `[k, c]` of a row and a column.
+    pub fn entry(&self, row: u32, column: u32) -> [f64; 2] {
+        let ends = |i: usize| self.start.get(i).map_or(0, |&end| end as usize);
+        let places = ends(row as usize)..ends(row as usize + 1);
+        places.into_iter().find(|&place| self.column[place] == column).map_or([0.0; 2], |place| self.values[place])
+    }
+}
+
+/// Stored entries go to their row and, of a symmetric matrix below the diagonal, to their column's row too.
+fn by_rows(pattern: &Pattern, n: usize, [k, c]: [&[f64]; 2]) -> Matrices {
+    let entries = |take: &mut dyn FnMut(u32, u32, usize)| {
+        for j in 0..pattern.n() {
+            let slots = pattern.col_ptr[j] as usize..;
+            for (&i, slot) in pattern.column(j).iter().zip(slots) {
+                let (row, column) = (pattern.dof[i as usize], pattern.dof[j]);
+                take(row, column, slot);
+                if pattern.symmetric && row != column {
+                    take(column, row, slot);
+                }
+            }
+        }
+    };
+    let mut start = vec![0_u32; n + 1];
+    entries(&mut |row, _, _| start[row as usize + 1] += 1);
+    for i in 0..n {
+        start[i + 1] += start[i];
+    }
+    let total = start[n] as usize;
+    let (mut column, mut values) = (vec![0; total], vec![[0.0; 2]; total]);
+    let mut next = start.clone();
+    entries(&mut |row, at, slot| {
+        let place = next[row as usize] as usize;
+        (column[place], values[place]) = (at, [k[slot], c[slot]]);
+        next[row as usize] += 1;
+    });
+    Matrices { start, column, values }
+}
