@@ -3,6 +3,7 @@
 use super::rates::Rates;
 use super::vectors::{dot, pseudo_random};
 use crate::assembly::Pattern;
+use crate::mesh::adjacency::row_starts;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
@@ -121,30 +122,22 @@ impl Matrices {
 
 /// Stored entries go to their row and, of a symmetric matrix below the diagonal, to their column's row too.
 fn by_rows(pattern: &Pattern, n: usize, [k, c]: [&[f64]; 2]) -> Matrices {
-    let entries = |take: &mut dyn FnMut(u32, u32, usize)| {
-        for j in 0..pattern.n() {
-            let slots = pattern.col_ptr[j] as usize..;
-            for (&i, slot) in pattern.column(j).iter().zip(slots) {
-                let (row, column) = (pattern.dof[i as usize], pattern.dof[j]);
-                take(row, column, slot);
-                if pattern.symmetric && row != column {
-                    take(column, row, slot);
-                }
-            }
-        }
-    };
-    let mut start = vec![0_u32; n + 1];
-    entries(&mut |row, _, _| start[row as usize + 1] += 1);
-    for i in 0..n {
-        start[i + 1] += start[i];
-    }
+    let entries = (0..pattern.n()).flat_map(|j| {
+        let first = pattern.col_ptr[j];
+        pattern.column(j).iter().zip(first..).flat_map(move |(&i, slot)| {
+            let (row, column) = (pattern.dof[i as usize], pattern.dof[j]);
+            let mirrored = pattern.symmetric && row != column;
+            std::iter::once((row, column, slot)).chain(mirrored.then_some((column, row, slot)))
+        })
+    });
+    let start = row_starts(n, entries.clone().map(|(row, ..)| row));
     let total = start[n] as usize;
     let (mut column, mut values) = (vec![0; total], vec![[0.0; 2]; total]);
     let mut next = start.clone();
-    entries(&mut |row, at, slot| {
-        let place = next[row as usize] as usize;
-        (column[place], values[place]) = (at, [k[slot], c[slot]]);
+    for (row, other, slot) in entries {
+        let at = next[row as usize] as usize;
+        (column[at], values[at]) = (other, [k[slot as usize], c[slot as usize]]);
         next[row as usize] += 1;
-    });
+    }
     Matrices { start, column, values }
 }

@@ -3,6 +3,7 @@
 use super::pattern::{Pattern, PatternError};
 use super::record::Recorder;
 use crate::force::TangentSink;
+use crate::mesh::adjacency::row_starts;
 use glam::DMat3;
 use std::sync::Arc;
 
@@ -231,13 +232,7 @@ fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blo
 
 /// Number of the block of every emitted pair of nodes, in the order of emission: 0 for those that are eliminated.
 fn blocks_of(recorder: &Recorder, pairs: &[(u32, u32)], nodes: usize, symmetric: bool) -> Vec<u32> {
-    let mut start = vec![0_u32; nodes + 1];
-    for &(j, _) in pairs {
-        start[j as usize + 1] += 1;
-    }
-    for j in 0..nodes {
-        start[j + 1] += start[j];
-    }
+    let start = row_starts(nodes, pairs.iter().map(|&(j, _)| j));
     let mut emitted = Vec::new();
     for &emission in &recorder.emissions {
         emission.blocks(symmetric, |i, j| {

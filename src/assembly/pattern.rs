@@ -46,6 +46,15 @@ impl Pattern {
         &self.row_idx[self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize]
     }
 
+    /// Node of every unknown `[n]`, as numbered in `node_start`.
+    pub fn node_of_unknown(&self) -> Vec<u32> {
+        let mut node = vec![0; self.n()];
+        for (g, unknowns) in (0..).zip(self.node_start.windows(2)) {
+            node[unknowns[0] as usize..unknowns[1] as usize].fill(g);
+        }
+        node
+    }
+
     /// Slot of entry (i, j), if it is stored.
     pub fn slot(&self, i: u32, j: u32) -> Option<u32> {
         let first = *self.col_ptr.get(j as usize)?;

@@ -3,6 +3,7 @@
 //! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
 //! `nodes[7]`. The engine renumbers for itself (`scene::numbering`).
 
+pub(crate) mod adjacency;
 pub mod annulus;
 pub mod chain;
 mod check;

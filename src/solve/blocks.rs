@@ -15,6 +15,7 @@
 
 use super::strips::Strip;
 use crate::assembly::Pattern;
+use crate::mesh::adjacency::Adjacency;
 use glam::{Mat3A, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 use std::sync::Arc;
@@ -101,14 +102,9 @@ impl NodeBlocks {
     /// is not stored is never written again. `node` is that of every unknown.
     pub fn new(pattern: Arc<Pattern>, strip: Strip, node: &[u32]) -> Self {
         let (own, places) = (strip.own.len(), strip.places());
-        let mut start = vec![0; own + 1];
-        pairs(&pattern, &strip, node, |column, _| start[column + 1] += 1);
-        (0..own).for_each(|g| start[g + 1] += start[g]);
-        let (mut next, mut row) = (start.clone(), vec![0; start[own] as usize]);
-        pairs(&pattern, &strip, node, |column, other| {
-            row[next[column] as usize] = other as u32;
-            next[column] += 1;
-        });
+        let mut found = Vec::new();
+        pairs(&pattern, &strip, node, |column, row| found.push((column as u32, row as u32)));
+        let Adjacency { start, items: mut row } = Adjacency::new(own, found.iter().copied());
         (0..own).for_each(|g| row[start[g] as usize..start[g + 1] as usize].sort_unstable());
         let place = |unknown: u32| strip.place(node[unknown as usize] as usize);
         let entry_of = |u: u32, r: u32| {

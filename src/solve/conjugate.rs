@@ -16,7 +16,7 @@ use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, W
 use super::norms::norm;
 use super::pieces::Pieces;
 use super::pivots::RELAXATION;
-use super::strips::{cut, node_of_unknown};
+use super::strips::cut;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use std::sync::Arc;
@@ -94,7 +94,7 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let strips = cut(&pattern, &node_of_unknown(&pattern));
+        let strips = cut(&pattern, &pattern.node_of_unknown());
         let pieces = Pieces::new(&pattern, strips, workers.clone());
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;

@@ -7,6 +7,7 @@
 //! (Liu 1990), because faer takes a given permutation as it is.
 
 use crate::assembly::Pattern;
+use crate::mesh::adjacency::Adjacency;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
@@ -67,20 +68,12 @@ fn invert(order: &[u32]) -> Vec<u32> {
 }
 
 /// Adjacency of the nodes that have unknowns, both directions, without loops.
-struct Graph {
-    start: Vec<u32>,
-    neighbour: Vec<u32>,
-}
+struct Graph(Adjacency);
 
 impl Graph {
     fn new(pattern: &Pattern) -> Self {
         let n = pattern.node_start.len() - 1;
-        let node_of: Vec<u32> = (0..n as u32)
-            .flat_map(|g| {
-                let width = pattern.node_start[g as usize + 1] - pattern.node_start[g as usize];
-                std::iter::repeat_n(g, width as usize)
-            })
-            .collect();
+        let node_of = pattern.node_of_unknown();
         let mut pairs = Vec::new();
         for g in 0..n as u32 {
             let mut last = NONE;
@@ -94,29 +87,22 @@ impl Graph {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let mut start = vec![0; n + 1];
-        for &(g, _) in &pairs {
-            start[g as usize + 1] += 1;
-        }
-        for g in 0..n {
-            start[g + 1] += start[g];
-        }
-        Graph { start, neighbour: pairs.into_iter().map(|(_, other)| other).collect() }
+        Graph(Adjacency::new(n, pairs.iter().copied()))
     }
 
     fn len(&self) -> usize {
-        self.start.len() - 1
+        self.0.len()
     }
 
     fn neighbours(&self, g: u32) -> &[u32] {
-        &self.neighbour[self.start[g as usize] as usize..self.start[g as usize + 1] as usize]
+        self.0.row(g)
     }
 
     fn minimum_degree(&self) -> Option<Vec<u32>> {
         let n = self.len();
-        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.start, None, &self.neighbour);
+        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.0.start, None, &self.0.items);
         let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
-        let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, self.neighbour.len())).ok()?;
+        let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, self.0.items.len())).ok()?;
         amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory)).ok()?;
         Some(order)
     }

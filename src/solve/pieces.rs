@@ -9,7 +9,7 @@
 
 use super::blocks::NodeBlocks;
 use super::eisenstat::{Curvature, Sweep};
-use super::strips::{Strip, node_of_unknown};
+use super::strips::Strip;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use glam::{DVec3, Vec3A};
@@ -123,7 +123,7 @@ pub(super) struct Pieces {
 impl Pieces {
     /// `strips` are both halves and the seam.
     pub fn new(pattern: &Arc<Pattern>, strips: [Strip; 3], workers: Workers) -> Self {
-        let node = node_of_unknown(pattern);
+        let node = pattern.node_of_unknown();
         // Nothing is handed over where there is a single piece.
         let workers = if strips[1].own.is_empty() { Workers::default() } else { workers };
         let piece = |strip| Piece::new(NodeBlocks::new(Arc::clone(pattern), strip, &node));

@@ -58,15 +58,6 @@ impl Strip {
     }
 }
 
-/// Node of every unknown.
-pub(super) fn node_of_unknown(pattern: &Pattern) -> Vec<u32> {
-    let mut node = vec![0; pattern.n()];
-    for (g, unknowns) in (0..).zip(pattern.node_start.windows(2)) {
-        node[unknowns[0] as usize..unknowns[1] as usize].fill(g);
-    }
-    node
-}
-
 /// Both halves and the seam between them; all in the first half where a cut would not serve.
 pub(super) fn cut(pattern: &Pattern, node: &[u32]) -> [Strip; 3] {
     let nodes = pattern.node_start.len() - 1;
@@ -123,7 +114,7 @@ mod tests {
     fn a_seam_parts_two_halves() {
         let (nodes, width) = (5000, 70);
         let pattern = net(nodes, width);
-        let [first, second, seam] = cut(&pattern, &node_of_unknown(&pattern));
+        let [first, second, seam] = cut(&pattern, &pattern.node_of_unknown());
         assert_eq!(seam.own.len(), width + 1);
         assert_eq!(first.seam, seam.own);
         assert_eq!([first.own.end, second.own.end], [seam.own.start, nodes]);
@@ -146,7 +137,7 @@ mod tests {
         pattern.row_idx[middle..last].fill(2499);
         let [before, middle] = [2498, 2499].map(|g| pattern.col_ptr[g] as usize);
         pattern.row_idx[before..middle].iter_mut().for_each(|r| *r = (*r).min(2499));
-        assert_eq!(cut(&pattern, &node_of_unknown(&pattern)), strips(5000, 2500..2500));
+        assert_eq!(cut(&pattern, &pattern.node_of_unknown()), strips(5000, 2500..2500));
     }
 
     /// Few nodes, and wide nets, are left in one piece.
@@ -154,7 +145,7 @@ mod tests {
     fn what_a_cut_does_not_serve_is_left_whole() {
         for (nodes, width) in [(LEAST - 1, 10), (5000, 4000), (5000, 900)] {
             let pattern = net(nodes, width);
-            assert_eq!(cut(&pattern, &node_of_unknown(&pattern)), strips(nodes, nodes..nodes), "{nodes}, {width}");
+            assert_eq!(cut(&pattern, &pattern.node_of_unknown()), strips(nodes, nodes..nodes), "{nodes}, {width}");
         }
     }
 }
