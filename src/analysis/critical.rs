@@ -1,5 +1,5 @@
-//! Critical steps: what one is worth, what to advise where a step is above it, and bounds from one pass over the elements.
-//! [`Spectrum`](super::spectrum::Spectrum) finds sharper ones.
+//! Critical steps: what one is worth, what to advise where a step is above it, and bounds from one pass over the
+//! elements. [`Spectrum`](super::spectrum::Spectrum) finds sharper ones.
 
 use super::limit::critical_step;
 use super::operators::{DAMPING, STIFFNESS};

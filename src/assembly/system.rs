@@ -31,7 +31,8 @@ pub trait TangentSystem: System {
     }
 
     /// Writes a symmetric approximation of W: terms with a symmetric tangent as they are (or made positive
-    /// semidefinite, if `convex`), the others by [`ForceTerm::symmetric_tangent`](crate::force::ForceTerm::symmetric_tangent).
+    /// semidefinite, if `convex`), the others by
+    /// [`ForceTerm::symmetric_tangent`](crate::force::ForceTerm::symmetric_tangent).
     fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
         let _ = (at, weights, convex, assembler);
     }

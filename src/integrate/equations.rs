@@ -7,7 +7,7 @@
 
 use super::Counters;
 use super::balance::{Forces, Sizes, Start, displace, rounding, unbalanced};
-use super::kept::{Kept, Make};
+use super::factor_cache::{FactorCache, FactorRequest};
 use super::stage::StageMap;
 use super::tangents::{Tangents, Which};
 use crate::assembly::TangentSystem;
@@ -29,7 +29,7 @@ pub(super) struct Equations<'a> {
     pub to: &'a mut Point,
     pub counters: &'a mut Counters,
     pub tangents: &'a mut Tangents,
-    pub kept: &'a mut Kept,
+    pub cache: &'a mut FactorCache,
     /// [m/s^2] accelerations at the step's end
     pub a_next: &'a mut [f64],
     /// [kg] by degree of freedom
@@ -104,11 +104,11 @@ impl Equations<'_> {
     }
 
     /// Makes the kept factor again where another has taken its place since the last accepted step.
-    pub fn recall(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, make)) = self.kept.missing() else { return Ok(()) };
+    pub fn rebuild_factor(&mut self) -> Result<(), LinearError> {
+        let Some((at, w, make)) = self.cache.to_rebuild() else { return Ok(()) };
         let mut spent = Counters::default();
         self.tangents.freeze(self.system, at, w, make, &mut spent)?;
-        if self.kept.recalled() {
+        if self.cache.rebuilt() {
             *self.counters = self.counters.plus(spent);
         }
         Ok(())
@@ -116,7 +116,7 @@ impl Equations<'_> {
 
     /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
-        let Some((at, w, make)) = self.kept.turn_convex() else { return Ok(false) };
+        let Some((at, w, make)) = self.cache.turn_convex() else { return Ok(false) };
         Ok(self.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
     }
 
@@ -181,18 +181,18 @@ impl NonlinearProblem for Equations<'_> {
         let w = self.weights();
         *self.mass_weight = Some(w.m);
         // Where W is symmetric the two share their room.
-        self.kept.is_lost(self.tangents.symmetric());
+        self.cache.discard(self.tangents.symmetric());
         self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
     fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
         let w = self.weights();
-        for make in [false, true].map(|convex| Make { convex, expected }) {
+        for make in [false, true].map(|convex| FactorRequest { convex, expected }) {
             match self.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {
-                    self.kept.take(self.to.state.as_ref(), w, make);
+                    self.cache.store(self.to.state.as_ref(), w, make);
                     return Ok(true);
                 }
             }
@@ -209,7 +209,7 @@ impl NonlinearProblem for Equations<'_> {
     }
 
     fn take_frozen(&mut self) {
-        *self.mass_weight = Some(self.kept.weights().m);
+        *self.mass_weight = Some(self.cache.weights().m);
         self.tangents.take(Which::Frozen);
     }
 

@@ -7,10 +7,10 @@
 
 use super::balance::{came_as, go_on};
 use super::equations::{Equations, Guess, scales};
-use super::kept::Kept;
+use super::factor_cache::FactorCache;
 use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
-pub use super::tangents::{Factor, kept_factor, refusal};
+pub use super::tangents::{Factor, cached_factor, refusal};
 use super::updates::acceleration;
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
 use crate::assembly::TangentSystem;
@@ -61,7 +61,7 @@ pub struct Implicit<M> {
 struct Solver {
     tangents: Tangents,
     newton: Newton,
-    kept: Kept,
+    cache: FactorCache,
     z: Vec<f64>,
     /// a_n as a step of another size would have left it
     a: Vec<f64>,
@@ -115,7 +115,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         self.solver = Some(Solver {
             tangents,
             newton,
-            kept: Kept::new(n),
+            cache: FactorCache::new(n),
             z,
             a: zero(),
             a_next: zero(),
@@ -162,7 +162,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             to,
             counters,
             tangents: &mut s.tangents,
-            kept: &mut s.kept,
+            cache: &mut s.cache,
             a_next: &mut s.a_next,
             mass: &s.mass,
             wide: s.wide.each_mut().map(|wide| &mut wide[..]),
@@ -176,12 +176,12 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             halfway: &mut s.halfway,
             mass_weight: &mut s.mass_weight,
         };
-        stage.recall()?;
+        stage.rebuild_factor()?;
         stage.fill(&mut s.z);
-        let mut frozen = stage.kept.usable(stage.weights());
+        let mut frozen = stage.cache.history_for(stage.weights());
         let solved = s.newton.solve(&mut stage, &mut s.z, scales, &mut frozen);
         s.guessed_well = stage.guess == guess;
-        s.kept.learn(frozen);
+        s.cache.set_history(frozen);
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
@@ -203,7 +203,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
             self.trend.straight = straight && s.guessed_well;
             self.trend.before.copy_from_slice(&self.a);
             std::mem::swap(&mut self.a, &mut s.a_next);
-            s.kept.accept();
+            s.cache.accept();
             self.made_with = self.attempted;
             self.anew = false;
         }
@@ -218,7 +218,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn save(&self) -> Carried {
         let mut vectors = vec![self.a.clone()];
-        let factor = self.solver.as_ref().and_then(|s| s.kept.save(&mut vectors));
+        let factor = self.solver.as_ref().and_then(|s| s.cache.save(&mut vectors));
         Carried { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
     }
 
@@ -229,9 +229,9 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         }
         match (&mut self.solver, &carried.factor) {
             (Some(s), Some(factor)) => {
-                let [x, v] = s.kept.room();
+                let [x, v] = s.cache.state_vectors();
                 carried.take_into(&mut [&mut self.a, x, v])?;
-                s.kept.restore(*factor);
+                s.cache.restore(*factor);
                 Ok(())
             }
             _ => carried.take_into(&mut [&mut self.a]),

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::kept::Make;
+use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
 use crate::assembly::{Assembler, TangentSystem};
 use crate::model::state::StateRef;
@@ -12,7 +12,7 @@ use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{
-    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for,
+    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, reusing_solver_for,
     solver_for,
 };
 
@@ -30,8 +30,8 @@ impl Factor {
         Ok(Factor { assembler, linear })
     }
 
-    fn kept(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
-        let linear = kept_solver_for(assembler.pattern.clone(), choice, workers)?;
+    fn for_reuse(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        let linear = reusing_solver_for(assembler.pattern.clone(), choice, workers)?;
         Ok(Factor { assembler, linear })
     }
 
@@ -45,7 +45,7 @@ impl Factor {
 ///
 /// # Errors
 /// When the pattern cannot be found or analysed.
-pub fn kept_factor(
+pub fn cached_factor(
     system: &dyn TangentSystem,
     strategy: Strategy,
     choice: LinearChoice,
@@ -55,7 +55,7 @@ pub fn kept_factor(
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::kept(assembler, choice, system.workers())?;
+    let factor = Factor::for_reuse(assembler, choice, system.workers())?;
     // What is not factorised is cheap to make, and cheaper to keep.
     let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), factor.assembler.pattern.n());
     Ok(keeps.then_some(factor))
@@ -100,7 +100,7 @@ impl Tangents {
     /// When patterns cannot be found or analysed, or the choice of solver does not fit.
     pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
         refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
-        let frozen = kept_factor(system, strategy, choice)?;
+        let frozen = cached_factor(system, strategy, choice)?;
         let exact = match &frozen {
             Some(_) => None,
             None => {
@@ -190,7 +190,7 @@ impl Tangents {
         system: &dyn TangentSystem,
         at: StateRef<'_>,
         w: Weights,
-        Make { convex, expected }: Make,
+        FactorRequest { convex, expected }: FactorRequest,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };

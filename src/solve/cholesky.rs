@@ -5,11 +5,11 @@
 //! supernodes (LBLT).
 
 use super::linear::{
-    Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution,
+    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, REUSED_RELATIVE, Work, check_finite, check_solution,
+    matrix, symbolic_matrix,
 };
+use super::mixed_precision::SinglePrecisionFactor;
 use super::ordering::{Permutation, fill_reducing};
-use super::single::SingleFactor;
-use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
 use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
@@ -44,7 +44,7 @@ pub struct Cholesky {
     kind: Kind,
     pivoting: Option<Box<Pivoting>>,
     /// the factor of a W that is kept, made when it is first called for
-    single: Option<Box<SingleFactor>>,
+    single: Option<Box<SinglePrecisionFactor>>,
     /// whether it serves for the W that was factorised last
     single_serves: bool,
     /// what further solves may leave
@@ -214,12 +214,12 @@ impl Cholesky {
     fn try_single(&mut self, values: &[f64]) -> bool {
         let single = match &mut self.single {
             Some(single) => single,
-            none => match SingleFactor::new(&self.symbolic) {
+            none => match SinglePrecisionFactor::new(&self.symbolic) {
                 Some(single) => none.insert(Box::new(single)),
                 None => return false,
             },
         };
-        if !single.take(&self.l) {
+        if !single.set_values(&self.l) {
             return false;
         }
         let (mut x, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
@@ -230,7 +230,7 @@ impl Cholesky {
         single.solve(&mut x);
         self.pattern.multiply(values, &x, &mut product);
         let left: f64 = product.iter().enumerate().map(|(i, p)| (p - rough(i)).powi(2)).sum();
-        let serves = left <= KEPT_RELATIVE * KEPT_RELATIVE * x.len() as f64;
+        let serves = left <= REUSED_RELATIVE * REUSED_RELATIVE * x.len() as f64;
         (self.refinement, self.product) = (x, product);
         serves
     }

@@ -1,5 +1,5 @@
 //! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only
-//! (`pivots`), with Eisenstat's product (1981).
+//! (`relaxed_ic0`), with Eisenstat's product (1981).
 //!
 //! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and making it ready
 //! costs about thirteen iterations. The number of iterations grows with the root of stiffness over inertia, h
@@ -11,12 +11,12 @@
 //! in single precision, and its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller
 //! residuals than single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
-use super::blocks::NodeBlocks;
+use super::bsr::NodeBlocks;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use super::norms::norm;
-use super::pieces::Pieces;
-use super::pivots::RELAXATION;
-use super::strips::cut;
+use super::partitioned_cg::PartitionedSystem;
+use super::relaxed_ic0::RELAXATION;
+use super::twisted_factorization::cut;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ const MOST: [usize; 2] = [200, 20_000];
 /// W x = b by conjugate gradients.
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
-    pieces: Pieces,
+    system: PartitionedSystem,
     workers: Workers,
     /// what a solve may leave
     accuracy: Accuracy,
@@ -56,19 +56,19 @@ pub struct ConjugateGradients {
     /// of the present solve
     iterations: u32,
     /// of all solves
-    all: u64,
+    total_iterations: u64,
     indefinite: u64,
 }
 
 /// A right-hand side in r.
-struct Taken {
+struct RightHandSide {
     /// largest entry of the right-hand side, over which it is taken
     scale: f64,
     /// r . r
     first: f64,
 }
 
-impl Taken {
+impl RightHandSide {
     /// [-] size of the right-hand side in the norm of residuals
     fn size(&self) -> f64 {
         self.scale * self.first.sqrt()
@@ -94,13 +94,23 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let strips = cut(&pattern, &pattern.node_of_unknown());
-        let pieces = Pieces::new(&pattern, strips, workers.clone());
+        let subdomains = cut(&pattern, &pattern.node_of_unknown());
+        let system = PartitionedSystem::new(&pattern, subdomains, workers.clone());
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
-        let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
+        let (accuracy, iterations, total_iterations, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
         let (refined, workers) = (None, workers.clone());
-        Ok(ConjugateGradients { pattern, pieces, workers, accuracy, refined, most, iterations, all, indefinite })
+        Ok(ConjugateGradients {
+            pattern,
+            system,
+            workers,
+            accuracy,
+            refined,
+            most,
+            iterations,
+            total_iterations,
+            indefinite,
+        })
     }
 
     /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual,
@@ -108,27 +118,27 @@ impl ConjugateGradients {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
-    pub(super) fn rehearse(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
+    pub(super) fn trial_solve(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
         let own = std::mem::replace(&mut self.most, most);
         self.iterations = 0;
-        let first = self.pieces.rehearse();
+        let first = self.system.set_trial_right_hand_side();
         let found = self.iterate(first, Accuracy::to(relative));
         self.most = own;
         found.map(|()| self.iterations)
     }
 
     /// Whether pivots with fill serve W: residuals tell what is left of a solution.
-    fn served(&mut self) -> bool {
+    fn relaxation_serves(&mut self) -> bool {
         let indefinite = self.indefinite;
-        let found = self.rehearse(0.0, PROBE);
+        let found = self.trial_solve(0.0, PROBE);
         // A nearly singular M makes rounding look like an indefinite W.
         self.indefinite = indefinite;
-        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.pieces.runs_within(LARGEST)
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system.runs_within(LARGEST)
     }
 
     /// Iterates until x^ is found, with the right-hand side and its square in r.
     fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
-        self.pieces.begin();
+        self.system.begin();
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
@@ -138,8 +148,8 @@ impl ConjugateGradients {
                 return Err(stalled(self.iterations, square));
             }
             self.iterations += 1;
-            self.all += 1;
-            let curvature = self.pieces.product(beta);
+            self.total_iterations += 1;
+            let curvature = self.system.product(beta);
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -153,7 +163,7 @@ impl ConjugateGradients {
             }
             let alpha = square / curvature.along;
             let before = square;
-            square = self.pieces.advance(alpha as f32);
+            square = self.system.advance(alpha as f32);
             if !square.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -165,17 +175,21 @@ impl ConjugateGradients {
     /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked
     /// for.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
-        let Taken { scale, first } = self.take(b)?;
+        let RightHandSide { scale, first } = self.set_right_hand_side(b)?;
         let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };
         self.iterate(first, possible)?;
-        self.pieces.finish(scale, b);
+        self.system.finish(scale, b);
         Ok(())
     }
 
     /// r <- (I + L)^-1 E^-1 b over the scale of b.
-    fn take(&mut self, b: &[f64]) -> Result<Taken, LinearError> {
-        let [scale, first] = self.pieces.take(b);
-        if first.is_finite() { Ok(Taken { scale, first }) } else { Err(LinearError::Singular { unknown: None }) }
+    fn set_right_hand_side(&mut self, b: &[f64]) -> Result<RightHandSide, LinearError> {
+        let [scale, first] = self.system.set_right_hand_side(b);
+        if first.is_finite() {
+            Ok(RightHandSide { scale, first })
+        } else {
+            Err(LinearError::Singular { unknown: None })
+        }
     }
 
     /// Solves for what is left of the right-hand side in double precision, until that is no more than was asked for.
@@ -200,7 +214,7 @@ impl ConjugateGradients {
         Accuracy { relative: asked, checked, .. }: Accuracy,
         [x, r]: [&mut [f64]; 2],
     ) -> Result<(), LinearError> {
-        let first = self.take(b)?.size();
+        let first = self.set_right_hand_side(b)?.size();
         let size = if checked { norm(b) } else { 0.0 };
         let mut left = 1.0;
         while first > 0.0 && left > asked {
@@ -218,7 +232,7 @@ impl ConjugateGradients {
                 *r = b - *r;
             }
             // No number where x has left the range of numbers.
-            let mut now = self.take(r).map_or(f64::NAN, |taken| taken.size()) / first;
+            let mut now = self.set_right_hand_side(r).map_or(f64::NAN, |taken| taken.size()) / first;
             if checked {
                 // M is that of a rounded W, and its norm may not see what the rounding has taken from W.
                 now = now.max(norm(r) / size);
@@ -236,8 +250,8 @@ impl LinearSolver for ConjugateGradients {
     /// Makes the blocks ready. Whether W is definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values, &self.workers)?;
-        let served = self.pieces.fill(values, RELAXATION) && self.served();
-        if served || self.pieces.fill(values, 0.0) {
+        let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
+        if served || self.system.set_values(values, 0.0) {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;
@@ -260,7 +274,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn work(&self) -> Work {
-        Work { factorizations: 0, iterations: self.all }
+        Work { factorizations: 0, iterations: self.total_iterations }
     }
 
     fn stats(&self) -> LinearStats {

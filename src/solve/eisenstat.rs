@@ -1,7 +1,7 @@
 //! The operations of conjugate gradients on W and its preconditioner M: triangular solves over the nodes, forwards and
 //! backwards, and Eisenstat's product made of them.
 
-use super::blocks::NodeBlocks;
+use super::bsr::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};
 use prefetch_index::prefetch_index;
 
@@ -13,11 +13,11 @@ impl NodeBlocks {
     /// v = E^-1 b, with b by unknown.
     pub fn gather(&self, b: impl Fn(usize) -> f32, v: &mut [Vec3A]) {
         for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).take(self.nodes()).enumerate() {
-            *v = *inverse_root * self.places(g, &b);
+            *v = *inverse_root * self.node_vector(g, &b);
         }
     }
 
-    /// b = s Y^-1 E^-T v, with Y^-1 the scale of every unknown, and of b those of the strip.
+    /// b = s Y^-1 E^-T v, with Y^-1 the scale of every unknown, and of b those of the subdomain.
     pub fn scatter(&self, v: &[Vec3A], (s, scale): (f64, &[f64]), b: &mut [f64]) {
         let first = self.unknowns()[0].start;
         for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
@@ -117,7 +117,7 @@ pub(super) struct Curvature {
     pub squares: f64,
 }
 
-/// Vectors of a product: p of a strip's own nodes, t and q of the seams beside it too.
+/// Vectors of a product: p of a subdomain's own nodes, t and q of the separators beside it too.
 pub(super) struct Sweep<'a> {
     /// direction
     pub p: &'a mut [Vec3A],

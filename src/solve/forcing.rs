@@ -1,6 +1,6 @@
 //! How exactly a linear system need be solved within Newton's iteration.
 
-use super::{Accuracy, KEPT_RELATIVE};
+use super::{Accuracy, REUSED_RELATIVE};
 
 /// [-] Share of the residual that the first solve may leave.
 const FIRST: f64 = 1e-3;
@@ -17,14 +17,14 @@ fn enough(residual: f64, tolerance: f64) -> f64 {
 }
 
 /// What a solve with a kept matrix may leave of a residual [N], on the way to a tolerance [N].
-pub(super) fn kept(residual: f64, tolerance: f64) -> Accuracy {
+pub(super) fn reused(residual: f64, tolerance: f64) -> Accuracy {
     let enough = enough(residual, tolerance).min(LOOSEST);
-    Accuracy { relative: KEPT_RELATIVE.max(enough), enough, checked: false }
+    Accuracy { relative: REUSED_RELATIVE.max(enough), enough, checked: false }
 }
 
 /// The same where the residual is rounding and the solution has to show whether the iteration has arrived.
 pub(super) fn settling(residual: f64, tolerance: f64) -> Accuracy {
-    Accuracy::to(enough(residual, tolerance).clamp(f64::EPSILON, KEPT_RELATIVE)).checked()
+    Accuracy::to(enough(residual, tolerance).clamp(f64::EPSILON, REUSED_RELATIVE)).checked()
 }
 
 /// The forcing terms of Eisenstat & Walker (1996, choice 2), and no more than the tolerance asks for (Kelley 1995, Eq.

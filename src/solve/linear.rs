@@ -1,9 +1,10 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
-pub use super::weighed::Prediction;
-use super::{Cholesky, ConjugateGradients, Lu, Weighed};
+pub use super::cost_model::Prediction;
+use super::{AutoSolver, Cholesky, ConjugateGradients, Lu};
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
 
 /// Which solver to use.
@@ -84,20 +85,20 @@ impl Accuracy {
         Accuracy { checked: true, ..self }
     }
 
-    /// Whether a factor in single precision that leaves [`KEPT_RELATIVE`] serves.
+    /// Whether a factor in single precision that leaves [`REUSED_RELATIVE`] serves.
     pub(super) fn allows_single(self) -> bool {
-        self.relative >= KEPT_RELATIVE && !self.checked
+        self.relative >= REUSED_RELATIVE && !self.checked
     }
 
     /// That of a solve with a kept matrix.
-    pub fn kept() -> Self {
-        Accuracy::to(KEPT_RELATIVE)
+    pub fn of_reused() -> Self {
+        Accuracy::to(REUSED_RELATIVE)
     }
 }
 
 /// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of
 /// the old matrix is not better.
-pub const KEPT_RELATIVE: f64 = 1e-3;
+pub const REUSED_RELATIVE: f64 = 1e-3;
 
 /// What is expected of a matrix that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -218,7 +219,8 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
-    /// The same for a W that is kept for many solves, each of which may leave [`KEPT_RELATIVE`] of its right-hand side.
+    /// The same for a W that is kept for many solves, each of which may leave [`REUSED_RELATIVE`] of its right-hand
+    /// side.
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -288,13 +290,13 @@ pub fn solver_for(
 ///
 /// # Errors
 /// As [`solver_for`].
-pub fn kept_solver_for(
+pub fn reusing_solver_for(
     pattern: Arc<Pattern>,
     choice: LinearChoice,
     workers: &Workers,
 ) -> Result<Box<dyn LinearSolver>, LinearError> {
     match choice {
-        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern, workers)?)),
+        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(AutoSolver::new(pattern, workers)?)),
         _ => solver_for(pattern, choice, workers),
     }
 }
@@ -315,4 +317,14 @@ pub(super) fn check_solution(x: &[f64], workers: &Workers) -> Result<(), LinearE
         None => Ok(()),
         unknown => Err(LinearError::Singular { unknown }),
     }
+}
+
+/// The pattern without values.
+pub(super) fn symbolic_matrix(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
+    SymbolicSparseColMatRef::new_checked(pattern.n(), pattern.n(), &pattern.col_ptr, None, &pattern.row_idx)
+}
+
+/// The pattern with a value for each of its entries.
+pub(super) fn matrix<'a>(pattern: &'a Pattern, values: &'a [f64]) -> SparseColMatRef<'a, u32, f64> {
+    SparseColMatRef::new(symbolic_matrix(pattern), values)
 }

@@ -1,7 +1,8 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
-use super::sparse::{matrix, symbolic_matrix};
+use super::linear::{
+    Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution, matrix, symbolic_matrix,
+};
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::row_starts;
 use crate::model::workers::ALONE;

@@ -9,7 +9,7 @@ pub use super::failure::NewtonFailure;
 use super::forcing::{self, Forcing};
 use super::norms::{dot, excess, norm};
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
-use super::quasi::{self, Frozen, Pairs};
+use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
@@ -111,14 +111,14 @@ impl Caution {
 
 /// Whether an iteration has come to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Arrival {
+pub(super) enum Convergence {
     /// Residual and increment are small.
-    Arrived,
+    Converged,
     /// They are not.
-    OnTheWay,
+    NotConverged,
     /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction has to
     /// tell.
-    Hidden,
+    Rounding,
 }
 
 /// What the corrections tell of an iterate whose residual is rounding.
@@ -169,7 +169,7 @@ pub struct Newton {
     pub(super) trial: Vec<f64>,
     pub(super) r_trial: Vec<f64>,
     pub(super) correction: Vec<f64>,
-    pub(super) pairs: Pairs,
+    pub(super) pairs: SecantPairs,
     /// the first guess, to which an iteration that led nowhere returns
     guess: Vec<f64>,
     /// iterations on a kept factor
@@ -196,9 +196,9 @@ impl Newton {
     pub fn new(spec: NewtonSpec, n: usize) -> Self {
         let zero = || vec![0.0; n];
         let pairs = match spec.strategy {
-            Strategy::Full => Pairs::default(),
-            Strategy::Modified => Pairs::new(n, 0),
-            Strategy::Auto | Strategy::Quasi => Pairs::for_unknowns(n),
+            Strategy::Full => SecantPairs::default(),
+            Strategy::Modified => SecantPairs::new(n, 0),
+            Strategy::Auto | Strategy::Quasi => SecantPairs::for_unknowns(n),
         };
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
@@ -211,14 +211,14 @@ impl Newton {
 
     /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the
     /// reduction of the residual.
-    pub(super) fn arrival(&self, z: &[f64], goal: Goal, next: f64) -> Arrival {
+    pub(super) fn convergence(&self, z: &[f64], goal: Goal, next: f64) -> Convergence {
         let next_increment = next * norm(&self.dz);
         let excess = self.excess();
         let small = excess <= goal.tolerance && (next_increment <= self.small(z, goal) || excess == 0.0);
         match small {
-            false => Arrival::OnTheWay,
-            true if self.is_trusted(norm(&self.r), goal) => Arrival::Arrived,
-            true => Arrival::Hidden,
+            false => Convergence::NotConverged,
+            true if self.is_trusted(norm(&self.r), goal) => Convergence::Converged,
+            true => Convergence::Rounding,
         }
     }
 
@@ -260,7 +260,7 @@ impl Newton {
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         scales: Scales,
-        frozen: &mut Frozen,
+        frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         let tolerance = self.spec.relative * scales.residual;
         let goal = Goal { tolerance, scales };
@@ -309,10 +309,10 @@ impl Newton {
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         goal: Goal,
-        frozen: &mut Frozen,
+        frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         if problem.keeps() && !frozen.rests() {
-            match quasi::solve(self, problem, z, goal, frozen) {
+            match quasi_newton::solve(self, problem, z, goal, frozen) {
                 Ok(Some(report)) => return Ok(report),
                 // A solver that fails on the frozen tangent says nothing of the exact one.
                 Ok(None)
@@ -330,10 +330,10 @@ impl Newton {
         let Goal { tolerance, .. } = goal;
         let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
         let mut residual = norm(&self.r);
-        let (mut arrival, mut settling) = (Arrival::OnTheWay, Settling::default());
+        let (mut convergence, mut settling) = (Convergence::NotConverged, Settling::default());
         for made in 1..=self.spec.max_iterations {
             let (before, iterations) = (residual, self.spent + made);
-            let hidden = (arrival == Arrival::Hidden).then_some(&mut settling);
+            let hidden = (convergence == Convergence::Rounding).then_some(&mut settling);
             let step = match hidden {
                 Some(settling) => {
                     problem.ask(forcing::settling(residual, tolerance));
@@ -355,8 +355,8 @@ impl Newton {
                 }
             };
             residual = norm(&self.r);
-            arrival = self.arrival(z, goal, lambda * (residual / before));
-            if arrival == Arrival::Arrived {
+            convergence = self.convergence(z, goal, lambda * (residual / before));
+            if convergence == Convergence::Converged {
                 return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
             }
         }

@@ -3,8 +3,8 @@
 //! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
 //! conjugate gradients is the number of iterations that real solves with earlier matrices have taken. For the first
 //! matrix a trial solves W x = b for a fixed pseudo-random b; it ends as soon as Cholesky would have been cheaper. So
-//! the choice depends on W and on what earlier matrices have shown (`quasi`), which is counted as well: not on the
-//! machine.
+//! the choice depends on W and on what earlier matrices have shown (`quasi_newton`), which is counted as well: not on
+//! the machine.
 
 use super::linear::{
     ASSEMBLY_FLOPS, Accuracy, DENSE_OPERATION, Expected, FACTOR, Inertia, LinearError, LinearSolver, LinearStats,
@@ -53,8 +53,9 @@ struct Cost {
 
 impl Cost {
     /// What a useful iteration costs with all that ageing brings. A matrix that is replaced when its age has cost as
-    /// many iterations beyond those of a fresh one as a new one costs (`quasi`), c = making/iteration, serves for u =
-    /// reuse sqrt(c) useful iterations, since the cost of age grows with its square; these cost u + 2 c iterations.
+    /// many iterations beyond those of a fresh one as a new one costs (`quasi_newton`), c = making/iteration, serves
+    /// for u = reuse sqrt(c) useful iterations, since the cost of age grows with its square; these cost u + 2 c
+    /// iterations.
     fn with_reuse(self, reuse: f64) -> f64 {
         self.iteration + 2.0 * (self.making * self.iteration).sqrt() / reuse
     }
@@ -85,7 +86,7 @@ pub struct Prediction {
 
 /// Cholesky and conjugate gradients, each made when it is first called for.
 #[derive(Debug)]
-pub struct Weighed {
+pub struct AutoSolver {
     pattern: Arc<Pattern>,
     elimination: Option<Elimination>,
     direct: Option<Cholesky>,
@@ -101,7 +102,7 @@ pub struct Weighed {
     expected: Expected,
 }
 
-impl Weighed {
+impl AutoSolver {
     /// Orders a symmetric pattern and counts what a factorisation would take.
     ///
     /// # Errors
@@ -109,7 +110,7 @@ impl Weighed {
     pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
         let cg = ConjugateGradients::new(pattern.clone(), workers)?;
         let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
-        Ok(Weighed {
+        Ok(AutoSolver {
             pattern,
             elimination,
             direct: None,
@@ -117,7 +118,7 @@ impl Weighed {
             iterates: false,
             factored: false,
             prediction: None,
-            accuracy: Accuracy::kept(),
+            accuracy: Accuracy::of_reused(),
             expected: Expected::default(),
         })
     }
@@ -150,7 +151,7 @@ impl Weighed {
 
     /// Compares the two: by the iterations of earlier solves, or, where there were none, by a trial that lasts as long
     /// as conjugate gradients may be cheaper.
-    fn weigh(&mut self) -> Result<Option<Prediction>, LinearError> {
+    fn compare(&mut self) -> Result<Option<Prediction>, LinearError> {
         let Some(e) = &self.elimination else { return Ok(None) };
         let cholesky_work = self.cholesky_cost(e).with_reuse(self.expected.reuse);
         let (factor_nonzeros, factor_operations) = (e.nonzeros, e.operations);
@@ -163,7 +164,7 @@ impl Weighed {
             seen if known => (seen, seen <= allowed),
             _ => {
                 let twice = 2.0 * EASIER;
-                match self.cg.rehearse(TRIAL, (allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                match self.cg.trial_solve(TRIAL, (allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
                     Ok(iterations) => (twice * f64::from(iterations), true),
                     Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
                     Err(other) => return Err(other),
@@ -176,7 +177,7 @@ impl Weighed {
     }
 }
 
-impl LinearSolver for Weighed {
+impl LinearSolver for AutoSolver {
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         (self.iterates, self.factored) = (false, true);
         self.direct()?.factor(values)
@@ -192,9 +193,9 @@ impl LinearSolver for Weighed {
         if self.cg.factor(values)? == Inertia::Indefinite {
             return Ok(Inertia::Indefinite);
         }
-        match self.weigh() {
+        match self.compare() {
             Err(LinearError::Indefinite { .. }) => return Ok(Inertia::Indefinite),
-            weighed => self.prediction = weighed?,
+            found => self.prediction = found?,
         }
         self.iterates = self.prediction.is_some_and(|p| p.cg_converged);
         Ok(Inertia::Unknown)

@@ -14,7 +14,7 @@
 //! definite, P_g = D_g. The product of Eisenstat (`eisenstat`) costs the same with any pivots, and M is positive
 //! definite if they are.
 
-use super::blocks::{BLOCK, Block, ELSEWHERE, NodeBlocks, SymmetricBlock};
+use super::bsr::{BLOCK, Block, ELSEWHERE, NodeBlocks, SymmetricBlock};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 /// [-] omega. On taut nets of 703 to a million nodes 0.9, 0.98 and 1 took as many iterations within an eighth.
@@ -50,8 +50,8 @@ impl NodeBlocks {
         })
     }
 
-    /// Adds what the elimination of a half takes from the pivots of this seam.
-    pub fn take_from(&mut self, half: &NodeBlocks) {
+    /// Adds what the elimination of a half takes from the pivots of this separator.
+    pub fn add_elimination_of(&mut self, half: &NodeBlocks) {
         for (own, other) in self.inverse_root.iter_mut().zip(&half.inverse_root[half.nodes()..]) {
             *own += *other;
         }
@@ -60,11 +60,11 @@ impl NodeBlocks {
         }
     }
 
-    /// Takes the pivots of its seam into a half.
-    pub fn take_seam(&mut self, seam: &NodeBlocks) {
+    /// Takes the pivots of its separator into a half.
+    pub fn copy_separator_pivots(&mut self, separator: &NodeBlocks) {
         let own = self.nodes();
-        self.inverse_root[own..].copy_from_slice(&seam.inverse_root);
-        self.surplus[own..].copy_from_slice(&seam.surplus);
+        self.inverse_root[own..].copy_from_slice(&separator.inverse_root);
+        self.surplus[own..].copy_from_slice(&separator.surplus);
     }
 
     /// Eliminates all nodes in their order, with `omega` [-] of the fill in the pivots; whether the blocks on W's
@@ -116,7 +116,7 @@ impl NodeBlocks {
 
     /// Scales of the three places of the node at a place, 0 where they are idle.
     fn scale_of(&self, place: usize, scale: &[f64]) -> Vec3A {
-        self.places(place, |u| scale[u] as f32)
+        self.node_vector(place, |u| scale[u] as f32)
     }
 
     /// Scales all rows from the left; whether entries are as small as a positive definite W has them.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! W = D + N + N^T                    D the blocks on the diagonal, N strictly below them
-//! M = (P + N) P^-1 (P + N^T)         P the blocks of its pivots (`pivots`)
+//! M = (P + N) P^-1 (P + N^T)         P the blocks of its pivots (`relaxed_ic0`)
 //! ```
 //! Both are kept in terms of a root of the pivots, P = E E^T:
 //!
@@ -13,7 +13,7 @@
 //! register. A node with fixed degrees of freedom keeps three places: the idle ones have nothing beside their diagonal,
 //! so that a vector which is zero there stays so.
 
-use super::strips::Strip;
+use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
 use glam::{Mat3A, Vec3A, Vec4, Vec4Swizzles};
@@ -73,40 +73,40 @@ impl SymmetricBlock {
     }
 }
 
-/// The part of W = E (I + J + L + L^T) E^T that comes with the columns of a strip's nodes.
+/// The part of W = E (I + J + L + L^T) E^T that comes with the columns of a subdomain's nodes.
 pub(super) struct NodeBlocks {
     pub(super) pattern: Arc<Pattern>,
-    pub(super) strip: Strip,
+    pub(super) subdomain: Subdomain,
     /// first block of every node's column of L, and their number at the end
     start: Vec<u32>,
-    /// row of every block of L, by its place in the strip
+    /// row of every block of L, by its place in the subdomain
     pub(super) row: Vec<u32>,
     pub(super) below: Vec<Block>,
     /// J: what D has more than P, E^-1 (D - P) E^-T; I + J is positive definite
     pub(super) surplus: Vec<SymmetricBlock>,
     /// E^-1 of W scaled by its diagonal
     pub(super) inverse_root: Vec<Mat3A>,
-    /// where every stored value in the columns of the strip's nodes, and then of its seam's, goes among the entries of
-    /// L, or [`ELSEWHERE`]
+    /// where every stored value in the columns of the subdomain's nodes, and then of its separator's, goes among the
+    /// entries of L, or [`ELSEWHERE`]
     pub(super) entry: Vec<u32>,
 }
 
-/// Not among the entries of L: in a node's own block, or in another strip's L.
+/// Not among the entries of L: in a node's own block, or in another subdomain's L.
 pub(super) const ELSEWHERE: u32 = u32::MAX;
 
 impl NodeBlocks {
     /// Stored entries of W beyond which entries of blocks, of which each holds one at least, could not be numbered.
     pub const MOST_ENTRIES: usize = (u32::MAX / BLOCK) as usize;
 
-    /// Finds a strip's blocks of a symmetric pattern, which must have all entries of a block over its free places: what
-    /// is not stored is never written again. `node` is that of every unknown.
-    pub fn new(pattern: Arc<Pattern>, strip: Strip, node: &[u32]) -> Self {
-        let (own, places) = (strip.own.len(), strip.places());
+    /// Finds a subdomain's blocks of a symmetric pattern, which must have all entries of a block over its free places:
+    /// what is not stored is never written again. `node` is that of every unknown.
+    pub fn new(pattern: Arc<Pattern>, subdomain: Subdomain, node: &[u32]) -> Self {
+        let (own, places) = (subdomain.own.len(), subdomain.n_local());
         let mut found = Vec::new();
-        pairs(&pattern, &strip, node, |column, row| found.push((column as u32, row as u32)));
+        pairs(&pattern, &subdomain, node, |column, row| found.push((column as u32, row as u32)));
         let Adjacency { start, items: mut row } = Adjacency::new(own, found.iter().copied());
         (0..own).for_each(|g| row[start[g] as usize..start[g + 1] as usize].sort_unstable());
-        let place = |unknown: u32| strip.place(node[unknown as usize] as usize);
+        let place = |unknown: u32| subdomain.local_index(node[unknown as usize] as usize);
         let entry_of = |u: u32, r: u32| {
             let (at, other) = (place(u)?, place(r)?);
             let [(column, u), (other, r)] = if at < other { [(at, u), (other, r)] } else { [(other, r), (at, u)] };
@@ -114,14 +114,15 @@ impl NodeBlocks {
             let block = first + row[first..start[column + 1] as usize].binary_search(&(other as u32)).ok()?;
             Some(BLOCK * block as u32 + 3 * (pattern.dof[u as usize] % 3) + pattern.dof[r as usize] % 3)
         };
-        let columns = unknowns(&pattern, &strip.own).chain(unknowns(&pattern, &strip.seam)).map(|u| u as u32);
+        let columns =
+            unknowns(&pattern, &subdomain.own).chain(unknowns(&pattern, &subdomain.separator)).map(|u| u as u32);
         let entry = columns
             .flat_map(|u| pattern.column(u as usize).iter().map(move |&r| (u, r)))
             .map(|(u, r)| entry_of(u, r).unwrap_or(ELSEWHERE))
             .collect();
         let below = vec![Block([0.0; 9]); row.len()];
         let (surplus, inverse_root) = (vec![SymmetricBlock::default(); places], vec![Mat3A::IDENTITY; places]);
-        NodeBlocks { pattern, strip, start, row, below, surplus, inverse_root, entry }
+        NodeBlocks { pattern, subdomain, start, row, below, surplus, inverse_root, entry }
     }
 
     /// Number of nodes.
@@ -135,8 +136,8 @@ impl NodeBlocks {
 
     /// A number of each unknown of the node at a place in its three places, 0 in the idle ones.
     #[inline(always)]
-    pub(super) fn places(&self, place: usize, of: impl Fn(usize) -> f32) -> Vec3A {
-        let node = self.strip.node(place);
+    pub(super) fn node_vector(&self, local: usize, of: impl Fn(usize) -> f32) -> Vec3A {
+        let node = self.subdomain.node(local);
         let (first, end) = (self.pattern.node_start[node] as usize, self.pattern.node_start[node + 1] as usize);
         if end - first == 3 {
             return Vec3A::new(of(first), of(first + 1), of(first + 2));
@@ -154,13 +155,13 @@ impl NodeBlocks {
     /// Unknowns of an own node.
     #[inline(always)]
     pub fn unknowns_of(&self, g: usize) -> Range<usize> {
-        let node = self.strip.node(g);
+        let node = self.subdomain.node(g);
         self.pattern.node_start[node] as usize..self.pattern.node_start[node + 1] as usize
     }
 
-    /// Unknowns of the strip's own nodes, and of those in its seam.
+    /// Unknowns of the subdomain's own nodes, and of those in its separator.
     pub fn unknowns(&self) -> [Range<usize>; 2] {
-        [unknowns(&self.pattern, &self.strip.own), unknowns(&self.pattern, &self.strip.seam)]
+        [unknowns(&self.pattern, &self.subdomain.own), unknowns(&self.pattern, &self.subdomain.separator)]
     }
 }
 
@@ -168,16 +169,16 @@ fn unknowns(pattern: &Pattern, nodes: &Range<usize>) -> Range<usize> {
     pattern.node_start[nodes.start] as usize..pattern.node_start[nodes.end] as usize
 }
 
-/// Column and row of every block beside the diagonal in a strip's L.
-fn pairs(pattern: &Pattern, strip: &Strip, node: &[u32], mut found: impl FnMut(usize, usize)) {
-    for g in strip.own.clone().chain(strip.seam.clone()) {
+/// Column and row of every block beside the diagonal in a subdomain's L.
+fn pairs(pattern: &Pattern, subdomain: &Subdomain, node: &[u32], mut found: impl FnMut(usize, usize)) {
+    for g in subdomain.own.clone().chain(subdomain.separator.clone()) {
         // A node's unknowns have their neighbours in common.
         let Some(first) = unknowns(pattern, &(g..g + 1)).next() else { continue };
         for &r in pattern.column(first) {
             let other = node[r as usize] as usize;
             let leads = other != g && r == pattern.node_start[other];
-            if let Some((at, other)) = strip.place(g).zip(strip.place(other)).filter(|_| leads)
-                && at.min(other) < strip.own.len()
+            if let Some((at, other)) = subdomain.local_index(g).zip(subdomain.local_index(other)).filter(|_| leads)
+                && at.min(other) < subdomain.own.len()
             {
                 found(at.min(other), at.max(other));
             }

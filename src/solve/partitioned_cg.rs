@@ -1,50 +1,58 @@
-//! The vectors of conjugate gradients and the operations on them, strip by strip (`strips`): both halves at once,
-//! before or after the seam. Sums are added in the order of the strips, so that bits do not depend on the number of
-//! threads.
+//! The vectors of conjugate gradients and the operations on them, subdomain by subdomain (`twisted_factorization`):
+//! both halves at once, before or after the separator. Sums are added in the order of the subdomains, so that bits do
+//! not depend on the number of threads.
 //!
 //! ```text
-//! (I + L)^-1        forwards:   the halves, then the seam, which adds what they take from it
-//! (I + L^T)^-1      backwards:  the seam, then the halves, which read it
+//! (I + L)^-1        forwards:   the halves, then the separator, which adds what they take from it
+//! (I + L^T)^-1      backwards:  the separator, then the halves, which read it
 //! ```
 
-use super::blocks::NodeBlocks;
+use super::bsr::NodeBlocks;
 use super::eisenstat::{Curvature, Sweep};
-use super::strips::Strip;
+use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use glam::{DVec3, Vec3A};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// [nodes] in each of the runs over which [`Pieces::runs_within`] looks: a flaw of a few nodes would not show in the
+/// [nodes] in each of the runs over which [`PartitionedSystem::runs_within`] looks: a flaw of a few nodes would not show in the
 /// whole scene.
 const RUN: usize = 256;
 
-/// A strip of W with its share of all vectors; t and q hold places of the seam beside it too.
-pub(super) struct Piece {
+/// A subdomain of W with its share of all vectors; t and q hold places of the separator beside it too.
+pub(super) struct SubdomainSystem {
     pub(super) blocks: NodeBlocks,
     x: Vec<Vec3A>,
     pub(super) r: Vec<Vec3A>,
     pub(super) p: Vec<Vec3A>,
     t: Vec<Vec3A>,
     pub(super) q: Vec<Vec3A>,
-    found: Found,
+    reductions: Reductions,
 }
 
-/// What an operation finds in a strip.
+/// What an operation finds in a subdomain.
 #[derive(Clone, Copy, Default)]
-struct Found {
+struct Reductions {
     /// whether it went well
-    well: bool,
+    positive_definite: bool,
     /// r . r
     square: f64,
     curvature: Curvature,
 }
 
-impl Piece {
+impl SubdomainSystem {
     fn new(blocks: NodeBlocks) -> Self {
-        let (own, all) = ([Vec3A::ZERO].repeat(blocks.nodes()), [Vec3A::ZERO].repeat(blocks.strip.places()));
-        Piece { x: own.clone(), r: own.clone(), p: own, t: all.clone(), q: all, blocks, found: Found::default() }
+        let (own, all) = ([Vec3A::ZERO].repeat(blocks.nodes()), [Vec3A::ZERO].repeat(blocks.subdomain.n_local()));
+        SubdomainSystem {
+            x: own.clone(),
+            r: own.clone(),
+            p: own,
+            t: all.clone(),
+            q: all,
+            blocks,
+            reductions: Reductions::default(),
+        }
     }
 
     fn begin(&mut self) {
@@ -52,13 +60,13 @@ impl Piece {
         self.p.fill(Vec3A::ZERO);
     }
 
-    /// Takes t of the seam.
-    fn read(&mut self, seam: &Piece) {
-        self.t[self.blocks.nodes()..].copy_from_slice(&seam.t);
+    /// Takes t of the separator.
+    fn copy_separator(&mut self, separator: &SubdomainSystem) {
+        self.t[self.blocks.nodes()..].copy_from_slice(&separator.t);
     }
 
-    /// Adds to a seam's q what the halves take from it.
-    fn add(&mut self, halves: &[Piece; 2]) {
+    /// Adds to a separator's q what the halves take from it.
+    fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
         for half in halves {
             for (q, other) in self.q.iter_mut().zip(&half.q[half.blocks.nodes()..]) {
                 *q += *other;
@@ -77,9 +85,9 @@ impl Piece {
     }
 
     /// r <- q
-    fn keep(&mut self) {
+    fn store_residual(&mut self) {
         self.r.copy_from_slice(&self.q[..self.blocks.nodes()]);
-        self.found.square = squared(&self.r);
+        self.reductions.square = squared(&self.r);
     }
 
     /// q <- E^-1 Y^-1 b
@@ -96,7 +104,7 @@ impl Piece {
     }
 
     fn forth(&mut self) {
-        self.found.curvature = self.blocks.forth(Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q });
+        self.reductions.curvature = self.blocks.forth(Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q });
     }
 
     /// x += alpha p, r -= alpha q
@@ -107,43 +115,43 @@ impl Piece {
             *r -= alpha * *q;
             sum += (*r * *r).as_dvec3();
         }
-        self.found.square = sum.element_sum();
+        self.reductions.square = sum.element_sum();
     }
 }
 
 /// All of W.
-pub(super) struct Pieces {
-    pub(super) halves: [Piece; 2],
-    pub(super) seam: Piece,
+pub(super) struct PartitionedSystem {
+    pub(super) halves: [SubdomainSystem; 2],
+    pub(super) separator: SubdomainSystem,
     /// Y^-1: one over the root of W's diagonal
     pub(super) scale: Vec<f64>,
     workers: Workers,
 }
 
-impl Pieces {
-    /// `strips` are both halves and the seam.
-    pub fn new(pattern: &Arc<Pattern>, strips: [Strip; 3], workers: Workers) -> Self {
+impl PartitionedSystem {
+    /// `subdomains` are both halves and the separator.
+    pub fn new(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: Workers) -> Self {
         let node = pattern.node_of_unknown();
-        // Nothing is handed over where there is a single piece.
-        let workers = if strips[1].own.is_empty() { Workers::default() } else { workers };
-        let piece = |strip| Piece::new(NodeBlocks::new(Arc::clone(pattern), strip, &node));
-        let [first, second, seam] = strips.map(piece);
-        Pieces { halves: [first, second], seam, scale: vec![0.0; pattern.n()], workers }
+        // Nothing is handed over where there is a single part.
+        let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers };
+        let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
+        let [first, second, separator] = subdomains.map(part);
+        PartitionedSystem { halves: [first, second], separator, scale: vec![0.0; pattern.n()], workers }
     }
 
-    fn all(&self) -> impl Iterator<Item = &Piece> {
-        self.halves.iter().chain([&self.seam])
+    fn all(&self) -> impl Iterator<Item = &SubdomainSystem> {
+        self.halves.iter().chain([&self.separator])
     }
 
-    fn sum(&self, of: impl Fn(&Found) -> f64) -> f64 {
-        self.all().map(|piece| of(&piece.found)).sum()
+    fn sum(&self, of: impl Fn(&Reductions) -> f64) -> f64 {
+        self.all().map(|part| of(&part.reductions)).sum()
     }
 
     /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are
     /// positive definite, and those beside them no larger than that allows.
-    pub fn fill(&mut self, values: &[f64], omega: f64) -> bool {
-        let Pieces { halves, seam, scale, workers } = self;
-        let diagonals = &seam.blocks.pattern.col_ptr;
+    pub fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
+        let PartitionedSystem { halves, separator, scale, workers } = self;
+        let diagonals = &separator.blocks.pattern.col_ptr;
         workers.each(scale, |range, scale| {
             for (scale, &first) in scale.iter_mut().zip(&diagonals[range]) {
                 // Rows ascend from the diagonal.
@@ -153,23 +161,25 @@ impl Pieces {
         });
         let scale = &*scale;
         both(workers, halves, |half| {
-            half.found.well = half.blocks.begin(values, scale) && half.blocks.eliminate(values, scale, omega);
+            half.reductions.positive_definite =
+                half.blocks.begin(values, scale) && half.blocks.eliminate(values, scale, omega);
         });
-        let mut well = halves.iter().all(|half| half.found.well) && seam.blocks.begin(values, scale);
-        halves.iter().for_each(|half| seam.blocks.take_from(&half.blocks));
-        well = well && seam.blocks.eliminate(values, scale, omega) && seam.blocks.scale_rows();
+        let mut well =
+            halves.iter().all(|half| half.reductions.positive_definite) && separator.blocks.begin(values, scale);
+        halves.iter().for_each(|half| separator.blocks.add_elimination_of(&half.blocks));
+        well = well && separator.blocks.eliminate(values, scale, omega) && separator.blocks.scale_rows();
         if well {
             both(workers, halves, |half| {
-                half.blocks.take_seam(&seam.blocks);
-                half.found.well = half.blocks.scale_rows();
+                half.blocks.copy_separator_pivots(&separator.blocks);
+                half.reductions.positive_definite = half.blocks.scale_rows();
             });
         }
-        well && halves.iter().all(|half| half.found.well)
+        well && halves.iter().all(|half| half.reductions.positive_definite)
     }
 
     /// r <- (I + L)^-1 E^-1 Y^-1 b / s, with s of the size of Y^-1 b; returns s and r . r.
-    pub fn take(&mut self, b: &[f64]) -> [f64; 2] {
-        let Pieces { halves, seam, scale, workers } = self;
+    pub fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
+        let PartitionedSystem { halves, separator, scale, workers } = self;
         let scale = &*scale;
         let most = |range: Range<usize>| {
             b[range.clone()].iter().zip(&scale[range]).fold(0.0_f64, |most, (b, scale)| most.max((b * scale).abs()))
@@ -180,53 +190,53 @@ impl Pieces {
         both(workers, halves, |half| {
             half.gather(single);
             half.forward();
-            half.keep();
+            half.store_residual();
         });
-        seam.gather(single);
-        seam.add(halves);
-        seam.forward();
-        seam.keep();
+        separator.gather(single);
+        separator.add_halves(halves);
+        separator.forward();
+        separator.store_residual();
         [size, self.sum(|found| found.square)]
     }
 
     /// x^ <- 0, p <- 0
     pub fn begin(&mut self) {
-        both(&self.workers, &mut self.halves, Piece::begin);
-        self.seam.begin();
+        both(&self.workers, &mut self.halves, SubdomainSystem::begin);
+        self.separator.begin();
     }
 
     /// p <- r + beta p, q <- (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 p
     pub fn product(&mut self, beta: f32) -> Curvature {
-        let Pieces { halves, seam, workers, .. } = self;
-        seam.back(beta);
+        let PartitionedSystem { halves, separator, workers, .. } = self;
+        separator.back(beta);
         both(workers, halves, |half| {
-            half.read(seam);
+            half.copy_separator(separator);
             half.back(beta);
             half.forth();
         });
-        seam.add(halves);
-        seam.forth();
+        separator.add_halves(halves);
+        separator.forth();
         Curvature { along: self.sum(|found| found.curvature.along), squares: self.sum(|found| found.curvature.squares) }
     }
 
     /// x^ += alpha p, r -= alpha q; returns r . r.
     pub fn advance(&mut self, alpha: f32) -> f64 {
         both(&self.workers, &mut self.halves, |half| half.advance(alpha));
-        self.seam.advance(alpha);
+        self.separator.advance(alpha);
         self.sum(|found| found.square)
     }
 
     /// b <- s Y^-1 E^-T (I + L^T)^-1 x^
     pub fn finish(&mut self, s: f64, b: &mut [f64]) {
-        let Pieces { halves, seam, scale, workers } = self;
+        let PartitionedSystem { halves, separator, scale, workers } = self;
         let factors = (s, &**scale);
-        let (first, rest) = b.split_at_mut(seam.blocks.unknowns()[0].start);
-        let (middle, second) = rest.split_at_mut(seam.blocks.unknowns()[0].len());
-        seam.backward();
-        seam.blocks.scatter(&seam.t, factors, middle);
+        let (first, rest) = b.split_at_mut(separator.blocks.unknowns()[0].start);
+        let (middle, second) = rest.split_at_mut(separator.blocks.unknowns()[0].len());
+        separator.backward();
+        separator.blocks.scatter(&separator.t, factors, middle);
         let [one, other] = halves;
-        let finish = |half: &mut Piece, b: &mut [f64]| {
-            half.read(seam);
+        let finish = |half: &mut SubdomainSystem, b: &mut [f64]| {
+            half.copy_separator(separator);
             half.backward();
             half.blocks.scatter(&half.t, factors, b);
         };
@@ -234,27 +244,27 @@ impl Pieces {
     }
 
     /// Makes r a vector that is the same everywhere and has a part of every motion; returns r . r.
-    pub fn rehearse(&mut self) -> f64 {
+    pub fn set_trial_right_hand_side(&mut self) -> f64 {
         let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
         let mut rough = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
         };
-        for piece in self.halves.iter_mut().chain([&mut self.seam]) {
-            piece.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
-            piece.found.square = squared(&piece.r);
+        for part in self.halves.iter_mut().chain([&mut self.separator]) {
+            part.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+            part.reductions.square = squared(&part.r);
         }
         self.sum(|found| found.square)
     }
 
     /// Whether p . q is no more of p . p than this [-] in every run of nodes.
     pub fn runs_within(&self, most: f64) -> bool {
-        let mut runs = self.all().flat_map(|piece| piece.p.chunks(RUN).zip(piece.q.chunks(RUN)));
+        let mut runs = self.all().flat_map(|part| part.p.chunks(RUN).zip(part.q.chunks(RUN)));
         runs.all(|(p, q)| product(p, q) <= most * squared(p))
     }
 }
 
-fn both(workers: &Workers, [one, other]: &mut [Piece; 2], work: impl Fn(&mut Piece) + Sync) {
+fn both(workers: &Workers, [one, other]: &mut [SubdomainSystem; 2], work: impl Fn(&mut SubdomainSystem) + Sync) {
     join(workers, one, other, work);
 }
 

@@ -11,11 +11,11 @@
 //! step to step, as soon as the iterations that an old factor has cost beyond those of a fresh one add up to a
 //! factorisation. All of it is counted, nothing timed.
 
-use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
+use super::newton::{Convergence, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
 use super::{Expected, LinearError, forcing, search};
 
-/// Pairs kept.
+/// SecantPairs kept.
 const PAIRS: usize = 8;
 /// Iterations after which the rate of convergence is judged.
 const WINDOW: usize = 4;
@@ -31,7 +31,7 @@ const CURVED: f64 = 1e-8;
 
 /// What is known of the factor that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Frozen {
+pub struct FactorHistory {
     /// whether there is one
     pub made: bool,
     /// iterations that the step it was made in has needed with it
@@ -52,16 +52,16 @@ pub struct Frozen {
     pub next_rest: u32,
 }
 
-impl Frozen {
+impl FactorHistory {
     /// There is no factor; what was learnt of earlier ones stays.
     pub fn lost(self) -> Self {
-        Frozen { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
+        FactorHistory { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
     }
 
     /// The same where steps are of another size: they need other numbers of iterations.
     pub fn of_another_step(self) -> Self {
         let expected = Expected { cg_iterations: 0.0, ..self.expected };
-        Frozen { expected, ..self.lost() }
+        FactorHistory { expected, ..self.lost() }
     }
 
     /// What to expect after what this one has shown, which costs so many iterations.
@@ -79,7 +79,7 @@ impl Frozen {
     /// time.
     pub(super) fn gave_up(&mut self) {
         self.rest = self.next_rest.clamp(1, LONGEST_REST);
-        *self = Frozen { next_rest: 2 * self.rest, ..self.lost() };
+        *self = FactorHistory { next_rest: 2 * self.rest, ..self.lost() };
     }
 
     /// Whether this step is to be made on the exact tangent.
@@ -92,7 +92,7 @@ impl Frozen {
 
 /// Steps of the iteration and what they did to the residual.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pairs {
+pub(super) struct SecantPairs {
     s: Vec<Vec<f64>>,
     y: Vec<Vec<f64>>,
     rho: Vec<f64>,
@@ -105,10 +105,10 @@ pub(super) struct Pairs {
     before: Vec<f64>,
 }
 
-impl Pairs {
+impl SecantPairs {
     pub(super) fn new(n: usize, pairs: usize) -> Self {
         let vectors = |count: usize| vec![vec![0.0; n]; count];
-        Pairs {
+        SecantPairs {
             s: vectors(pairs),
             y: vectors(pairs),
             rho: vec![0.0; pairs],
@@ -188,7 +188,7 @@ pub(super) fn solve(
     problem: &mut dyn NonlinearProblem,
     z: &mut [f64],
     goal: Goal,
-    frozen: &mut Frozen,
+    frozen: &mut FactorHistory,
 ) -> Result<Option<NewtonReport>, LinearError> {
     let mut pairs = std::mem::take(&mut newton.pairs);
     pairs.forget();
@@ -200,24 +200,24 @@ pub(super) fn solve(
 struct Iteration<'a> {
     newton: &'a mut Newton,
     problem: &'a mut dyn NonlinearProblem,
-    pairs: &'a mut Pairs,
+    pairs: &'a mut SecantPairs,
     goal: Goal,
-    frozen: &'a mut Frozen,
+    frozen: &'a mut FactorHistory,
 }
 
 /// How far a step has come on one factor.
-struct Leg {
+struct ConvergenceRate {
     /// iterations on it
     iterations: u32,
     /// [N] residuals, the last first
     residuals: [f64; WINDOW + 1],
 }
 
-impl Leg {
+impl ConvergenceRate {
     fn new(residual: f64) -> Self {
         let mut residuals = [f64::NAN; WINDOW + 1];
         residuals[0] = residual;
-        Leg { iterations: 0, residuals }
+        ConvergenceRate { iterations: 0, residuals }
     }
 
     fn went_to(&mut self, residual: f64) {
@@ -248,7 +248,7 @@ impl Iteration<'_> {
         self.problem.take_frozen();
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
-        let mut leg = Leg::new(residual);
+        let mut rate_seen = ConvergenceRate::new(residual);
         let mut settling = None;
         for iterations in 1..=self.newton.most_iterations() {
             self.newton.spent = iterations;
@@ -259,46 +259,49 @@ impl Iteration<'_> {
             let lambda = match step {
                 Step::Taken(lambda) => lambda,
                 Step::NotNeeded => {
-                    self.learn(leg.iterations + 1, fresh);
+                    self.learn(rate_seen.iterations + 1, fresh);
                     return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
                 }
                 Step::Hidden => return Ok(None),
                 Step::Stuck => {
                     // No way down: a factor of another place may be to blame.
                     factors += 1;
-                    if leg.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
+                    if rate_seen.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
                         return Ok(None);
                     }
-                    (fresh, leg) = (true, Leg::new(residual));
+                    (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
                     continue;
                 }
             };
             let before = residual;
             residual = norm(&self.newton.r);
-            leg.went_to(residual);
-            match self.newton.arrival(z, self.goal, lambda * residual / before) {
-                Arrival::Arrived => {
-                    self.learn(leg.iterations, fresh);
+            rate_seen.went_to(residual);
+            match self.newton.convergence(z, self.goal, lambda * residual / before) {
+                Convergence::Converged => {
+                    self.learn(rate_seen.iterations, fresh);
                     return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
                 }
                 // An old factor or corrections by differences of rounding would show nothing.
-                Arrival::Hidden if settling.is_none() => {
+                Convergence::Rounding if settling.is_none() => {
                     if !self.refreeze(z)? {
                         return Ok(None);
                     }
-                    (fresh, leg, settling) = (true, Leg::new(residual), Some(Settling::default()));
+                    (fresh, rate_seen, settling) = (true, ConvergenceRate::new(residual), Some(Settling::default()));
                     continue;
                 }
-                Arrival::Hidden => continue,
-                Arrival::OnTheWay => settling = None,
+                Convergence::Rounding => continue,
+                Convergence::NotConverged => settling = None,
             }
             let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
-            if leg.left(self.goal.tolerance).is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed)) {
+            if rate_seen
+                .left(self.goal.tolerance)
+                .is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed))
+            {
                 factors += 1;
                 if factors > MOST_FACTORS || !self.refreeze(z)? {
                     return Ok(None);
                 }
-                (fresh, leg) = (true, Leg::new(residual));
+                (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
             }
         }
         Ok(None)
@@ -332,7 +335,7 @@ impl Iteration<'_> {
             self.frozen.expected = self.frozen.seen(self.problem.factor_cost());
         }
         let made = self.problem.freeze(self.frozen.expected)?;
-        *self.frozen = Frozen { made, ..self.frozen.lost() };
+        *self.frozen = FactorHistory { made, ..self.frozen.lost() };
         Ok(made)
     }
 
@@ -362,7 +365,7 @@ impl Iteration<'_> {
     /// One direction and the search along it.
     fn step(&mut self, z: &mut [f64]) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.ask(forcing::kept(norm(r), self.goal.tolerance));
+        self.problem.ask(forcing::reused(norm(r), self.goal.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
         let before = self.problem.cg_iterations();
@@ -395,7 +398,7 @@ mod tests {
     /// A pair that bends the wrong way is not used, nor is what it was written over: H y = s for every pair that is.
     #[test]
     fn a_pair_that_bends_the_wrong_way_is_not_used() {
-        let mut pairs = Pairs::new(3, 2);
+        let mut pairs = SecantPairs::new(3, 2);
         let steps = [
             ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
             ([0.0, 1.0, 0.0], [0.0, 4.0, 0.0]),

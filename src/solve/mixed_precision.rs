@@ -2,7 +2,7 @@
 //! register. Its loops are made for the small supernodes of a net, where the dense kernels of a library spend most of
 //! their time on being called.
 //!
-//! Columns are taken in pieces, with the inverse of their own triangle and the rows below it in chunks:
+//! Columns are taken in panels, with the inverse of their own triangle and the rows below it in chunks:
 //!
 //! ```text
 //! L y = P b:      y1 = L11^-1 b1,   b2 -= L21 y1            L^T x = y:      x1 = L11^-T (y1 - L21^T x2)
@@ -14,47 +14,47 @@ use prefetch_index::prefetch_index;
 use std::ops::Range;
 
 /// Sizes of numbers within which their products are told in single precision.
-const WITHIN: Range<f64> = 1e-16..1e16;
+const F32_RANGE: Range<f64> = 1e-16..1e16;
 /// Numbers side by side.
-const WIDE: usize = 8;
-/// Columns of a piece at most.
+const LANES: usize = 8;
+/// Columns of a panel at most.
 const COLUMNS: usize = 32;
 /// Columns whose sums are under way at once: those of a node.
-const TOGETHER: usize = 3;
+const COLUMNS_AT_ONCE: usize = 3;
 /// Registers that the way back asks the memory for in advance: by themselves processors do so on the way forth only.
-const AHEAD: usize = 384;
+const PREFETCH_DISTANCE: usize = 384;
 /// Registers of a cache line.
-const LINE: usize = 64 / size_of::<Eight>();
+const LINE: usize = 64 / size_of::<F32x8>();
 
 /// A register.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-struct Eight([f32; WIDE]);
+struct F32x8([f32; LANES]);
 
-const ZERO: Eight = Eight([0.0; WIDE]);
+const ZERO: F32x8 = F32x8([0.0; LANES]);
 
 /// L of W = P^T L L^T P.
 #[derive(Debug)]
-pub(super) struct SingleFactor {
-    pieces: Vec<Piece>,
-    /// rows of the pieces below their columns, one piece after the other; the last chunk is filled up with a row that
+pub(super) struct SinglePrecisionFactor {
+    panels: Vec<Panel>,
+    /// rows of the panels below their columns, one panel after the other; the last chunk is filled up with a row that
     /// is always zero
-    rows: Vec<[u32; WIDE]>,
-    /// of every piece: L11^-1, then L21; chunks of rows, in a chunk one register a column
-    l: Vec<Eight>,
+    rows: Vec<[u32; LANES]>,
+    /// of every panel: L11^-1, then L21; chunks of rows, in a chunk one register a column
+    l: Vec<F32x8>,
     /// place of every unknown in the order of elimination
     order: Vec<u32>,
     /// right-hand side and solution in the order of elimination, and a zero
     x: Vec<f32>,
-    /// what a piece's rows have of the solution
-    gathered: Vec<Eight>,
+    /// what a panel's rows have of the solution
+    gathered: Vec<F32x8>,
     /// [-] L11^-1 in double precision, by columns
     inverse: Vec<f64>,
 }
 
 /// Columns with the same rows below them.
 #[derive(Clone, Debug)]
-struct Piece {
+struct Panel {
     columns: Range<usize>,
     /// rows below them
     below: usize,
@@ -68,12 +68,12 @@ struct Piece {
     tall: usize,
 }
 
-impl SingleFactor {
+impl SinglePrecisionFactor {
     /// Room for the factors of an analysis; `None` where it is not by supernodes.
     pub fn new(symbolic: &SymbolicCholesky<u32>) -> Option<Self> {
         let SymbolicCholeskyRaw::Supernodal(by_supernode) = symbolic.raw() else { return None };
         let n = by_supernode.ncols();
-        let (mut pieces, mut rows, mut room) = (Vec::new(), Vec::new(), 0);
+        let (mut panels, mut rows, mut room) = (Vec::new(), Vec::new(), 0);
         let ends = by_supernode.supernode_begin().iter().zip(by_supernode.supernode_end());
         let places = by_supernode.col_ptr_for_row_idx().iter().zip(by_supernode.nnz_per_super());
         for (((&begin, &end), (&first_row, &below)), &value) in ends.zip(places).zip(by_supernode.col_ptr_for_val()) {
@@ -83,39 +83,39 @@ impl SingleFactor {
                 let last = end.min(first + COLUMNS as u32);
                 let all: Vec<u32> = (last..end).chain(below.iter().copied()).collect();
                 let chunks = rows.len();
-                rows.extend(all.chunks(WIDE).map(|chunk| {
-                    let mut padded = [n as u32; WIDE];
+                rows.extend(all.chunks(LANES).map(|chunk| {
+                    let mut padded = [n as u32; LANES];
                     padded[..chunk.len()].copy_from_slice(chunk);
                     padded
                 }));
                 let columns = first as usize..last as usize;
-                let own = columns.len().div_ceil(WIDE);
+                let own = columns.len().div_ceil(LANES);
                 let l = room..room + (own + rows.len() - chunks) * columns.len();
                 room = l.end;
                 let first = value as usize + (first - begin) as usize * (tall + 1);
-                pieces.push(Piece { columns, below: all.len(), rows: chunks..rows.len(), l, first, tall });
+                panels.push(Panel { columns, below: all.len(), rows: chunks..rows.len(), l, first, tall });
             }
         }
         let order = match symbolic.perm() {
             Some(permutation) => permutation.arrays().0.to_vec(),
             None => (0..n as u32).collect(),
         };
-        let longest = pieces.iter().map(|piece: &Piece| piece.rows.len()).max().unwrap_or(0);
+        let longest = panels.iter().map(|panel: &Panel| panel.rows.len()).max().unwrap_or(0);
         let (gathered, inverse) = (vec![ZERO; longest], vec![0.0; COLUMNS * COLUMNS]);
-        Some(SingleFactor { pieces, rows, l: vec![ZERO; room], order, x: vec![0.0; n + 1], gathered, inverse })
+        Some(SinglePrecisionFactor { panels, rows, l: vec![ZERO; room], order, x: vec![0.0; n + 1], gathered, inverse })
     }
 
     /// Takes the values of a factor; whether they can be told in single precision.
-    pub fn take(&mut self, values: &[f64]) -> bool {
-        let SingleFactor { pieces, l, inverse, .. } = self;
-        pieces.iter().all(|piece| {
-            let (wide, values) = (piece.columns.len(), &values[piece.first..]);
-            if !invert(values, piece, inverse) {
+    pub fn set_values(&mut self, values: &[f64]) -> bool {
+        let SinglePrecisionFactor { panels, l, inverse, .. } = self;
+        panels.iter().all(|panel| {
+            let (wide, values) = (panel.columns.len(), &values[panel.first..]);
+            if !invert(values, panel, inverse) {
                 return false;
             }
-            let (own, below) = l[piece.l.clone()].split_at_mut(wide.div_ceil(WIDE) * wide);
+            let (own, below) = l[panel.l.clone()].split_at_mut(wide.div_ceil(LANES) * wide);
             fill(own, wide, |row, k| if row < wide { inverse[k * wide + row] } else { 0.0 });
-            fill(below, wide, |row, k| if row < piece.below { values[k * piece.tall + wide + row] } else { 0.0 });
+            fill(below, wide, |row, k| if row < panel.below { values[k * panel.tall + wide + row] } else { 0.0 });
             true
         })
     }
@@ -136,8 +136,8 @@ impl SingleFactor {
 }
 
 /// L11^-1 by columns; whether its numbers can be told in single precision.
-fn invert(l: &[f64], piece: &Piece, inverse: &mut [f64]) -> bool {
-    let (wide, tall) = (piece.columns.len(), piece.tall);
+fn invert(l: &[f64], panel: &Panel, inverse: &mut [f64]) -> bool {
+    let (wide, tall) = (panel.columns.len(), panel.tall);
     for j in 0..wide {
         let column = &mut inverse[j * wide..(j + 1) * wide];
         column.fill(0.0);
@@ -145,7 +145,7 @@ fn invert(l: &[f64], piece: &Piece, inverse: &mut [f64]) -> bool {
             let sum: f64 = (j..i).map(|k| l[k * tall + i] * column[k]).sum();
             column[i] = (if i == j { 1.0 } else { -sum }) / l[i * tall + i];
         }
-        if !WITHIN.contains(&column[j]) || column.iter().any(|v| v.abs() >= WITHIN.end) {
+        if !F32_RANGE.contains(&column[j]) || column.iter().any(|v| v.abs() >= F32_RANGE.end) {
             return false;
         }
     }
@@ -153,11 +153,11 @@ fn invert(l: &[f64], piece: &Piece, inverse: &mut [f64]) -> bool {
 }
 
 /// Chunks of rows, in a chunk one register a column.
-fn fill(registers: &mut [Eight], columns: usize, value: impl Fn(usize, usize) -> f64) {
+fn fill(registers: &mut [F32x8], columns: usize, value: impl Fn(usize, usize) -> f64) {
     for (chunk, registers) in registers.chunks_mut(columns).enumerate() {
         for (k, register) in registers.iter_mut().enumerate() {
             for (i, entry) in register.0.iter_mut().enumerate() {
-                *entry = value(WIDE * chunk + i, k) as f32;
+                *entry = value(LANES * chunk + i, k) as f32;
             }
         }
     }
@@ -165,17 +165,17 @@ fn fill(registers: &mut [Eight], columns: usize, value: impl Fn(usize, usize) ->
 
 /// L y = b
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn eliminate(factor: &mut SingleFactor) {
-    let SingleFactor { pieces, rows, l, x, .. } = factor;
-    for piece in pieces.iter() {
-        let wide = piece.columns.len();
-        let (own, below) = l[piece.l.clone()].split_at(wide.div_ceil(WIDE) * wide);
+fn eliminate(factor: &mut SinglePrecisionFactor) {
+    let SinglePrecisionFactor { panels, rows, l, x, .. } = factor;
+    for panel in panels.iter() {
+        let wide = panel.columns.len();
+        let (own, below) = l[panel.l.clone()].split_at(wide.div_ceil(LANES) * wide);
         let mut y = [0.0; COLUMNS];
-        for (y, block) in y.as_chunks_mut::<WIDE>().0.iter_mut().zip(own.chunks_exact(wide)) {
-            *y = combined(block, &x[piece.columns.clone()]).0;
+        for (y, block) in y.as_chunks_mut::<LANES>().0.iter_mut().zip(own.chunks_exact(wide)) {
+            *y = combined(block, &x[panel.columns.clone()]).0;
         }
-        x[piece.columns.clone()].copy_from_slice(&y[..wide]);
-        for (block, rows) in below.chunks_exact(wide).zip(&rows[piece.rows.clone()]) {
+        x[panel.columns.clone()].copy_from_slice(&y[..wide]);
+        for (block, rows) in below.chunks_exact(wide).zip(&rows[panel.rows.clone()]) {
             let sums = combined(block, &y[..wide]);
             for (&row, sum) in rows.iter().zip(sums.0) {
                 x[row as usize] -= sum;
@@ -186,10 +186,10 @@ fn eliminate(factor: &mut SingleFactor) {
 
 /// Sum of y_k times register k.
 #[inline(always)]
-fn combined(registers: &[Eight], y: &[f32]) -> Eight {
+fn combined(registers: &[F32x8], y: &[f32]) -> F32x8 {
     let mut sums = ZERO;
     for (l, y) in registers.iter().zip(y) {
-        for i in 0..WIDE {
+        for i in 0..LANES {
             sums.0[i] += l.0[i] * y;
         }
     }
@@ -198,57 +198,57 @@ fn combined(registers: &[Eight], y: &[f32]) -> Eight {
 
 /// L^T x = y
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn substitute(factor: &mut SingleFactor) {
-    let SingleFactor { pieces, rows, l, x, gathered, .. } = factor;
-    let (mut sums, mut left) = ([ZERO; COLUMNS], [ZERO; COLUMNS / WIDE]);
-    for piece in pieces.iter().rev() {
-        let wide = piece.columns.len();
-        let (own, below) = l[piece.l.clone()].split_at(wide.div_ceil(WIDE) * wide);
-        let rows = &rows[piece.rows.clone()];
+fn substitute(factor: &mut SinglePrecisionFactor) {
+    let SinglePrecisionFactor { panels, rows, l, x, gathered, .. } = factor;
+    let (mut sums, mut left) = ([ZERO; COLUMNS], [ZERO; COLUMNS / LANES]);
+    for panel in panels.iter().rev() {
+        let wide = panel.columns.len();
+        let (own, below) = l[panel.l.clone()].split_at(wide.div_ceil(LANES) * wide);
+        let rows = &rows[panel.rows.clone()];
         let gathered = &mut gathered[..rows.len()];
         for (gathered, rows) in gathered.iter_mut().zip(rows) {
             for (entry, &row) in gathered.0.iter_mut().zip(rows) {
                 *entry = x[row as usize];
             }
         }
-        let (x, sums) = (&mut x[piece.columns.clone()], &mut sums[..wide]);
+        let (x, sums) = (&mut x[panel.columns.clone()], &mut sums[..wide]);
         products(below, gathered, sums);
-        take_totals(sums, x);
+        subtract_totals(sums, x);
         left.fill(ZERO);
-        for (left, x) in left.iter_mut().zip(x.chunks(WIDE)) {
+        for (left, x) in left.iter_mut().zip(x.chunks(LANES)) {
             left.0[..x.len()].copy_from_slice(x);
         }
         products(own, &left, sums);
         x.fill(0.0);
-        take_totals(sums, x);
+        subtract_totals(sums, x);
         x.iter_mut().for_each(|x| *x = -*x);
     }
 }
 
 /// Register k of every chunk times x, summed over the chunks.
 #[inline(always)]
-fn products(l: &[Eight], x: &[Eight], sums: &mut [Eight]) {
+fn products(l: &[F32x8], x: &[F32x8], sums: &mut [F32x8]) {
     let wide = sums.len();
     let mut k = 0;
-    while k + TOGETHER <= wide {
-        sums[k..k + TOGETHER].copy_from_slice(&together::<TOGETHER>(l, wide, k, x));
-        k += TOGETHER;
+    while k + COLUMNS_AT_ONCE <= wide {
+        sums[k..k + COLUMNS_AT_ONCE].copy_from_slice(&sums_of::<COLUMNS_AT_ONCE>(l, wide, k, x));
+        k += COLUMNS_AT_ONCE;
     }
     while k < wide {
-        sums[k..=k].copy_from_slice(&together::<1>(l, wide, k, x));
+        sums[k..=k].copy_from_slice(&sums_of::<1>(l, wide, k, x));
         k += 1;
     }
 }
 
 /// Of some columns side by side: their sums stay in registers and need not wait for each other.
 #[inline(always)]
-fn together<const N: usize>(l: &[Eight], wide: usize, k: usize, x: &[Eight]) -> [Eight; N] {
+fn sums_of<const N: usize>(l: &[F32x8], wide: usize, k: usize, x: &[F32x8]) -> [F32x8; N] {
     let mut sums = [ZERO; N];
     for (chunk, x) in l.chunks_exact(wide).zip(x) {
-        // Pieces are taken from the last to the first: what lies before them is wanted next.
-        (k..k + N).step_by(LINE).for_each(|k| prefetch_index(chunk, k.wrapping_sub(AHEAD)));
+        // Panels are taken from the last to the first: what lies before them is wanted next.
+        (k..k + N).step_by(LINE).for_each(|k| prefetch_index(chunk, k.wrapping_sub(PREFETCH_DISTANCE)));
         for (sum, l) in sums.iter_mut().zip(&chunk[k..k + N]) {
-            for i in 0..WIDE {
+            for i in 0..LANES {
                 sum.0[i] += l.0[i] * x.0[i];
             }
         }
@@ -259,8 +259,8 @@ fn together<const N: usize>(l: &[Eight], wide: usize, k: usize, x: &[Eight]) -> 
 /// Subtracts the sum of every register. Not inlined: its order would otherwise choose that of the lanes in the loops
 /// before it, as in `Lanes::total`.
 #[inline(never)]
-fn take_totals(sums: &[Eight], from: &mut [f32]) {
-    for (from, Eight(l)) in from.iter_mut().zip(sums) {
+fn subtract_totals(sums: &[F32x8], from: &mut [f32]) {
+    for (from, F32x8(l)) in from.iter_mut().zip(sums) {
         *from -= ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
     }
 }
