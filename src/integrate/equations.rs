@@ -17,38 +17,81 @@ use crate::solve::newton::{Curvature, NonlinearProblem, Scales};
 use crate::solve::norms::norm;
 use crate::solve::{Accuracy, Expected, Inertia, LinearError};
 
-/// F(z) = 0 of one step.
+/// F(z) = 0 of one step. The unknown z is the displacement of the free degrees of freedom [m].
 pub(super) struct Equations<'a> {
     pub system: &'a dyn TangentSystem,
     pub map: StageMap,
-    pub from: &'a Point,
-    /// [m/s^2] accelerations at the step's start
-    pub a: &'a [f64],
-    /// [m/s^2] accelerations at its end, if they go on as they did in the step before
-    pub expected: &'a [f64],
+    pub start: StepStart<'a>,
+    /// the end of the step, for the last z
     pub to: &'a mut Point,
+    /// the first guess that the iteration begins from
+    pub guess: Guess,
+    pub dofs: &'a DofData,
+    pub workspace: &'a mut Workspace,
+    pub linear: &'a mut LinearState,
     pub counters: &'a mut Counters,
-    pub tangents: &'a mut Tangents,
-    pub cache: &'a mut FactorCache,
-    /// [m/s^2] accelerations at the step's end
-    pub a_next: &'a mut [f64],
-    /// [kg] by degree of freedom
-    pub mass: &'a [f64],
-    /// room for vectors over all degrees of freedom
-    pub wide: [&'a mut [f64]; 2],
-    /// [N/m] by degree of freedom
-    pub stiffness: &'a [f64],
-    /// [1/s^2] the largest of that over its mass
-    pub fastest: f64,
+}
+
+/// What is known before a step.
+pub(super) struct StepStart<'a> {
+    pub from: &'a Point,
+    /// [m/s^2] accelerations at the step's start `[n_dof]`
+    pub a: &'a [f64],
+    /// [m/s^2] accelerations at its end, if they change as they did in the step before `[n_dof]`
+    pub expected: &'a [f64],
     /// [s] size of the step
     pub h: f64,
     /// [m] largest coordinate, which sets the rounding of positions
     pub largest: f64,
     /// [N] size of the forces at the step's start
     pub force_scale: f64,
-    pub guess: Guess,
-    pub halfway: &'a mut Point,
-    pub mass_weight: &'a mut Option<f64>,
+}
+
+/// Masses and stiffnesses by degree of freedom.
+pub(super) struct DofData {
+    /// [kg] `[n_dof]`
+    pub mass: Vec<f64>,
+    /// [N/m] `[n_dof]`
+    pub stiffness: Vec<f64>,
+    /// [1/s^2] the largest ratio of stiffness to mass
+    pub fastest: f64,
+}
+
+impl DofData {
+    pub fn of(system: &dyn TangentSystem) -> Self {
+        let mut mass = vec![0.0; system.n_dof()];
+        system.mass_times(&vec![1.0; system.n_dof()], &mut mass);
+        let stiffness = system.nodal_stiffness();
+        let fastest = stiffness.iter().zip(system.inverse_mass()).fold(0.0, |most: f64, (k, m)| most.max(k * m));
+        DofData { mass, stiffness, fastest }
+    }
+}
+
+/// Buffers of a step.
+pub(super) struct Workspace {
+    /// [m/s^2] accelerations at the step's end `[n_dof]`
+    pub a_next: Vec<f64>,
+    /// displacements, then residuals [N] `[n_dof]`
+    pub residual: Vec<f64>,
+    /// [N] rounding floors of the residuals `[n_dof]`
+    pub floor: Vec<f64>,
+    /// the state half way to a first guess
+    pub halfway: Point,
+}
+
+impl Workspace {
+    pub fn new(at: &Point) -> Self {
+        let zero = || vec![0.0; at.state.x.len()];
+        Workspace { a_next: zero(), residual: zero(), floor: zero(), halfway: at.clone() }
+    }
+}
+
+/// The matrices of a run and what is known of them.
+pub(super) struct LinearState {
+    pub tangents: Tangents,
+    pub cache: FactorCache,
+    /// [1/s^2] weight of the mass in the W that is factorised; `None` if the last attempt factorised none
+    pub mass_weight: Option<f64>,
 }
 
 /// First guesses for the step's displacement, from the best to the most cautious.
@@ -75,12 +118,13 @@ const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {
     pub fn fill(&self, z: &mut [f64]) {
-        let (h, v, map) = (self.h, &self.from.state.v, self.map);
-        for (&dof, z) in self.tangents.dof.iter().zip(z) {
+        let (StepStart { from, a, expected, h, .. }, map) = (&self.start, self.map);
+        let v = &from.state.v;
+        for (&dof, z) in self.linear.tangents.dof.iter().zip(z) {
             let i = dof as usize;
             *z = match self.guess {
-                Guess::Trend => (self.expected[i] - map.av * v[i] - map.aa * self.a[i]) / map.ca,
-                Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * self.a[i]),
+                Guess::Trend => (expected[i] - map.av * v[i] - map.aa * a[i]) / map.ca,
+                Guess::ConstantAcceleration => h * (v[i] + 0.5 * h * a[i]),
                 Guess::ConstantVelocity => h * v[i],
                 Guess::Rest => 0.0,
             };
@@ -89,8 +133,8 @@ impl Equations<'_> {
 
     /// Whether forces differ from those at the step's start by more than a share of their size.
     fn is_far(&self, forces: &[f64]) -> bool {
-        let change: f64 = forces.iter().zip(&self.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
-        change.is_nan() || change.sqrt() > FORCE_CHANGE * self.force_scale
+        let change: f64 = forces.iter().zip(&self.start.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
+        change.is_nan() || change.sqrt() > FORCE_CHANGE * self.start.force_scale
     }
 
     /// Of W = dF/dz.
@@ -100,15 +144,15 @@ impl Equations<'_> {
     }
 
     fn is_long(&self) -> bool {
-        self.h * self.h * self.fastest > LONG_STEP
+        self.start.h * self.start.h * self.dofs.fastest > LONG_STEP
     }
 
     /// Makes the kept factor again where another has taken its place since the last accepted step.
     pub fn rebuild_factor(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, make)) = self.cache.to_rebuild() else { return Ok(()) };
+        let Some((at, w, make)) = self.linear.cache.to_rebuild() else { return Ok(()) };
         let mut spent = Counters::default();
-        self.tangents.freeze(self.system, at, w, make, &mut spent)?;
-        if self.cache.rebuilt() {
+        self.linear.tangents.freeze(self.system, at, w, make, &mut spent)?;
+        if self.linear.cache.rebuilt() {
             *self.counters = self.counters.plus(spent);
         }
         Ok(())
@@ -116,40 +160,42 @@ impl Equations<'_> {
 
     /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
-        let Some((at, w, make)) = self.cache.turn_convex() else { return Ok(false) };
-        Ok(self.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
+        let Some((at, w, make)) = self.linear.cache.turn_convex() else { return Ok(false) };
+        Ok(self.linear.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
     }
 
     fn evaluate_halfway(&mut self) {
-        let (n, to, half) = (&self.from.state, &self.to.state, &mut self.halfway.state);
+        let halfway = &mut self.workspace.halfway;
+        let (n, to, half) = (&self.start.from.state, &self.to.state, &mut halfway.state);
         half.t = to.t;
         for (half, (a, b)) in half.x.iter_mut().zip(n.x.iter().zip(&to.x)) {
             *half = 0.5 * (a + b);
         }
         half.v.copy_from_slice(&to.v);
-        self.counters.evaluate(self.system, self.halfway.state.as_ref(), &mut self.halfway.forces);
+        self.counters.evaluate(self.system, halfway.state.as_ref(), &mut halfway.forces);
     }
 }
 
 impl NonlinearProblem for Equations<'_> {
     fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]) {
-        let (map, n) = (self.map, &self.from.state);
-        let [wide, floors] = &mut self.wide;
-        wide.fill(0.0);
-        for (&dof, z) in self.tangents.dof.iter().zip(z) {
-            wide[dof as usize] = *z;
+        let (map, from, dofs) = (self.map, self.start.from, self.dofs);
+        let Workspace { a_next, residual, floor: floors, .. } = &mut *self.workspace;
+        let dof = &*self.linear.tangents.dof;
+        residual.fill(0.0);
+        for (&dof, z) in dof.iter().zip(z) {
+            residual[dof as usize] = *z;
         }
-        let (workers, start) = (self.system.workers(), Start { x: &n.x, v: &n.v, a: self.a });
-        displace(workers, map, wide, start, (&mut self.to.state.x, &mut self.to.state.v));
+        let (workers, start) = (self.system.workers(), Start { x: &from.state.x, v: &from.state.v, a: self.start.a });
+        displace(workers, map, residual, start, (&mut self.to.state.x, &mut self.to.state.v));
         self.counters.evaluate(self.system, self.to.state.as_ref(), &mut self.to.forces);
-        let forces = Forces { f_n: &self.from.forces.total, f: &self.to.forces.total, mass: self.mass };
-        unbalanced(workers, map, start, forces, (self.a_next, wide));
-        let sizes = Sizes { stiffness: self.stiffness, largest: self.largest, a: self.a_next };
+        let forces = Forces { f_n: &from.forces.total, f: &self.to.forces.total, mass: &dofs.mass };
+        unbalanced(workers, map, start, forces, (a_next, residual));
+        let sizes = Sizes { stiffness: &dofs.stiffness, largest: self.start.largest, a: a_next };
         rounding(workers, map, start, forces, sizes, floors);
-        let (wide, floors, dof) = (&**wide, &**floors, &*self.tangents.dof);
+        let (residual, floors) = (&**residual, &**floors);
         workers.both((r, floor), |range, r, floor| {
             for ((&dof, r), floor) in dof[range].iter().zip(r).zip(floor) {
-                (*r, *floor) = (wide[dof as usize], floors[dof as usize]);
+                (*r, *floor) = (residual[dof as usize], floors[dof as usize]);
             }
         });
     }
@@ -159,9 +205,9 @@ impl NonlinearProblem for Equations<'_> {
             return false;
         }
         let mut too_far = self.is_far(&self.to.forces.total);
-        if !too_far && self.is_long() && self.system.turns_over(&self.from.state.x, &self.to.state.x) {
+        if !too_far && self.is_long() && self.system.turns_over(&self.start.from.state.x, &self.to.state.x) {
             self.evaluate_halfway();
-            too_far = self.is_far(&self.halfway.forces.total);
+            too_far = self.is_far(&self.workspace.halfway.forces.total);
         }
         self.guess = match self.guess {
             Guess::Trend if too_far => Guess::ConstantAcceleration,
@@ -174,25 +220,25 @@ impl NonlinearProblem for Equations<'_> {
     }
 
     fn conservative(&self) -> bool {
-        self.tangents.symmetric()
+        self.linear.tangents.symmetric()
     }
 
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
-        *self.mass_weight = Some(w.m);
+        self.linear.mass_weight = Some(w.m);
         // Where W is symmetric the two share their room.
-        self.cache.discard(self.tangents.symmetric());
-        self.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
+        self.linear.cache.discard(self.linear.tangents.symmetric());
+        self.linear.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
     fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
         let w = self.weights();
         for make in [false, true].map(|convex| FactorRequest { convex, expected }) {
-            match self.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
+            match self.linear.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
                 None => return Ok(false),
                 Some(Inertia::Indefinite) => {}
                 Some(_) => {
-                    self.cache.store(self.to.state.as_ref(), w, make);
+                    self.linear.cache.store(self.to.state.as_ref(), w, make);
                     return Ok(true);
                 }
             }
@@ -201,7 +247,7 @@ impl NonlinearProblem for Equations<'_> {
     }
 
     fn prefers_another(&self, expected: Expected) -> bool {
-        self.tangents.prefers_another(expected)
+        self.linear.tangents.prefers_another(expected)
     }
 
     fn cg_iterations(&self) -> u64 {
@@ -209,33 +255,33 @@ impl NonlinearProblem for Equations<'_> {
     }
 
     fn take_frozen(&mut self) {
-        *self.mass_weight = Some(self.cache.weights().m);
-        self.tangents.take(Which::Frozen);
+        self.linear.mass_weight = Some(self.linear.cache.weights().m);
+        self.linear.tangents.take(Which::Frozen);
     }
 
     fn keeps(&self) -> bool {
-        self.tangents.keeps()
+        self.linear.tangents.keeps()
     }
 
     fn ask(&mut self, accuracy: Accuracy) {
-        self.tangents.ask(accuracy);
+        self.linear.tangents.ask(accuracy);
     }
 
     fn stopping_force(&mut self) -> f64 {
-        stopping_force(self.system, self.from, self.map, self.wide[0])
+        stopping_force(self.system, self.start.from, self.map, &mut self.workspace.residual)
     }
 
     fn factor_cost(&self) -> f64 {
-        self.tangents.factor_cost()
+        self.linear.tangents.factor_cost()
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        match self.tangents.solve(b, self.counters) {
+        match self.linear.tangents.solve(b, self.counters) {
             // Of a kept matrix that was not factorised this shows only here.
             Err(LinearError::Indefinite { .. })
-                if self.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
+                if self.linear.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
             {
-                self.tangents.solve(b, self.counters)
+                self.linear.tangents.solve(b, self.counters)
             }
             solved => solved,
         }
