@@ -1,5 +1,6 @@
 //! What Newton needs of a linear solver, and which one a matrix gets.
 
+use super::cost_model::COSTS;
 pub use super::cost_model::Prediction;
 use super::{AutoSolver, Cholesky, ConjugateGradients, Lu};
 use crate::assembly::Pattern;
@@ -39,27 +40,10 @@ pub struct LinearStats {
     pub prediction: Option<Prediction>,
 }
 
-/// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
-pub(super) const SOLVE_FLOPS: f64 = 4.0;
-const ITERATION_FLOPS: f64 = 350.0;
-/// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the
-/// factor at the speed of memory, a factorisation works on dense blocks.
-pub(super) const SOLVE_SLOWNESS: f64 = 1.6;
-/// [flop] a multiplication and addition in the dense blocks of a factorisation, and an entry of its factor besides
-pub(super) const DENSE_OPERATION: f64 = 0.25;
-pub(super) const FACTOR: f64 = 68.0;
-/// [flop] an entry of W in an assembly
-pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
-
 impl LinearStats {
-    /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
+    /// [-] Cost of an assembly and a factorisation in Newton iterations on an existing factor, by counted operations.
     pub fn factor_cost(&self, unknowns: usize) -> f64 {
-        let entries = self.factor_nonzeros.unwrap_or(self.matrix_nonzeros) as f64;
-        let operations = self.factor_operations.unwrap_or(0.0);
-        // Small factors take the time of their operations; in large ones dense blocks make most of these cheap.
-        let factoring = (2.0 * operations).min(DENSE_OPERATION * operations + FACTOR * entries);
-        let making = factoring + ASSEMBLY_FLOPS * self.matrix_nonzeros as f64;
-        making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
+        COSTS.factor_cost(self, unknowns)
     }
 }
 
