@@ -266,7 +266,7 @@ impl Shifted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::pseudo_random;
+    use crate::mesh::random::pseudo_random;
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 

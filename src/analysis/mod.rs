@@ -15,5 +15,3 @@ pub mod spectrum;
 mod step_map;
 mod vectors;
 pub mod warnings;
-
-pub(crate) use vectors::pseudo_random;

@@ -1,9 +1,10 @@
 //! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
 
 use super::rates::Rates;
-use super::vectors::{dot, pseudo_random};
+use super::vectors::dot;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::row_starts;
+use crate::mesh::random::pseudo_random;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;

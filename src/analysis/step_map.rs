@@ -6,12 +6,13 @@
 use super::arnoldi::{Krylov, place};
 use super::modes::ModeShape;
 use super::operators::{Linearised, Matrices};
-use super::vectors::{norm, pseudo_random};
+use super::vectors::norm;
 use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::mesh::random::pseudo_random;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};

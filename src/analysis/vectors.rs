@@ -1,11 +1,5 @@
 //! Operations on vectors that the Krylov iterations share, and how many vectors they may keep.
 
-/// [-] A fixed number in [-1, 1) for every index, scattered without a pattern in sign or size: a multiplicative hash.
-pub(crate) fn pseudo_random(i: usize) -> f64 {
-    let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
-    2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
-}
-
 /// a.b in eight lanes, which a processor can add side by side. Adds them in another order than `solve::norms`: the bits
 /// of limits hang on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -18,7 +18,7 @@ mod layout;
 mod loops;
 mod polish;
 pub mod quality;
-mod random;
+pub(crate) mod random;
 pub mod read;
 pub mod rectangle;
 pub mod sdf;

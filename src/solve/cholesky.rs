@@ -11,6 +11,7 @@ use super::linear::{
 use super::mixed_precision::SinglePrecisionFactor;
 use super::ordering::{Permutation, fill_reducing};
 use crate::assembly::Pattern;
+use crate::mesh::random::pseudo_random;
 use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -223,13 +224,12 @@ impl Cholesky {
             return false;
         }
         let (mut x, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
-        let rough = |i: usize| if i.wrapping_mul(0x9E37_79B9) >> 13 & 1 == 0 { 1.0 } else { -1.0 };
         x.clear();
-        x.extend((0..self.pattern.n()).map(rough));
+        x.extend((0..self.pattern.n()).map(|i| pseudo_random(i).signum()));
         product.resize(x.len(), 0.0);
         single.solve(&mut x);
         self.pattern.multiply(values, &x, &mut product);
-        let left: f64 = product.iter().enumerate().map(|(i, p)| (p - rough(i)).powi(2)).sum();
+        let left: f64 = product.iter().enumerate().map(|(i, p)| (p - pseudo_random(i).signum()).powi(2)).sum();
         let serves = left <= REUSED_RELATIVE * REUSED_RELATIVE * x.len() as f64;
         (self.refinement, self.product) = (x, product);
         serves

@@ -11,6 +11,7 @@ use super::bsr::NodeBlocks;
 use super::eisenstat::{Curvature, Sweep};
 use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
+use crate::mesh::random::Lcg;
 use crate::model::workers::Workers;
 use glam::{DVec3, Vec3A};
 use std::ops::Range;
@@ -245,13 +246,9 @@ impl PartitionedSystem {
 
     /// Makes r a vector that is the same everywhere and has a part of every motion; returns r . r.
     pub fn set_trial_right_hand_side(&mut self) -> f64 {
-        let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
-        let mut rough = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
-        };
+        let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
-            part.r.fill_with(|| Vec3A::new(rough(), rough(), rough()));
+            part.r.fill_with(|| Vec3A::new(random.next(), random.next(), random.next()));
             part.reductions.square = squared(&part.r);
         }
         self.sum(|found| found.square)

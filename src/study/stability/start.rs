@@ -12,13 +12,13 @@
 
 use super::StabilitySpec;
 use super::measure::PASSES;
-use crate::analysis::pseudo_random;
 use crate::drive::clock::Step;
 use crate::drive::observer::{ObserveError, Observer, Point, StepView};
 use crate::drive::{self, Explain, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::mesh::random::pseudo_random;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
