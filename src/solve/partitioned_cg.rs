@@ -1,6 +1,6 @@
-//! The vectors of conjugate gradients and the operations on them, subdomain by subdomain (`twisted_factorization`):
-//! both halves at once, before or after the separator. Sums are added in the order of the subdomains, so that bits do
-//! not depend on the number of threads.
+//! The vectors of conjugate gradients and the operations on them, by subdomains (`twisted_factorization`): both halves
+//! in parallel, before or after the separator. Sums are added in the order of the subdomains, so that bits do not
+//! depend on the number of threads.
 //!
 //! ```text
 //! (I + L)^-1        forwards:   the halves, then the separator, which adds what they take from it
@@ -17,11 +17,11 @@ use glam::{DVec3, Vec3A};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// [nodes] in each of the runs over which [`PartitionedSystem::runs_within`] looks: a flaw of a few nodes would not show in the
-/// whole scene.
+/// Nodes in each range that [`PartitionedSystem::runs_within`] checks: an error at a few nodes would not show in a sum
+/// over the scene.
 const RUN: usize = 256;
 
-/// A subdomain of W with its share of all vectors; t and q hold places of the separator beside it too.
+/// A subdomain of W with its part of all vectors; t and q also hold the separator beside it.
 pub(super) struct SubdomainSystem {
     pub(super) blocks: NodeBlocks,
     x: Vec<Vec3A>,
@@ -32,10 +32,10 @@ pub(super) struct SubdomainSystem {
     reductions: Reductions,
 }
 
-/// What an operation finds in a subdomain.
+/// Results of an operation in a subdomain.
 #[derive(Clone, Copy, Default)]
 struct Reductions {
-    /// whether it went well
+    /// whether the blocks are positive definite
     positive_definite: bool,
     /// r . r
     square: f64,
@@ -61,12 +61,12 @@ impl SubdomainSystem {
         self.p.fill(Vec3A::ZERO);
     }
 
-    /// Takes t of the separator.
+    /// Copies t of the separator.
     fn copy_separator(&mut self, separator: &SubdomainSystem) {
         self.t[self.blocks.nodes()..].copy_from_slice(&separator.t);
     }
 
-    /// Adds to a separator's q what the halves take from it.
+    /// Adds the contributions of the halves to the separator's q.
     fn add_halves(&mut self, halves: &[SubdomainSystem; 2]) {
         for half in halves {
             for (q, other) in self.q.iter_mut().zip(&half.q[half.blocks.nodes()..]) {
@@ -133,7 +133,7 @@ impl PartitionedSystem {
     /// `subdomains` are both halves and the separator.
     pub fn new(pattern: &Arc<Pattern>, subdomains: [Subdomain; 3], workers: Workers) -> Self {
         let node = pattern.node_of_unknown();
-        // Nothing is handed over where there is a single part.
+        // A single subdomain needs no threads.
         let workers = if subdomains[1].own.is_empty() { Workers::default() } else { workers };
         let part = |subdomain| SubdomainSystem::new(NodeBlocks::new(Arc::clone(pattern), subdomain, &node));
         let [first, second, separator] = subdomains.map(part);
@@ -148,8 +148,8 @@ impl PartitionedSystem {
         self.all().map(|part| of(&part.reductions)).sum()
     }
 
-    /// Takes the values of W, with `omega` [-] of the fill in the pivots; whether the blocks on its diagonal are
-    /// positive definite, and those beside them no larger than that allows.
+    /// Factorises W: `values` [nonzeros], with the share `omega` [-] of the fill added to the pivots. Returns `false`
+    /// if a diagonal block is not positive definite or an off-diagonal one is too large for that.
     pub fn set_values(&mut self, values: &[f64], omega: f64) -> bool {
         let PartitionedSystem { halves, separator, scale, workers } = self;
         let diagonals = &separator.blocks.pattern.col_ptr;
@@ -178,7 +178,7 @@ impl PartitionedSystem {
         well && halves.iter().all(|half| half.reductions.positive_definite)
     }
 
-    /// r <- (I + L)^-1 E^-1 Y^-1 b / s, with s of the size of Y^-1 b; returns s and r . r.
+    /// r <- (I + L)^-1 E^-1 Y^-1 b / s, where s is the largest entry of Y^-1 b; `b` `[n]`. Returns s and r . r.
     pub fn set_right_hand_side(&mut self, b: &[f64]) -> [f64; 2] {
         let PartitionedSystem { halves, separator, scale, workers } = self;
         let scale = &*scale;
@@ -244,7 +244,7 @@ impl PartitionedSystem {
         join(workers, (one, first), (other, second), |(half, b)| finish(half, b));
     }
 
-    /// Makes r a vector that is the same everywhere and has a part of every motion; returns r . r.
+    /// Sets r to a fixed pseudo-random vector, which has a part of every mode; returns r . r.
     pub fn set_trial_right_hand_side(&mut self) -> f64 {
         let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
@@ -254,7 +254,7 @@ impl PartitionedSystem {
         self.sum(|found| found.square)
     }
 
-    /// Whether p . q is no more of p . p than this [-] in every run of nodes.
+    /// Whether p . q <= most * p . p in every range of [`RUN`] nodes.
     pub fn runs_within(&self, most: f64) -> bool {
         let mut runs = self.all().flat_map(|part| part.p.chunks(RUN).zip(part.q.chunks(RUN)));
         runs.all(|(p, q)| product(p, q) <= most * squared(p))
@@ -265,7 +265,7 @@ fn both(workers: &Workers, [one, other]: &mut [SubdomainSystem; 2], work: impl F
     join(workers, one, other, work);
 }
 
-/// Does the work on both, on two threads if there are.
+/// Does the work on both, on two threads if available.
 fn join<T: Send>(workers: &Workers, one: T, other: T, work: impl Fn(T) + Sync) {
     match workers.pool() {
         None => {

@@ -1,42 +1,42 @@
-//! How a matrix's nodes are cut into two halves that two threads eliminate at once, each from its end towards the
-//! separator between them, which comes last:
+//! Cuts the nodes of a matrix into two halves that two threads eliminate at once, each from its end towards the
+//! separator between them, which is eliminated last:
 //!
 //! ```text
 //! node:           0 1 2 ...  first half  ... | separator | ...  second half  ... n-1
 //! eliminated:     --->                         last                        <---
 //! ```
-//! This is the twisted factorisation of van der Vorst (Parallel Computing 5, 1987). An incomplete one loses nothing by
-//! it, as each node still meets what has been eliminated beside it only: at a million nodes, a second half that went
-//! away from the separator took 1.6 times the iterations. Nodes numbered along a mesh (Cuthill-McKee) have separators
-//! as wide as the mesh. The cut depends on the matrix alone, and so results do not depend on the number of threads.
+//! This is the twisted factorisation of van der Vorst (Parallel Computing 5, 1987). An incomplete one needs no more
+//! iterations, as each node still meets only eliminated neighbours. At a million nodes, a second half eliminated away
+//! from the separator took 1.6 times the iterations. With nodes numbered along a mesh (Cuthill-McKee) the separator is
+//! as wide as the mesh. The cut depends on the matrix alone, so results do not depend on the number of threads.
 
 use crate::assembly::Pattern;
 use std::ops::Range;
 
-/// [nodes] below which there is no cut: so few do not outweigh a hand-over.
+/// Nodes below which there is no cut: two threads would cost more than they save.
 const LEAST: usize = 4096;
-/// [-] of all nodes that a separator may have.
+/// [-] largest share of the nodes in the separator.
 const WIDEST: f64 = 0.125;
 
-/// Nodes that are eliminated one after another, a half or the separator; vectors hold their own, and then those of the
-/// separator beside them.
+/// Nodes that are eliminated one after another: a half or the separator. Its local vectors hold its own nodes, then
+/// those of the separator beside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Subdomain {
-    /// its nodes
+    /// its nodes, a range
     pub own: Range<usize>,
     /// of a half: the nodes of the separator
     pub separator: Range<usize>,
-    /// whether it begins with its last node
+    /// whether elimination starts at the last node
     pub backwards: bool,
 }
 
 impl Subdomain {
-    /// Number of places in its vectors.
+    /// Length of its local vectors.
     pub fn n_local(&self) -> usize {
         self.own.len() + self.separator.len()
     }
 
-    /// Where a node stands in its vectors.
+    /// Local index of a node, if it has one.
     pub fn local_index(&self, node: usize) -> Option<usize> {
         if self.own.contains(&node) {
             Some(if self.backwards { self.own.end - 1 - node } else { node - self.own.start })
@@ -45,7 +45,7 @@ impl Subdomain {
         }
     }
 
-    /// The node at a place.
+    /// The node of a local index.
     #[inline(always)]
     pub fn node(&self, place: usize) -> usize {
         if place >= self.own.len() {
@@ -58,7 +58,7 @@ impl Subdomain {
     }
 }
 
-/// Both halves and the separator between them; all in the first half where a cut would not serve.
+/// Both halves and the separator. All nodes are in the first half if a cut does not pay.
 pub(super) fn cut(pattern: &Pattern, node: &[u32]) -> [Subdomain; 3] {
     let nodes = pattern.node_start.len() - 1;
     let whole = nodes..nodes;
@@ -66,7 +66,7 @@ pub(super) fn cut(pattern: &Pattern, node: &[u32]) -> [Subdomain; 3] {
     subdomains(nodes, if separator.len() as f64 <= WIDEST * nodes as f64 { separator } else { whole })
 }
 
-/// The halves beside a separator, and it.
+/// Both halves beside a separator, and the separator.
 pub(super) fn subdomains(nodes: usize, separator: Range<usize>) -> [Subdomain; 3] {
     let subdomain = |own, separator, backwards| Subdomain { own, separator, backwards };
     [
@@ -76,7 +76,7 @@ pub(super) fn subdomains(nodes: usize, separator: Range<usize>) -> [Subdomain; 3
     ]
 }
 
-/// Nodes about a middle one with which none before them has to do with any behind.
+/// The smallest range of nodes about the middle such that no node before it is coupled to one behind it.
 fn separator(pattern: &Pattern, node: &[u32], middle: usize) -> Range<usize> {
     let last = |g: usize| {
         let unknowns = pattern.node_start[g] as usize..pattern.node_start[g + 1] as usize;
