@@ -94,26 +94,26 @@ pub(super) struct LinearState {
     pub mass_weight: Option<f64>,
 }
 
-/// First guesses for the step's displacement, from the best to the most cautious.
+/// First guesses of the step's displacement, from the most accurate to the most cautious.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Guess {
-    /// what the scheme makes of accelerations that go on as they did
+    /// the scheme's displacement for accelerations that change as in the last step
     Trend,
-    /// h v + h^2/2 a: of second order, saves an iteration in small steps
+    /// h v + h^2/2 a: second order, saves an iteration in small steps
     ConstantAcceleration,
     /// h v
     ConstantVelocity,
-    /// 0: the tangent of the state the step starts from decides where to go
+    /// 0: the first direction is that of the tangent at the step's start
     Rest,
 }
 
-/// [-] A guess that changes the forces by more than this share of their size has left the neighbourhood in which it
-/// means anything: it may have carried a spring past its anchor, from where Newton finds the mirrored solution.
+/// [-] A guess that changes the forces by more than this share of their size is too far: it may have carried a spring
+/// past its anchor, from where Newton finds the mirrored solution.
 const FORCE_CHANGE: f64 = 0.5;
 
-/// [-] (w h)^2, with the stiffness and mass of a single unknown, above which a step is long for a spring: a guess may
-/// then lie near the mirror image of its end, where the forces look right again. Half way there they do not. Looked at
-/// only where a spring has turned over: the mirror image lies behind it.
+/// [-] (w h)^2, from the stiffness and mass of a single unknown, above which a step is long for a spring. A guess may
+/// then lie near the mirror image of the solution, where the forces look right again; half way there they do not.
+/// Checked only if a spring has turned over, as the mirror image lies behind it.
 const LONG_STEP: f64 = 4.0;
 
 impl Equations<'_> {
@@ -131,13 +131,13 @@ impl Equations<'_> {
         }
     }
 
-    /// Whether forces differ from those at the step's start by more than a share of their size.
+    /// Whether forces [N] differ from those at the step's start by more than a share of their size.
     fn is_far(&self, forces: &[f64]) -> bool {
         let change: f64 = forces.iter().zip(&self.start.from.forces.total).map(|(a, b)| (a - b).powi(2)).sum();
         change.is_nan() || change.sqrt() > FORCE_CHANGE * self.start.force_scale
     }
 
-    /// Of W = dF/dz.
+    /// The weights of W = dF/dz.
     pub fn weights(&self) -> Weights {
         let new = 1.0 - self.map.af;
         Weights { m: (1.0 - self.map.am) * self.map.ca, c: new * self.map.cv, k: new }
@@ -147,7 +147,7 @@ impl Equations<'_> {
         self.start.h * self.start.h * self.dofs.fastest > LONG_STEP
     }
 
-    /// Makes the kept factor again where another has taken its place since the last accepted step.
+    /// Rebuilds the reused factor if an attempt since the last accepted step has overwritten it.
     pub fn rebuild_factor(&mut self) -> Result<(), LinearError> {
         let Some((at, w, make)) = self.linear.cache.to_rebuild() else { return Ok(()) };
         let mut spent = Counters::default();
@@ -158,7 +158,7 @@ impl Equations<'_> {
         Ok(())
     }
 
-    /// Makes the kept matrix again where it was made, of the convex tangent; `false` if it was of that.
+    /// Rebuilds the reused matrix from the convex tangent at the same state; `false` if it was convex already.
     fn make_convex(&mut self) -> Result<bool, LinearError> {
         let Some((at, w, make)) = self.linear.cache.turn_convex() else { return Ok(false) };
         Ok(self.linear.tangents.freeze(self.system, at, w, make, self.counters)?.is_some())
@@ -226,7 +226,7 @@ impl NonlinearProblem for Equations<'_> {
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError> {
         let w = self.weights();
         self.linear.mass_weight = Some(w.m);
-        // Where W is symmetric the two share their room.
+        // If W is symmetric the two share their memory.
         self.linear.cache.discard(self.linear.tangents.symmetric());
         self.linear.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
@@ -277,7 +277,7 @@ impl NonlinearProblem for Equations<'_> {
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match self.linear.tangents.solve(b, self.counters) {
-            // Of a kept matrix that was not factorised this shows only here.
+            // A reused matrix that is not factorised shows this only in a solve.
             Err(LinearError::Indefinite { .. })
                 if self.linear.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
             {
@@ -288,7 +288,7 @@ impl NonlinearProblem for Equations<'_> {
     }
 }
 
-/// The sizes at the step's start that residuals and increments are compared with.
+/// Scales of residuals and increments, from the step's start.
 pub(super) fn scales(
     system: &dyn TangentSystem,
     from: &Point,
@@ -299,14 +299,14 @@ pub(super) fn scales(
     system.mass_times(a, product);
     let mut residual = system.force_scale(&from.forces).max(norm(product));
     if residual == 0.0 {
-        // A start without any force.
+        // No force acts at the start.
         residual = stopping_force(system, from, map, product);
     }
     let increment = norm(&from.state.v) / map.cv.abs().max(f64::MIN_POSITIVE);
     Scales { residual, increment, increment_floor: 4.0 * f64::EPSILON * norm(&from.state.x) }
 }
 
-/// [N] The force that would stop what moves within the step.
+/// [N] The force that would stop the motion within the step.
 fn stopping_force(system: &dyn TangentSystem, from: &Point, map: StageMap, product: &mut [f64]) -> f64 {
     system.mass_times(&from.state.v, product);
     norm(product) * (map.ca / map.cv).abs()

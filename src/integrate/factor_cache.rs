@@ -1,52 +1,52 @@
-//! What is known of the factor that an implicit scheme keeps from step to step, as accepted and as attempted: a dropped
-//! attempt must leave no bit, and a resumed run must have the factor of one that was never stopped. Both make it again
-//! from the state it was made at.
+//! The factor that an implicit scheme reuses from step to step, as of the last accepted step and of the current
+//! attempt. A dropped attempt must leave no trace, and a resumed run must have the factor of an uninterrupted one. Both
+//! rebuild it from the state it was made at.
 
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use crate::solve::Expected;
 use crate::solve::quasi_newton::FactorHistory;
 
-/// Ratio of two steps' mass weights beyond which a factor of one is of no use to the other.
+/// Ratio of mass weights beyond which the factor of one step size is of no use to another.
 const OTHER_STEP: f64 = 2.0;
 
-/// Where a kept factor was made, but for the state.
+/// A reused factor without the state it was made at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CachedFactor {
-    /// what its use has shown
+    /// statistics of its use
     frozen: FactorHistory,
     /// [s] time of the state it was made at
     t: f64,
-    /// its weights of M, C and K
+    /// its weights of M, C and K, in 1/s^2, 1/s and 1
     weights: [f64; 3],
-    /// whether it is of the convex tangent
+    /// whether it is a factor of the convex tangent
     convex: bool,
-    /// what was expected of it
+    /// its expected use
     made_for: Expected,
 }
 
-/// How a kept factor is made.
+/// How a reused factor is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FactorRequest {
-    /// of the convex tangent
+    /// from the convex tangent
     pub convex: bool,
-    /// what is expected of it
+    /// its expected use
     pub expected: Expected,
 }
 
-/// Why the factor is not the accepted one.
+/// Whether the factor in memory is that of the last accepted step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum CacheState {
     /// it is
     #[default]
     Valid,
-    /// an attempt has made another
+    /// an attempt has overwritten it
     Replaced,
-    /// the run was resumed
+    /// the run was resumed, so it must be rebuilt
     Resumed,
 }
 
-/// The factor of the last accepted step and that of the present attempt.
+/// The factor of the last accepted step and that of the current attempt.
 #[derive(Debug, Default)]
 pub(super) struct FactorCache {
     accepted: CachedFactor,
@@ -62,7 +62,7 @@ impl FactorCache {
         FactorCache { accepted_at: state(), attempted_at: state(), ..FactorCache::default() }
     }
 
-    /// The factor that has to be made before an attempt, if any.
+    /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
     pub fn to_rebuild(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
         self.attempted = self.accepted;
         if self.state == CacheState::Valid {
@@ -76,19 +76,20 @@ impl FactorCache {
         Some((self.accepted_at.as_ref(), weights(self.accepted), make))
     }
 
-    /// It was made; whether that is work that a run without dropped attempts would not have had, and is counted.
+    /// Marks the factor as rebuilt. Returns whether this work counts: a run without dropped attempts would not have had
+    /// it.
     pub fn rebuilt(&mut self) -> bool {
         std::mem::take(&mut self.state) == CacheState::Replaced
     }
 
-    /// What is known of the factor, for a step with these weights.
+    /// Statistics of the factor for a step with these weights.
     pub fn history_for(&self, w: Weights) -> FactorHistory {
         let ratio = w.m / weights(self.accepted).m;
         let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
         if near { self.accepted.frozen } else { self.accepted.frozen.of_another_step() }
     }
 
-    /// A factor was made in this attempt.
+    /// Records a new factor of this attempt.
     pub fn store(&mut self, at: StateRef<'_>, w: Weights, FactorRequest { convex, expected }: FactorRequest) {
         self.state = CacheState::Replaced;
         self.attempted_at.copy_from(at);
@@ -101,8 +102,7 @@ impl FactorCache {
         };
     }
 
-    /// The factor is made again where it was made, of the convex tangent: the state and the weights to do so; nothing
-    /// if it is of that already.
+    /// State, weights and request to rebuild the factor from the convex tangent; `None` if it is convex already.
     pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
         if self.attempted.convex {
             return None;
@@ -116,7 +116,7 @@ impl FactorCache {
         Some((self.attempted_at.as_ref(), weights(self.attempted), make))
     }
 
-    /// Another matrix is factorised; if in the same room, there is no kept one any more.
+    /// Records that another matrix was factorised; if in the same memory, the reused factor is gone.
     pub fn discard(&mut self, same_room: bool) {
         if same_room {
             self.state = CacheState::Replaced;
@@ -124,12 +124,12 @@ impl FactorCache {
         }
     }
 
-    /// [1/s^2, 1/s, 1] weights of the factor of this attempt.
+    /// Weights of the factor of this attempt.
     pub fn weights(&self) -> Weights {
         weights(self.attempted)
     }
 
-    /// What its use in this attempt has shown.
+    /// Sets the statistics after this attempt.
     pub fn set_history(&mut self, frozen: FactorHistory) {
         self.attempted.frozen = frozen;
     }
@@ -142,7 +142,7 @@ impl FactorCache {
         (self.accepted, self.state) = (self.attempted, CacheState::Valid);
     }
 
-    /// Adds the state of the factor to `vectors` and returns the rest; nothing if there is none and none was attempted.
+    /// Appends the state of the factor to `vectors` and returns the rest; `None` if there is no factor.
     pub fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<CachedFactor> {
         if self.accepted.frozen == FactorHistory::default() {
             return None;
@@ -151,12 +151,12 @@ impl FactorCache {
         Some(self.accepted)
     }
 
-    /// Room for the vectors of a saved factor.
+    /// Positions and velocities of the factor's state, to be restored `[n_dof]`.
     pub fn state_vectors(&mut self) -> [&mut Vec<f64>; 2] {
         [&mut self.accepted_at.x, &mut self.accepted_at.v]
     }
 
-    /// Takes the rest of a saved factor.
+    /// Restores a saved factor except for its state.
     pub fn restore(&mut self, factor: CachedFactor) {
         self.accepted_at.t = factor.t;
         (self.accepted, self.state) = (factor, CacheState::Resumed);

@@ -1,9 +1,9 @@
-//! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear
+//! The engine of Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton iteration, one linear
 //! solver.
 //!
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
-//! where the origin is. Per iteration: one force pass and one solve, with W = cm M + cc C + ck K of the iterate,
-//! assembled into its slots and factorised, or with one that is kept (`kept`).
+//! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
+//! with a reused matrix (`factor_cache`).
 
 use super::balance::{came_as, go_on};
 use super::equations::{DofData, Equations, Guess, LinearState, StepStart, Workspace, scales};
@@ -18,15 +18,15 @@ use crate::model::point::Point;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
 use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 
-/// [-] What a solve for a filtered error may leave: it is only looked at.
+/// [-] Relative residual of a solve for a filtered error, of which only the size matters.
 const FILTER_RELATIVE: f64 = 1e-3;
 
 /// The trapezoidal rule, which carries the true acceleration and is of order 2 from its first step on. HHT and
-/// generalised alpha need one that lags behind, by a share of a step, which no step of the present forces has made
-/// after a restart: a true one instead is an error of order h in a, in the first step and the one after.
+/// generalised alpha need an acceleration that lags behind by a share of a step. After a restart no step has produced
+/// one; the true acceleration instead would be an error of order h in a, in the first step and the next.
 const TRAPEZOIDAL: NewmarkParameters = NewmarkParameters { beta: 0.25, gamma: 0.5 };
 
-/// A scheme of the family: nothing but its stage map.
+/// A scheme of the family: its stage map.
 pub trait ImplicitScheme: Send {
     /// The map for a step of size `h` [s].
     fn map(&self, h: f64) -> StageMap;
@@ -45,14 +45,14 @@ pub struct SolverSpec {
 pub struct Implicit<M> {
     scheme: M,
     spec: SolverSpec,
-    /// a_n, what the scheme carries
+    /// [m/s^2] a_n, carried from step to step `[n_dof]`
     a: Vec<f64>,
     trend: Trend,
     /// whether the next step is the first after a restart
     anew: bool,
-    /// [s] the step that a_n was made with; 0 before the first
+    /// [s] size of the step that produced a_n; 0 before the first
     made_with: f64,
-    /// [s] the step attempted last
+    /// [s] size of the last attempt
     attempted: f64,
     solver: Option<Solver>,
 }
@@ -156,7 +156,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
-            // After the first step there is nothing yet to compare with.
+            // The first step has no predecessor to compare with.
             let straight = self.made_with == 0.0 || came_as(&s.expected, &s.a, &s.workspace.a_next);
             self.trend.straight = straight && s.guessed_well;
             self.trend.before.copy_from_slice(&self.a);
@@ -167,7 +167,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         }
     }
 
-    /// a = M^-1 f, as before the first step: no step of the present forces has made an acceleration yet.
+    /// a = M^-1 f, as before the first step.
     fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
         acceleration(system, &mut self.a, &at.forces.total);
         self.trend.straight = false;
@@ -207,7 +207,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         }
         s.linear.tangents.ask(Accuracy::to(FILTER_RELATIVE));
         match s.linear.tangents.solve(&mut s.z, counters) {
-            // Conjugate gradients that cannot: an estimate that is not filtered is too large, never too small.
+            // If conjugate gradients fail, the unfiltered estimate is too large, never too small.
             Err(LinearError::Indefinite { .. } | LinearError::Stalled { .. }) => return Ok(()),
             solved => solved?,
         }
@@ -227,8 +227,8 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     }
 }
 
-/// The acceleration that HHT and generalised alpha would have carried out of a step that another scheme has made, in
-/// place of the true one: a = M^-1 f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start.
+/// The acceleration that HHT and generalised alpha would have carried out of a step made by another scheme: a = M^-1
+/// f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start. All slices `[n_dof]`.
 fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mut [f64]) {
     for (((a, a_n), f), m) in a.iter_mut().zip(a_n).zip(f).zip(inverse_mass) {
         let now = m * f;
@@ -236,7 +236,7 @@ fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mu
     }
 }
 
-/// Where a step begins to look for its end; `expected` is what accelerations will be if they go on as they did.
+/// The first guess of a step; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
 fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 {
         go_on(lag.h / lag.made_with, &trend.before, lag.a, expected);
@@ -244,7 +244,7 @@ fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 && trend.straight { Guess::Trend } else { Guess::ConstantAcceleration }
 }
 
-/// The acceleration a scheme carries, on its way into a step of `h` [s].
+/// The acceleration a scheme carries into a step of `h` [s].
 #[derive(Clone, Copy)]
 struct Lag<'a> {
     h: f64,
@@ -253,9 +253,10 @@ struct Lag<'a> {
 }
 
 impl Lag<'_> {
-    /// HHT and generalised alpha carry an acceleration that stands for another time than the state, by a share of the
-    /// step: a - M^-1 f is proportional to the step that made it, and is scaled to the next one's size. Left as it is,
-    /// every change of the step would make an error of order h in a.
+    /// Writes the acceleration for a step of this size into `out` [m/s^2]. HHT and generalised alpha carry an
+    /// acceleration of another time than the state, by a share of the step: a - M^-1 f is proportional to the step that
+    /// produced it, and is scaled to the next step's size. Otherwise every change of the step would make an error of
+    /// order h in a.
     fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
         let &Lag { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {

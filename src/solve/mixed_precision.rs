@@ -1,8 +1,8 @@
-//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes and twice the numbers in a
-//! register. Its loops are made for the small supernodes of a net, where the dense kernels of a library spend most of
-//! their time on being called.
+//! A Cholesky factor in single precision, for solves that need not be exact: half the bytes, and twice the numbers in a
+//! register. The loops suit the small supernodes of a net, where a library's dense kernels spend most of their time in
+//! calls.
 //!
-//! Columns are taken in panels, with the inverse of their own triangle and the rows below it in chunks:
+//! Columns are grouped into panels. A panel stores the inverse of its triangle and the rows below it in chunks:
 //!
 //! ```text
 //! L y = P b:      y1 = L11^-1 b1,   b2 -= L21 y1            L^T x = y:      x1 = L11^-T (y1 - L21^T x2)
@@ -13,15 +13,16 @@ use multiversion::multiversion;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
 
-/// Sizes of numbers within which their products are told in single precision.
+/// Range of magnitudes whose products neither overflow nor underflow in single precision.
 const F32_RANGE: Range<f64> = 1e-16..1e16;
-/// Numbers side by side.
+/// Numbers in a register.
 const LANES: usize = 8;
-/// Columns of a panel at most.
+/// Maximum number of columns of a panel.
 const COLUMNS: usize = 32;
-/// Columns whose sums are under way at once: those of a node.
+/// Columns whose sums are computed together: those of a node.
 const COLUMNS_AT_ONCE: usize = 3;
-/// Registers that the way back asks the memory for in advance: by themselves processors do so on the way forth only.
+/// Prefetch distance of the backward solve in registers: processors prefetch by themselves only in the forward
+/// direction.
 const PREFETCH_DISTANCE: usize = 384;
 /// Registers of a cache line.
 const LINE: usize = 64 / size_of::<F32x8>();
@@ -37,16 +38,15 @@ const ZERO: F32x8 = F32x8([0.0; LANES]);
 #[derive(Debug)]
 pub(super) struct SinglePrecisionFactor {
     panels: Vec<Panel>,
-    /// rows of the panels below their columns, one panel after the other; the last chunk is filled up with a row that
-    /// is always zero
+    /// rows below the columns of each panel; the last chunk is padded with a row that is always zero
     rows: Vec<[u32; LANES]>,
-    /// of every panel: L11^-1, then L21; chunks of rows, in a chunk one register a column
+    /// for each panel L11^-1, then L21, in chunks of rows; a chunk has one register per column
     l: Vec<F32x8>,
-    /// place of every unknown in the order of elimination
+    /// elimination order: the unknown of every row `[n]`
     order: Vec<u32>,
-    /// right-hand side and solution in the order of elimination, and a zero
+    /// right-hand side and solution in elimination order, and a zero `[n + 1]`
     x: Vec<f32>,
-    /// what a panel's rows have of the solution
+    /// entries of the solution in a panel's rows
     gathered: Vec<F32x8>,
     /// [-] L11^-1 in double precision, by columns
     inverse: Vec<f64>,
@@ -58,18 +58,18 @@ struct Panel {
     columns: Range<usize>,
     /// rows below them
     below: usize,
-    /// the chunks of these
+    /// their chunks
     rows: Range<usize>,
     /// its registers
     l: Range<usize>,
-    /// where its first column's diagonal is among the values of the library's factor, and how far from there the next
-    /// column's entry of that row is
+    /// index of its first diagonal entry among the values of the library's factor, and the distance to the next
+    /// column's entry of the same row
     first: usize,
     tall: usize,
 }
 
 impl SinglePrecisionFactor {
-    /// Room for the factors of an analysis; `None` where it is not by supernodes.
+    /// For factors of a symbolic analysis; `None` if it is not supernodal.
     pub fn new(symbolic: &SymbolicCholesky<u32>) -> Option<Self> {
         let SymbolicCholeskyRaw::Supernodal(by_supernode) = symbolic.raw() else { return None };
         let n = by_supernode.ncols();
@@ -105,7 +105,7 @@ impl SinglePrecisionFactor {
         Some(SinglePrecisionFactor { panels, rows, l: vec![ZERO; room], order, x: vec![0.0; n + 1], gathered, inverse })
     }
 
-    /// Takes the values of a factor; whether they can be told in single precision.
+    /// Copies the values of a factor. Returns whether they fit single precision.
     pub fn set_values(&mut self, values: &[f64]) -> bool {
         let SinglePrecisionFactor { panels, l, inverse, .. } = self;
         panels.iter().all(|panel| {
@@ -120,7 +120,7 @@ impl SinglePrecisionFactor {
         })
     }
 
-    /// Replaces b by an approximation of W^-1 b.
+    /// Replaces b `[n]` by an approximation of W^-1 b.
     pub fn solve(&mut self, b: &mut [f64]) {
         let size = b.iter().fold(0.0_f64, |size, b| size.max(b.abs()));
         let scale = if size > 0.0 { size.recip() } else { 0.0 };
@@ -135,7 +135,7 @@ impl SinglePrecisionFactor {
     }
 }
 
-/// L11^-1 by columns; whether its numbers can be told in single precision.
+/// L11^-1 by columns. Returns whether its numbers fit single precision.
 fn invert(l: &[f64], panel: &Panel, inverse: &mut [f64]) -> bool {
     let (wide, tall) = (panel.columns.len(), panel.tall);
     for j in 0..wide {
@@ -152,7 +152,7 @@ fn invert(l: &[f64], panel: &Panel, inverse: &mut [f64]) -> bool {
     true
 }
 
-/// Chunks of rows, in a chunk one register a column.
+/// Fills chunks of rows; a chunk has one register per column.
 fn fill(registers: &mut [F32x8], columns: usize, value: impl Fn(usize, usize) -> f64) {
     for (chunk, registers) in registers.chunks_mut(columns).enumerate() {
         for (k, register) in registers.iter_mut().enumerate() {
@@ -240,12 +240,12 @@ fn products(l: &[F32x8], x: &[F32x8], sums: &mut [F32x8]) {
     }
 }
 
-/// Of some columns side by side: their sums stay in registers and need not wait for each other.
+/// The sums of N columns at once: they stay in registers and do not wait for each other.
 #[inline(always)]
 fn sums_of<const N: usize>(l: &[F32x8], wide: usize, k: usize, x: &[F32x8]) -> [F32x8; N] {
     let mut sums = [ZERO; N];
     for (chunk, x) in l.chunks_exact(wide).zip(x) {
-        // Panels are taken from the last to the first: what lies before them is wanted next.
+        // Panels are visited from last to first, so the preceding one is prefetched.
         (k..k + N).step_by(LINE).for_each(|k| prefetch_index(chunk, k.wrapping_sub(PREFETCH_DISTANCE)));
         for (sum, l) in sums.iter_mut().zip(&chunk[k..k + N]) {
             for i in 0..LANES {
@@ -256,8 +256,8 @@ fn sums_of<const N: usize>(l: &[F32x8], wide: usize, k: usize, x: &[F32x8]) -> [
     sums
 }
 
-/// Subtracts the sum of every register. Not inlined: its order would otherwise choose that of the lanes in the loops
-/// before it, as in `Lanes::total`.
+/// Subtracts the sum of every register. Not inlined, as its order of summation would otherwise determine the lanes of
+/// the loops before it (see `Lanes::total`).
 #[inline(never)]
 fn subtract_totals(sums: &[F32x8], from: &mut [f32]) {
     for (from, F32x8(l)) in from.iter_mut().zip(sums) {
