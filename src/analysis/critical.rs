@@ -10,13 +10,13 @@ use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::TermInfo;
-use crate::scene::{BoundRoom, Scene};
+use crate::scene::{BoundBuffer, Scene};
 
-/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong
-/// (velocity Verlet makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third
-/// at 0.5).
+/// [-] Share of a critical step that is advised. Scenes stiffen, and close to its limit a scheme is stable but
+/// inaccurate: velocity Verlet inflates the energy of the fastest oscillation by 1/(1 - (wh/2)^2), fivefold at 0.9, by
+/// a third at 0.5.
 const ADVISED: f64 = 0.5;
-/// [rad] w h up to which a step is advised for an implicit method that damps nothing
+/// [rad] Largest w h that is advised for an implicit method without numerical damping.
 const JUMPS: f64 = 3.0;
 
 /// How far a critical step can be trusted.
@@ -27,7 +27,7 @@ pub enum Confidence {
         /// [s] steps above are unstable
         at_most: f64,
     },
-    /// found by iteration on the linearised step, or on a scene too large for a proof
+    /// estimated: by iteration on the linearised step, or on a scene too large for a proof
     Estimate,
     /// the method has no limit on any oscillator
     NoLimit,
@@ -36,32 +36,31 @@ pub enum Confidence {
 /// The largest stable step of a method on a scene and what sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
-    /// [s] the safe end; infinite without limit, 0 where the method grows at every step
+    /// [s] lower end of the interval; infinite without limit, 0 if the method is unstable at every step
     pub step: f64,
-    /// what it is worth
+    /// how far it can be trusted
     pub confidence: Confidence,
-    /// degree of freedom that moves most in the motion that sets it
+    /// degree of freedom that moves most in the mode that sets it
     pub dof: usize,
-    /// the rates of that motion
+    /// the rates of that mode
     pub rates: Rates,
 }
 
-/// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one
-/// that is not found here.
+/// Whether a method has a stability limit on an oscillator. Kang's filter has none; forces outside it may set one that
+/// is not found here.
 pub fn has_limit(method: &MethodChoice) -> bool {
     let some = Rates { frequency: 1.0, ..Rates::default() };
     method.info.family != Family::MatrixFree && critical_step(method, some).is_finite()
 }
 
-/// Whether a limit is not known: forces that follow velocities, and loads that turn with the cloth, act outside Kang's
-/// filter.
+/// Whether a limit is unknown: velocity-dependent and follower forces act outside Kang's filter.
 pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
     let outside = |term: &TermInfo| term.velocity_dependent || term.follower;
     method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
 }
 
 impl CriticalStep {
-    /// Of a method or a scene without limit.
+    /// A method or scene without limit.
     pub fn none() -> Self {
         CriticalStep { step: f64::INFINITY, confidence: Confidence::NoLimit, dof: 0, rates: Rates::default() }
     }
@@ -76,8 +75,8 @@ impl CriticalStep {
         }
     }
 
-    /// [s] A step to take below a limit that is above 0, two digits: an estimate may lie a few percent above the true
-    /// limit, what is proved does not.
+    /// [s] A safe step below a positive limit, two digits. An estimate may lie a few percent above the true limit; a
+    /// proved limit does not.
     pub fn safe(&self) -> f64 {
         let share = match self.confidence {
             Confidence::Certified { .. } => 0.98,
@@ -87,8 +86,8 @@ impl CriticalStep {
     }
 }
 
-/// What to take in place of a step `h` [s] that is above a critical step, or of a method that has no stable step.
-/// Whoever finds this fault, before a run, in it or after it, gives this advice.
+/// The advice for a step `h` [s] above a critical step, or for a method without a stable step. All checks give the same
+/// advice, before, during and after a run.
 pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     let implicit = implicit_for(limit.rates, h);
     if limit.step > 0.0 {
@@ -103,37 +102,38 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     }
 }
 
-/// A method for which a step `h` [s] is not too long: Newmark's may make energy where a step jumps over motions.
+/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes.
 pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
     if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
 }
 
-/// What an analysis may cost.
+/// Limits on the cost of an analysis.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<'a> {
-    /// degrees of freedom up to which a proof may take factorisations
+    /// degrees of freedom up to which a proof may factorise
     pub factorise: usize,
-    /// degrees of freedom up to which a step is made again and again
+    /// degrees of freedom up to which the step map is iterated
     pub step: usize,
-    /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
+    /// [s] estimates above this are not refined by stepping: a run with a far smaller step does not need it
     pub sharpen_below: f64,
-    /// looked at between two pieces of work; once it is asked for, what is found is not worth reading
-    /// ([`Spectrum::stopped`])
+    /// checked between pieces of work; results after a stop are not valid
+    /// ([`Spectrum::stopped`](super::spectrum::Spectrum::stopped))
     pub stop: Stop<'a>,
 }
 
 impl Effort<'static> {
-    /// Fit for a question of its own: seconds on the largest scenes.
+    /// For a command of its own: seconds on the largest scenes.
     pub const FULL: Self = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
-    /// Fit for the start of a run: a small part of it.
+    /// For the start of a run: a small part of its time.
     pub const START: Self = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
-/// Degrees of freedom below which the spectrum is cheap enough to be asked always.
+/// Degrees of freedom up to which the spectrum is cheap enough to be computed always.
 const LARGE: usize = 20_000;
 
-/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is
-/// then asked. Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
+/// A critical step for a large scene whose step is far below it, from one or two passes over the elements. Proved on
+/// symmetric undamped scenes, else the smallest limit of oscillators with the bounds on both rates. `None` if the scene
+/// is small or the step not far below.
 pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
     if scene.n_dof() <= LARGE {
         return None;
@@ -142,27 +142,26 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
     (2.0 * step <= found.step && found.step.is_finite()).then_some(found)
 }
 
-/// Bounds on the fastest rates of a scene from one or two passes over its elements: what is known of a scene for which
-/// more is not affordable.
+/// Bounds on the fastest rates of a scene from one or two passes over its elements, for scenes too large for more.
 pub struct ElementBounds {
-    /// bounds, and the degrees of freedom they are reached at
+    /// bounds, and the degrees of freedom where they are reached
     pub rates: Rates,
-    /// whether they prove a limit: on symmetric undamped scenes
+    /// whether they prove a limit (symmetric undamped scenes)
     proved: bool,
 }
 
 impl ElementBounds {
-    /// At a state.
+    /// Computes the bounds at a state.
     pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Self {
-        let mut room = BoundRoom::default();
-        let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
+        let mut buffer = BoundBuffer::default();
+        let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut buffer);
         let damped = scene.velocity_dependent();
-        let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
+        let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut buffer) } else { (0.0, 0) };
         let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
         ElementBounds { rates, proved: !damped && scene.symmetric() }
     }
 
-    /// A safe end: the least limit of oscillators with the bounds on both rates.
+    /// The smallest limit of oscillators with the bounds on both rates.
     pub fn critical_step(&self, method: &MethodChoice) -> CriticalStep {
         if !has_limit(method) {
             return CriticalStep::none();
@@ -179,12 +178,12 @@ impl ElementBounds {
     }
 }
 
-/// [s] The limit of Euler-Cromer were the element bounds on the rates reached: for other methods a measure that falls
-/// as their limit does.
-pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, room: &mut BoundRoom) -> f64 {
-    let (k, _) = scene.rate_bound(at, STIFFNESS, room);
+/// [s] The limit of Euler-Cromer if the element bounds on the rates were reached. The limits of other methods scale
+/// with it.
+pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, buffer: &mut BoundBuffer) -> f64 {
+    let (k, _) = scene.rate_bound(at, STIFFNESS, buffer);
     let c = match scene.velocity_dependent() {
-        true => scene.rate_bound(at, DAMPING, room).0,
+        true => scene.rate_bound(at, DAMPING, buffer).0,
         false => 0.0,
     };
     Pencil::EULER_CROMER.singular_at(k, c)

@@ -1,4 +1,4 @@
-//! What can be said of a scene and a method without running them: fastest rates, largest stable steps.
+//! Analysis of a scene and a method without running them: fastest rates, modes, largest stable steps.
 
 mod arnoldi;
 pub mod buckling;

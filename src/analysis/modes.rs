@@ -1,7 +1,7 @@
-//! The outer motions of a damped or non-symmetric scene: converged eigenvalues of L = [0 I; -M^-1 K, -M^-1 C] by
-//! Arnoldi's iteration, as oscillators whose limits a method can be asked for.
+//! The outer modes of a damped or non-symmetric scene: converged eigenvalues of L = [0 I; -M^-1 K, -M^-1 C] by
+//! Arnoldi's iteration, treated as oscillators. Also whether a mode that a scheme makes grow grows in the scene too.
 
-use super::arnoldi::{Krylov, place};
+use super::arnoldi::{Krylov, most_moving_dof};
 use super::lanczos::Ritz;
 use super::limit::{critical_step, stable};
 use super::operators::{DAMPING, Linearised, Matrices, STIFFNESS};
@@ -10,33 +10,33 @@ use super::vectors::{MIN_ARNOLDI, SHAPES, affordable, dot};
 use crate::integrate::registry::MethodChoice;
 use faer::c64;
 
-/// [-] Eigenvalues of L with a larger residual, over the fastest rate, are not used.
+/// [-] Eigenvalues of L with a larger residual, over the fastest rate, are dropped.
 const CONVERGED: f64 = 1e-3;
-/// [products] with L for its eigenvalues.
+/// Products with L for its eigenvalues.
 const PRODUCTS: usize = 80;
 
-/// Shapes after which the largest eigenvalue of a net has mostly settled.
+/// Vectors after which the largest eigenvalue of a net has usually converged.
 const SETTLED_AFTER: usize = 24;
-/// A motion of which a step is less than this is followed by every scheme.
+/// A mode is resolved by every scheme if it changes by less than this share in a step.
 const RESOLVED: f64 = 0.1;
-/// Share of a growth that must be the scene's own; a scheme makes it a little larger or smaller.
+/// Share of the growth that must come from the scene; a scheme changes it a little.
 const OWN: f64 = 0.5;
 
-/// A motion that may set a limit.
+/// A mode that may set a limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
     /// [rad/s] undamped frequency
     pub frequency: f64,
-    /// [1/s] damping rate: twice that at which its amplitude decays, where it swings
+    /// [1/s] damping rate: twice the decay rate of its amplitude if it oscillates
     pub damping: f64,
     /// degree of freedom that moves most
     pub dof: usize,
-    /// whether the motion itself grows; a scheme that grows with it at every step is not wrong
+    /// whether the mode itself grows; a scheme that grows with it at every step is not unstable
     pub grows: bool,
 }
 
 impl Mode {
-    /// [s] the largest stable step of a method on this motion
+    /// [s] Largest stable step of a method on this mode.
     pub fn limit(&self, method: &MethodChoice) -> f64 {
         critical_step(method, self.rates())
     }
@@ -47,19 +47,19 @@ impl Mode {
     }
 }
 
-/// What was found of a scene.
+/// The modes found of a scene.
 pub(super) struct Modes {
     list: Vec<Mode>,
 }
 
 impl Modes {
-    /// Adds to the stiffest and the most damped shape by their own quotients. `unit` [1/s] is a rate to measure others
-    /// by.
+    /// Finds outer modes: the stiffest and the most damped one from their Rayleigh quotients, others from eigenvalues
+    /// of L. `unit` [1/s] is the scale of rates.
     pub fn find(linear: &Linearised<'_>, shapes: [&Ritz; 2], unit: f64) -> Self {
         let mut list = Vec::new();
         for shape in shapes.map(|ritz| &ritz.vector).into_iter().filter(|shape| !shape.is_empty()) {
             if let Some(Rates { frequency, damping, .. }) = linear.quotients(shape) {
-                list.push(Mode { frequency, damping, dof: linear.place(shape), grows: false });
+                list.push(Mode { frequency, damping, dof: linear.most_moving_dof(shape), grows: false });
             }
         }
         let mut modes = Modes { list };
@@ -75,7 +75,7 @@ impl Modes {
             if ritz.residual > CONVERGED * unit {
                 continue;
             }
-            let dof = place(&krylov.vector(&ritz), root);
+            let dof = most_moving_dof(&krylov.vector(&ritz), root);
             if value.im > 0.0 {
                 let (frequency, damping) = (value.re.hypot(value.im), (-2.0 * value.re).max(0.0));
                 self.list.push(Mode { frequency, damping, dof, grows: value.re > 0.0 });
@@ -85,17 +85,17 @@ impl Modes {
         }
     }
 
-    /// Rates of all motions that do not grow by themselves.
+    /// Rates of all modes that do not grow by themselves.
     pub fn rates(&self) -> Vec<Rates> {
         self.list.iter().filter(|mode| !mode.grows).map(Mode::rates).collect()
     }
 
-    /// The least limit of a method and the motion that sets it.
+    /// The smallest limit of a method and the mode that sets it.
     pub fn limit(&self, method: &MethodChoice) -> Option<(f64, Mode)> {
         let mut found: Option<(f64, Mode)> = None;
         for mode in &self.list {
-            // A motion that is stable at the least limit so far sets none; asking that is forty times cheaper than its
-            // limit.
+            // A mode that is stable at the smallest limit so far sets none. This check is forty times cheaper than
+            // computing its limit.
             let matters = |(least, _): (f64, Mode)| least > 0.0 && !stable(method, mode.rates(), least);
             if found.is_none_or(matters) {
                 let step = mode.limit(method);
@@ -108,7 +108,7 @@ impl Modes {
     }
 }
 
-/// On (unit q, q'), so that both halves have one size.
+/// Acts on (unit q, q'), so that both halves have one scale.
 fn krylov(linear: &Linearised<'_>, unit: f64) -> Option<Krylov> {
     let n = linear.root.len();
     let (mut p, mut stiff) = (vec![0.0; n], vec![0.0; n]);
@@ -127,15 +127,17 @@ fn krylov(linear: &Linearised<'_>, unit: f64) -> Option<Krylov> {
     })
 }
 
-/// Numbers that a search for a critical step mostly keeps, on a scene with `n` degrees of freedom.
+/// Numbers a search for a critical step usually stores, for a scene with `n` degrees of freedom.
 pub(crate) fn search_numbers(n: usize, damped: bool) -> usize {
     let shapes = n * affordable(n, SHAPES).min(SETTLED_AFTER);
-    // A motion has a position and a velocity.
+    // Eigenvectors of L have a position and a velocity part.
     let modes = 2 * n * affordable(2 * n, [MIN_ARNOLDI, PRODUCTS]);
     if damped { shapes.max(modes) } else { shapes }
 }
 
-/// What a shape is worth in the linearised scene.
+/// Quotients of a vector of the step map in the linearised scene. A vector y moves as exp(s t) with s^2 + c s + k = 0,
+/// where k = y*Ky and c = y*Cy. If both roots are real, the ratio of speed to position shows which one it follows: a
+/// slow one, which compression may make grow, or a fast one damped by a dashpot, which a long step may make grow too.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ModeShape {
     /// [1/s^2]
@@ -147,7 +149,8 @@ pub(super) struct ModeShape {
 }
 
 impl ModeShape {
-    /// Of the real and imaginary parts of (M^1/2 x `unit`, M^1/2 v), `unit` in 1/s; `root` is the diagonal of M^-1/2.
+    /// From the real and imaginary parts of (M^1/2 x `unit`, M^1/2 v), each [2 n_dof]; `unit` in 1/s, `root` is the
+    /// diagonal of M^-1/2 `[n_dof]`.
     pub fn of([re, im]: &[Vec<f64>; 2], matrices: &Matrices, root: &[f64], unit: f64) -> Self {
         let n = root.len();
         let ((x, v), (ix, iv)) = (re.split_at(n), im.split_at(n));
@@ -164,7 +167,7 @@ impl ModeShape {
         ModeShape { k: quotient([1.0, 0.0]), c: quotient([0.0, 1.0]), rate: along(v, iv) * unit / square }
     }
 
-    /// Whether a factor z in a step of h [s], beyond 1 in size, is the motion's own growth.
+    /// Whether an eigenvalue z of a step of h [s], beyond the unit circle, is growth of the scene itself.
     pub fn grows_by_itself(&self, [re, im]: [f64; 2], h: f64) -> bool {
         let z = c64::new(re, im);
         let between = (self.c * self.c - self.k * 4.0).sqrt();

@@ -1,4 +1,5 @@
-//! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity, matrix-free.
+//! A scene linearised about a state, in coordinates q = M^1/2 x that make the mass the identity: products with K and C,
+//! matrix-free or by rows.
 
 use super::rates::Rates;
 use super::vectors::dot;
@@ -15,19 +16,19 @@ use std::sync::Arc;
 pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
 /// C alone.
 pub(super) const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
-/// Degrees of freedom above which matrices would take more memory than a run with an explicit method.
+/// Degrees of freedom above which the matrices would take more memory than a run with an explicit method.
 const MOST_ASSEMBLED: usize = 400_000;
 
-/// M^-1/2 (c C + k K) M^-1/2 at a state, as products.
+/// The operator M^-1/2 (c C + k K) M^-1/2 at a state.
 pub(super) struct Linearised<'a> {
     pub scene: &'a dyn Scene,
     pub at: StateRef<'a>,
-    /// [1/sqrt(kg)] diagonal of M^-1/2, 0 where fixed
+    /// [1/sqrt(kg)] diagonal of M^-1/2, 0 at fixed degrees of freedom `[n_dof]`
     pub root: Vec<f64>,
-    /// K and C as matrices, where their elements are dearer than a matrix: those of air and dashpots. Springs alone are
-    /// not.
+    /// K and C as matrices if that is cheaper than passes over the elements: with air and dashpots, not with springs
+    /// alone
     pub matrices: Option<Arc<Matrices>>,
-    /// looked at between two products of an iteration
+    /// checked between products of an iteration
     pub stop: Stop<'a>,
 }
 
@@ -39,12 +40,12 @@ impl<'a> Linearised<'a> {
         Linearised { scene, at, root, matrices, stop }
     }
 
-    /// A fixed start that is rough (rich in high modes), has a part in every mode, and is 0 where the scene is held.
+    /// A fixed start vector with a part of every mode, rich in high ones; 0 at fixed degrees of freedom.
     pub fn start(&self) -> Vec<f64> {
         self.root.iter().enumerate().map(|(i, r)| if *r > 0.0 { pseudo_random(i) } else { 0.0 }).collect()
     }
 
-    /// y = M^-1/2 (c C + k K) M^-1/2 q; `p` is room for M^-1/2 q.
+    /// y = M^-1/2 (c C + k K) M^-1/2 q, all `[n_dof]`; `p` is a buffer for M^-1/2 q.
     pub fn times(&self, w: Weights, q: &[f64], p: &mut [f64], y: &mut [f64]) {
         for ((p, q), r) in p.iter_mut().zip(q).zip(&self.root) {
             *p = r * q;
@@ -58,9 +59,9 @@ impl<'a> Linearised<'a> {
         }
     }
 
-    /// Rayleigh quotients of K and C of a shape, as rates; none where they are not finite.
+    /// Rayleigh quotients of K and C for a vector, as rates; `None` if not finite.
     pub fn quotients(&self, shape: &[f64]) -> Option<Rates> {
-        // There is none where products with the tangent overflow.
+        // The vector is empty if products with the tangent overflow.
         if shape.is_empty() {
             return None;
         }
@@ -74,14 +75,15 @@ impl<'a> Linearised<'a> {
         (k.is_finite() && c.is_finite()).then_some(rates)
     }
 
-    /// The degree of freedom that moves most.
-    pub fn place(&self, shape: &[f64]) -> usize {
+    /// The degree of freedom that moves most in a vector `[n_dof]`.
+    pub fn most_moving_dof(&self, shape: &[f64]) -> usize {
         let moves = |i: usize| (shape[i] * self.root[i]).abs();
         (0..shape.len()).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
     }
 }
 
-/// Entries `[k, c]` of K and C; rows and columns are degrees of freedom, those that are held have none.
+/// K and C as one sparse matrix of pairs `[k, c]` by rows, as both are used at once. Rows and columns are degrees of
+/// freedom; fixed ones have no entries.
 pub(super) struct Matrices {
     start: Vec<u32>,
     column: Vec<u32>,
@@ -89,7 +91,7 @@ pub(super) struct Matrices {
 }
 
 impl Matrices {
-    /// `None` where the matrix cannot be numbered.
+    /// `None` if the matrix has too many entries.
     pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
         let mut assembler = scene.assembler().ok()?;
         let mut values = |c: f64, k: f64| {
@@ -100,7 +102,7 @@ impl Matrices {
         Some(by_rows(&assembler.pattern, scene.n_dof(), [&k, &c]))
     }
 
-    /// y = k K x + c C v
+    /// y = k K x + c C v, all `[n_dof]`
     pub fn times(&self, [k, c]: [f64; 2], [x, v]: [&[f64]; 2], y: &mut [f64]) {
         for (y, ends) in y.iter_mut().zip(self.start.windows(2)) {
             let row = ends[0] as usize..ends[1] as usize;
@@ -113,7 +115,7 @@ impl Matrices {
         }
     }
 
-    /// `[k, c]` of a row and a column.
+    /// Entry `[k, c]` of a row and a column.
     pub fn entry(&self, row: u32, column: u32) -> [f64; 2] {
         let ends = |i: usize| self.start.get(i).map_or(0, |&end| end as usize);
         let places = ends(row as usize)..ends(row as usize + 1);
@@ -121,7 +123,7 @@ impl Matrices {
     }
 }
 
-/// Stored entries go to their row and, of a symmetric matrix below the diagonal, to their column's row too.
+/// Converts a column pattern to rows; entries of a symmetric pattern are mirrored.
 fn by_rows(pattern: &Pattern, n: usize, [k, c]: [&[f64]; 2]) -> Matrices {
     let entries = (0..pattern.n()).flat_map(|j| {
         let first = pattern.col_ptr[j];

@@ -1,14 +1,18 @@
-//! Critical steps of the methods on a scene, linearised about a state: prestress, dashpots, Rayleigh damping and the
-//! air included.
+//! Critical steps of the methods on a scene that is linearised about a state, including prestress, dashpots, Rayleigh
+//! damping and air.
 //!
-//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over
-//! the elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
-//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k z = 0 with
-//! the quotients k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved
-//! in the same way ([`Pencil`], which a method may give). Else estimates. A linear step of a Runge-Kutta or multistep
-//! scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so outer eigenvalues of L (Arnoldi) tell; explicit partitioned
-//! schemes are stepped. Mode that grows by itself (buckling, flutter) limits no step: it must grow. A step of a
-//! scheme that is stepped is stable where every shape that its map makes grow is one that grows by itself.
+//! Symmetric and undamped: the largest eigenvalue lies between a Rayleigh quotient (Lanczos) and a bound proved by one
+//! pass over the elements or a Cholesky factorisation. The behaviour of a scheme on one oscillator then gives its
+//! limit.
+//!
+//! Euler-Cromer, symmetric and damped: an eigenvalue z of a step with mode u satisfies (z - 1)^2 + h c (z - 1) + h^2 k
+//! z = 0 with the quotients k = u*Ku, c = u*Cu over u*Mu. So no eigenvalue passes -1 while 4 M - 2 h C - h^2 K is
+//! positive definite, which is proved in the same way ([`Pencil`], which a method may provide).
+//!
+//! All other limits are estimates. A linear step of a Runge-Kutta or multistep scheme is a function of L = [0 I; -M^-1
+//! K, -M^-1 C], so the outer eigenvalues of L (Arnoldi) determine the limit; explicit partitioned schemes are stepped.
+//! Motion that grows by itself (buckling, flutter) limits no step. A stepped scheme is stable if every growing mode of
+//! its step map also grows in the scene.
 
 use super::certificate::Certifier;
 use super::critical::{Confidence, CriticalStep, Effort, has_limit};
@@ -21,56 +25,56 @@ use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
-use crate::scene::{BoundRoom, Scene};
+use crate::scene::{BoundBuffer, Scene};
 
-/// Margins in w^2 (or its like) over the Rayleigh quotient that a proof is tried with.
+/// Margins over the Rayleigh quotient that a proof is tried with.
 const MARGINS: [f64; 3] = [0.003, 0.02, 0.08];
-/// A bound from the elements this close to the quotient needs no factorisation.
+/// An element bound this close to the quotient needs no factorisation.
 const CLOSE: f64 = 1.003;
-/// Without a factorisation a bound from the elements this close is still worth its word.
+/// Without a factorisation an element bound this close is still used.
 const USEFUL: f64 = 1.15;
-/// Share by which rounding may lift an element bound.
+/// Share by which rounding may raise an element bound.
 const ROUNDING: f64 = 1e-10;
 
-/// A scene linearised about a state; finds limits of methods, and keeps what several of them need.
+/// A scene linearised about a state. Finds the limits of methods and stores what several of them need.
 pub struct Spectrum<'a> {
     linear: Linearised<'a>,
     effort: Effort<'a>,
     damped: bool,
-    /// largest root of the symmetric part of K [1/s^2] and its shape
+    /// largest eigenvalue of the symmetric part of K [1/s^2] and its mode
     stiffest: Ritz,
-    /// largest damping rate [1/s] and its shape
+    /// largest damping rate [1/s] and its mode
     most_damped: Ritz,
     certifier: Option<Certifier>,
-    room: BoundRoom,
-    /// [1/s^2] proved to lie above all roots of K
+    buffer: BoundBuffer,
+    /// [1/s^2] proved upper bound on the eigenvalues of K
     bound: Option<f64>,
-    /// outer motions of a damped or non-symmetric scene, when asked for
+    /// outer modes of a damped or non-symmetric scene, computed at the first use
     modes: Option<Modes>,
 }
 
 impl<'a> Spectrum<'a> {
-    /// Linearises a scene and finds its fastest motion; costs some tens to some hundreds of tangent products and, on
-    /// symmetric scenes of up to 200 000 degrees of freedom, up to three factorisations.
+    /// Linearises a scene and finds its fastest mode. Takes some tens to hundreds of tangent products and, on symmetric
+    /// scenes of up to 200 000 degrees of freedom, up to three factorisations.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
         Self::with(scene, at, Effort::FULL)
     }
 
-    /// The same within bounds of cost; what is not proved within them is told as an estimate.
+    /// The same within limits of cost; what cannot be proved within them is an estimate.
     pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort<'a>) -> Self {
         let linear = Linearised::of(scene, at, effort.stop);
         let stiffest = largest(&linear, STIFFNESS);
         let most_damped = if scene.velocity_dependent() { largest(&linear, DAMPING) } else { Ritz::default() };
         let damped = scene.velocity_dependent() && most_damped.value != 0.0;
-        let (certifier, room, bound, modes) = (None, BoundRoom::default(), None, None);
-        let mut spectrum = Spectrum { linear, effort, damped, stiffest, most_damped, certifier, room, bound, modes };
+        let (certifier, buffer, bound, modes) = (None, BoundBuffer::default(), None, None);
+        let mut spectrum = Spectrum { linear, effort, damped, stiffest, most_damped, certifier, buffer, bound, modes };
         if spectrum.symmetric() {
             spectrum.bound = spectrum.prove(spectrum.stiffest.value);
         }
         spectrum
     }
 
-    /// Whether its search was cut short.
+    /// Whether the search was stopped.
     pub fn stopped(&self) -> bool {
         self.effort.stop.asked()
     }
@@ -79,17 +83,17 @@ impl<'a> Spectrum<'a> {
         self.linear.scene.symmetric()
     }
 
-    /// The fastest rates: the frequency is a lower bound (a Rayleigh quotient) on symmetric scenes, an estimate else.
+    /// The fastest rates. The frequency is a lower bound (a Rayleigh quotient) on symmetric scenes, else an estimate.
     pub fn rates(&self) -> Rates {
         Rates {
             frequency: self.stiffest.value.max(0.0).sqrt(),
-            frequency_dof: self.linear.place(&self.stiffest.vector),
+            frequency_dof: self.linear.most_moving_dof(&self.stiffest.vector),
             damping: self.most_damped.value.max(0.0),
-            damping_dof: self.linear.place(&self.most_damped.vector),
+            damping_dof: self.linear.most_moving_dof(&self.most_damped.vector),
         }
     }
 
-    /// [rad/s] what the largest w of a symmetric scene is proved to lie below.
+    /// [rad/s] Proved upper bound on the largest w of a symmetric scene.
     pub fn frequency_bound(&self) -> Option<f64> {
         self.bound.map(f64::sqrt)
     }
@@ -124,12 +128,12 @@ impl<'a> Spectrum<'a> {
         CriticalStep { step, confidence, dof, rates }
     }
 
-    /// A bound on the roots of K, a small margin above its largest Rayleigh quotient.
+    /// A proved bound on the eigenvalues of K, a small margin above the largest Rayleigh quotient.
     fn prove(&mut self, quotient: f64) -> Option<f64> {
         if quotient <= 0.0 {
             return None;
         }
-        let (bound, _) = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.room);
+        let (bound, _) = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.buffer);
         let bound = bound * (1.0 + ROUNDING);
         if bound <= CLOSE * quotient {
             return Some(bound);
@@ -139,7 +143,7 @@ impl<'a> Spectrum<'a> {
         proved.or((bound <= USEFUL * quotient).then_some(bound))
     }
 
-    /// Whether m M + c C + k K is positive definite; false where it is not, or cannot be told within the effort.
+    /// Whether m M + c C + k K is proved positive definite within the effort.
     fn definite(&mut self, w: Weights) -> bool {
         let (scene, at) = (self.linear.scene, self.linear.at);
         if self.stopped() {
@@ -151,19 +155,19 @@ impl<'a> Spectrum<'a> {
         self.certifier.as_mut().is_some_and(|certifier| certifier.definite(scene, at, w))
     }
 
-    /// Any quotients of K and C give a step that is too large, so the iteration comes down to the limit.
+    /// The limit of a pencil. Quotients of any vector give an upper bound, so the iteration descends to the limit.
     fn definite_below(&mut self, pencil: Pencil) -> Option<CriticalStep> {
         let (h, shape) = self.definite_at_most(pencil)?;
-        let dof = self.linear.place(&shape);
+        let dof = self.linear.most_moving_dof(&shape);
         let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.linear.quotients(&shape)? };
         let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(|&h| {
-            let (bound, _) = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.room);
+            let (bound, _) = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.buffer);
             bound * (1.0 + ROUNDING) < pencil.m || self.definite(pencil.at(h))
         })?;
         Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
     }
 
-    /// [s] A step at which a root has passed -1, close to the first such, and its shape.
+    /// [s] A step slightly above the first at which an eigenvalue passes -1, and its mode.
     fn definite_at_most(&self, pencil: Pencil) -> Option<(f64, Vec<f64>)> {
         let (mut h, mut shape) = (f64::INFINITY, Vec::new());
         for vector in [&self.stiffest.vector, &self.most_damped.vector] {
@@ -190,14 +194,13 @@ impl<'a> Spectrum<'a> {
         Some((h, shape))
     }
 
-    /// [s] The step at which a pencil is 0 for the Rayleigh quotients of a shape.
+    /// [s] The step at which the pencil vanishes for the Rayleigh quotients of a vector.
     fn singular_at(&self, pencil: Pencil, shape: &[f64]) -> Option<f64> {
         let Rates { frequency, damping, .. } = self.linear.quotients(shape)?;
         Some(pencil.singular_at(frequency * frequency, damping))
     }
 
-    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer
-    /// eigenvalues of L.
+    /// Rates of the scene's outer modes, which set limits: the stiffest, the most damped, and outer eigenvalues of L.
     pub fn outer_modes(&mut self) -> Vec<Rates> {
         let unit = self.unit();
         let shapes = [&self.stiffest, &self.most_damped];
@@ -211,7 +214,7 @@ impl<'a> Spectrum<'a> {
         let (mut step, mode) = modes.limit(method)?;
         let mut dof = mode.dof;
         let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
-        // What an implicit scheme carries it would need from every state.
+        // An implicit scheme would need what it carries at every state.
         let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
         if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
             let most = self.fixed_velocity(method);
@@ -225,24 +228,25 @@ impl<'a> Spectrum<'a> {
         Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: mode.rates() })
     }
 
-    /// [s] Step at which the method keeps a velocity as it is whatever K does ([`LinearStep::fixed_velocity`]): beyond,
-    /// it grows to one side, and is hard to tell among motions that grow by themselves. Infinite for methods without.
+    /// [s] Step at which the method keeps a velocity unchanged whatever K is ([`LinearStep::fixed_velocity`]). Beyond
+    /// it the velocity grows monotonically, which is hard to tell from motion that grows by itself. Infinite for other
+    /// methods.
     ///
     /// [`LinearStep::fixed_velocity`]: crate::integrate::linear_step::LinearStep::fixed_velocity
     fn fixed_velocity(&self, method: &MethodChoice) -> (f64, usize) {
         let damping = self.most_damped.value;
         let fixed = method.info.linear.fixed_velocity.filter(|_| damping > 0.0);
-        (fixed.map_or(f64::INFINITY, |hc| hc / damping), self.linear.place(&self.most_damped.vector))
+        (fixed.map_or(f64::INFINITY, |hc| hc / damping), self.linear.most_moving_dof(&self.most_damped.vector))
     }
 
-    /// [1/s] a rate to measure others by.
+    /// [1/s] The scale of rates.
     fn unit(&self) -> f64 {
         let unit = self.stiffest.value.max(0.0).sqrt().max(self.most_damped.value);
         if unit > 0.0 { unit } else { 1.0 }
     }
 }
 
-/// What a pencil takes from its part in M.
+/// The weights that a pencil subtracts from its part in M.
 fn taken(pencil: Pencil, h: f64) -> Weights {
     let Weights { c, k, .. } = pencil.at(h);
     Weights { m: 0.0, c: -c, k: -k }

@@ -1,7 +1,6 @@
-//! Operations on vectors that the Krylov iterations share, and how many vectors they may keep.
+//! Vector operations of the Krylov iterations, and how many vectors they may store.
 
-/// a.b in eight lanes, which a processor can add side by side. Adds them in another order than `solve::norms`: the bits
-/// of limits hang on it.
+/// a.b in eight lanes. The order of the sum differs from `solve::norms`, and the bits of limits depend on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();
@@ -25,8 +24,9 @@ pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
     }
 }
 
-/// Takes the parts along an orthonormal basis out of q, and says how large they were and what is left. A second pass is
-/// made where the first took most of q away and so left rounding (Daniel, Gragg, Kaufman & Stewart 1976).
+/// Removes the components along an orthonormal basis from q. Calls `part_was(i, component)` and returns the norm of the
+/// rest. A second pass follows if the first removed most of q and so left rounding (Daniel, Gragg, Kaufman & Stewart
+/// 1976).
 pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: impl FnMut(usize, f64)) -> f64 {
     let mut before = norm(q);
     loop {
@@ -39,15 +39,15 @@ pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: imp
         if left > 0.5 * before || before == 0.0 || !left.is_finite() || left < f64::EPSILON * before {
             return left;
         }
-        // What is left of the second pass is as good as its own size.
+        // The second pass is accurate relative to its own size.
         before = left;
     }
 }
 
-/// Least and most shapes that a search for the largest eigenvalue keeps, and least of one for eigenvalues of L.
+/// Minimum and maximum number of vectors of a Lanczos search, and minimum of an Arnoldi search.
 pub(super) const SHAPES: [usize; 2] = [12, 60];
 pub(super) const MIN_ARNOLDI: usize = 20;
-/// Vectors of length `n` that fit into the memory an analysis may take, at least `least`, at most `most`.
+/// Number of vectors of length `n` that fit into the memory of an analysis, within [`least`, `most`].
 pub(super) fn affordable(n: usize, [least, most]: [usize; 2]) -> usize {
     const NUMBERS: usize = 12_000_000;
     (NUMBERS / n.max(1)).clamp(least, most).min(n)

@@ -61,8 +61,7 @@ impl Pattern {
         self.column(j as usize).binary_search(&i).ok().map(|p| first + p as u32)
     }
 
-    /// y = W p for values on this pattern (both triangles of a symmetric W): what residuals of linear systems are made
-    /// of.
+    /// y = W p for `values` [nonzeros] on this pattern, both triangles of a symmetric W; `p` and `y` `[n]`.
     pub fn multiply(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.n() {

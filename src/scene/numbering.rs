@@ -1,10 +1,10 @@
-//! Internal node numbers: reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring lie
-//! close in memory whatever order the mesh came in.
+//! Internal node numbers by reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring are
+//! close in memory whatever the numbering of the mesh.
 
 use crate::mesh::adjacency::Adjacency;
 use glam::DVec3;
 
-/// The two directions of a renumbering.
+/// A renumbering and its inverse.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numbering {
     /// user's number of every internal node
@@ -36,8 +36,7 @@ impl Numbering {
         Numbering { user: order, internal }
     }
 
-    /// Vectors of nodes in the user's order; written one after the other, since what is written is often far away
-    /// (another thread had it last).
+    /// Copies vectors of nodes to the user's order. Writes are sequential, as the destination is often not in cache.
     pub fn to_user(&self, internal: &[DVec3], user: &mut [[f64; 3]]) {
         for (to, &from) in user.iter_mut().zip(&self.internal) {
             *to = internal[from as usize].to_array();
@@ -70,8 +69,8 @@ impl Graph {
         }
     }
 
-    /// A node far from `start` in its component: the last of a walk. `probe` is scratch, left as it was but for this
-    /// component.
+    /// A node far from `start` in its component: the last in breadth-first order. `probe` is a buffer; only entries of
+    /// this component change.
     fn far_end(&self, start: u32, (seen, order): &mut (Vec<bool>, Vec<u32>)) -> u32 {
         order.clear();
         self.walk(start, seen, order);

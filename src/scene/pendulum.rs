@@ -4,7 +4,7 @@
 //! m L^2 theta'' = -m g L sin(theta) - c theta'
 //! ```
 
-use super::{BoundRoom, Scene, Suspect};
+use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::picture::Picture;
@@ -187,7 +187,7 @@ impl Scene for Pendulum {
         (0, "angle")
     }
 
-    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _room: &mut BoundRoom) -> (f64, usize) {
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _buffer: &mut BoundBuffer) -> (f64, usize) {
         let stiffness = w.k * self.weight_moment() * at.x[0].cos();
         ((w.c * self.spec.damping + stiffness.max(0.0)) * self.inverse_inertia[0], 0)
     }
