@@ -219,7 +219,7 @@ fn stiff_scenes_hold_explicit_steps_near_their_limit() {
         assert_eq!(outcome.status, Status::Completed, "{method}: {:?}", outcome.failure);
         let problem = case.problem();
         let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
-        let rates = canopy_fem::analysis::critical::Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
+        let rates = canopy_fem::analysis::spectrum::Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
         let critical = canopy_fem::analysis::limit::critical_step(&problem.method, rates);
         let mean = 0.05 / (times.all.len() - 1) as f64;
         assert!(

@@ -4,8 +4,8 @@
 //! Bytes after a NUL are `--set` assignments, one a line.
 
 use crate::failure::is_true;
-use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
 use canopy_fem::case::{Case, CaseError, Place};
