@@ -2,7 +2,6 @@
 //! explained.
 
 use super::program::{program, summary};
-use super::program::{program, summary};
 use crate::common::Random;
 use crate::common::run::{case_of, changed, run};
 use canopy_fem::analysis::critical::Effort;
