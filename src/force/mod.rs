@@ -32,10 +32,8 @@
 //! assembler relies on it to know every block's slot in advance.
 
 pub mod air;
-pub(crate) mod around;
 pub mod axial_dashpot;
 pub mod batch;
-pub(crate) mod between;
 pub mod coefficient;
 pub mod edges;
 pub mod faces;
@@ -53,16 +51,16 @@ mod pull;
 mod push;
 pub mod rayleigh;
 pub mod relative_dashpot;
-mod resident;
 mod room;
 pub mod series;
 mod shelf;
+mod single_block;
 pub mod slack;
 pub mod spring;
-pub mod staged;
+pub(crate) mod step_block;
+pub(crate) mod step_boundary;
 mod step_samples;
 mod stretch;
-mod stride;
 pub(crate) mod sweep;
 mod tension;
 pub mod threads;

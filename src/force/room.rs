@@ -45,9 +45,9 @@ pub(super) struct Needs {
 }
 
 impl Needs {
-    /// Of one step by one way through the nodes, with so many passes.
-    pub fn of_a_step(terms: usize, levels: usize, keeps: bool) -> Self {
-        Needs { terms, levels, threads: 1, keeps, aside: [false; ASIDE] }
+    /// Of a single pass.
+    pub fn of_a_pass(terms: usize) -> Self {
+        Needs { terms, levels: 1, threads: 1, keeps: false, aside: [false; ASIDE] }
     }
 }
 

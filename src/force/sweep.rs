@@ -2,7 +2,7 @@
 //!
 //! Strip by strip, mostly a tile each, windows are filled, all terms add to them while they are in cache, and what the
 //! strip's own nodes get is stored: no sum is zeroed in memory or read back. What lies beyond the strip is kept apart
-//! and added when all strips (`around`: of a round) are done, in their order, as are energies and powers. So no sum
+//! and added when all strips (`step_block`: of a round) are done, in their order, as are energies and powers. So no sum
 //! depends on which thread did which strip.
 
 use super::NodeState;
@@ -89,7 +89,7 @@ impl Sweep {
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut room = self.room(Needs::of_a_step(terms.count(), 1, false), &out);
+        let mut room = self.room(Needs::of_a_pass(terms.count()), &out);
         let (tiling, workers) = (&self.tiling, threads.workers());
         let (told, level, first, stretch) = (Told::All, 0, 0, false);
         let wants = wants(terms, told);

@@ -25,18 +25,16 @@ pub(super) struct Resident {
     pub inverse_mass: Window,
     /// [m] positions at the start of the step
     pub before: Window,
-    /// [m/s] kicked velocities; of steps by stages, those at the start
+    /// [m/s] kicked velocities
     pub kicked: Window,
-    /// [N] forces of still terms; of steps by stages, positions [m] at the end
+    /// [N] forces of still terms
     pub kept: Window,
-    /// [m/s] velocities at the end of steps by stages
-    pub summed: Window,
 }
 
 impl Default for Windows {
     fn default() -> Self {
-        let [inverse_mass, before, kicked, kept, summed] = [48, 24, 56, 4, 36].map(Window::new);
-        let resident = Resident { inverse_mass, before, kicked, kept, summed };
+        let [inverse_mass, before, kicked, kept] = [48, 24, 56, 4].map(Window::new);
+        let resident = Resident { inverse_mass, before, kicked, kept };
         Windows { x: Window::new(0), v: Window::new(32), sums: [16, 40, 8].map(Window::new), resident }
     }
 }

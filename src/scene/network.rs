@@ -2,22 +2,20 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::around::Moving;
 use crate::force::batch::Summand;
-use crate::force::between::Between;
 use crate::force::series::Tabled;
 use crate::force::spring::{Coefficient, SpringData};
-use crate::force::staged::{ByStages, Ended};
+use crate::force::step_block::Moving;
+use crate::force::step_boundary::StepBoundary;
 use crate::force::sweep::{Sweep, Terms};
 use crate::force::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
-use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::{self, Passed, Stages};
-use crate::model::system::{Around, Onward, System, TermInfo};
+use crate::model::stride::{self, Passed};
+use crate::model::system::{KickDriftBlock, System, TermInfo};
 use crate::model::workers::Workers;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
@@ -218,58 +216,16 @@ impl System for Network {
         self.pass_into(out, |sums, tallies| self.sweep.pass((self, node_state(at)), &self.threads, sums, tallies));
     }
 
-    fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
-        self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
-    }
-
-    fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
-        self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
-    }
-
     fn longest_stride(&self) -> usize {
-        let passes = if self.velocity_dependent() { 2 } else { 1 };
-        if self.still() { self.sweep.longest_stride(passes) } else { 0 }
+        self.sweep.longest_stride(if self.velocity_dependent() { 2 } else { 1 })
     }
 
-    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
-        if self.longest_stride() < 2 || passed.is_empty() {
-            return false;
-        }
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around: scheme };
-        let between = Between { scheme, mass: &self.mass, inverse_mass: &self.inverse_mass };
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
+        let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
-            self.sweep.stride((self, moving), between, &self.threads, sums, passed);
-            if let Some(last) = passed.last() {
-                tallies.copy_from_slice(&last.tallies);
-            }
+            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, passed));
         });
-        true
-    }
-
-    fn stride_by_stages(
-        &self,
-        (from, stages): (&Point, Stages<'_>),
-        at: &mut State,
-        out: &mut Forces,
-        passed: &mut [Passed],
-    ) -> bool {
-        // Where the account asks for work, it asks for that of every stage.
-        let works = self.has_role(Role::External) || self.has_role(Role::Dissipative);
-        if works || !self.sweep.resides() || passed.is_empty() {
-            return false;
-        }
-        let (mass, inverse_mass) = (&self.mass, &self.inverse_mass);
-        self.pass_into(out, |[f, ..], tallies| {
-            let (by_stages, to) =
-                (ByStages { from, stages, mass, inverse_mass }, Ended { x: &mut at.x, v: &mut at.v, f });
-            self.sweep.stride_by_stages(self, by_stages, &self.threads, to, passed);
-            if let Some(last) = passed.last() {
-                tallies.copy_from_slice(&last.tallies);
-            }
-        });
-        true
     }
 
     fn inverse_mass(&self) -> &[f64] {

@@ -110,7 +110,7 @@ impl Run<'_> {
             }
             let (scene, from, to) = (self.scene, &self.from, &self.to);
             let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
-            // Schemes with stages make blocks only where no force does work that enters the account.
+            // Schemes that integrate work by stages make their steps one by one.
             let (by_stages, step_number) = (false, step.step);
             let watched =
                 Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };

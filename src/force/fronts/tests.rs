@@ -1,11 +1,11 @@
 //! Fronts gone over without any forces.
 
 use super::*;
-use crate::force::around::tests::NODES;
 use crate::force::coefficient::Coefficient;
 use crate::force::edges::EdgeBatch;
 use crate::force::phases::tests::random;
 use crate::force::relative_dashpot::RelativeData;
+use crate::force::step_block::tests::NODES;
 use crate::force::tiling::Limits;
 
 /// Elements between nodes up to so many apart: all of them so far, or as it happens, with a few that reach far.

@@ -1,4 +1,8 @@
-//! Force passes of one step, or of several steps at once, each a few strips behind the one before it (time skewing).
+//! Force passes of one step, or of a block of steps, each a few strips behind the one before it (time skewing). What
+//! the scheme does to nodes before and after a pass is done in the same way through them.
+//!
+//! A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's
+//! own strips as soon as their forces are complete. So a large scene is read from memory once a step, or once a block.
 //!
 //! The strips of every level ([`super::fronts`]) are done in rounds. A round can begin as soon as all nodes that its
 //! elements reach are complete in the level before, and were moved on, or their velocities corrected. Since elements
@@ -6,15 +10,15 @@
 //! place, and sums of a level overwrite those of the level before.
 
 use super::NodeState;
-use super::around::Moving;
-use super::between::Between;
 use super::fronts::{Front, LEVELS};
 use super::room::{Needs, Part, Room};
+use super::step_boundary::StepBoundary;
 use super::sweep::{Job, Sweep, Terms, wants};
 use super::threads::{SUMS, Threads};
 use super::tiling::{Beyond, Tiling};
 use super::told::Told;
-use crate::model::stride::{Kicks, LONGEST, Passed};
+use crate::model::forces::Tally;
+use crate::model::stride::{LONGEST, Passed};
 use crate::model::workers::{ALONE, Workers};
 use bytemuck::cast_slice;
 use glam::DVec3;
@@ -27,22 +31,46 @@ const STRIPS: [usize; 2] = [4, 2];
 /// So many seams are gone over side by side, fewer one after the other by all threads.
 const SIDE_BY_SIDE: usize = 3;
 
-/// What follows a level.
-#[derive(Clone, Copy)]
-pub(super) enum Then<'a> {
-    /// nothing
-    Done,
-    /// the same positions again, with the velocities that what came after has left; after that nothing
-    Again,
-    /// the next step, or where steps predict, the same positions again and then the next
-    Next(Between<'a>, Kicks, &'a [Passed]),
+/// Where a pass is to find nodes.
+pub struct Moving<'a> {
+    /// [s]
+    pub t: f64,
+    /// number of the first node
+    pub first: usize,
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
 }
 
-/// One step, or several levels with something between them.
-pub(super) struct Steps<'a, T: ?Sized> {
-    pub terms: &'a T,
-    pub then: Then<'a>,
-    pub threads: &'a Threads,
+impl Moving<'_> {
+    /// Of the nodes that are here.
+    fn state(&self) -> NodeState<'_> {
+        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
+    }
+
+    /// Some of the nodes.
+    fn within(&mut self, nodes: Range<usize>) -> Moving<'_> {
+        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
+        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
+        Moving { t: self.t, first: nodes.start, x, v }
+    }
+
+    /// The nodes before one, and the others.
+    fn split(self, at: usize) -> [Self; 2] {
+        let Moving { t, first, x, v } = self;
+        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
+        [Moving { t, first, x, v }, Moving { t, first: at, x: x_after, v: v_after }]
+    }
+}
+
+/// The steps of a block.
+struct Steps<'a, T: ?Sized> {
+    terms: &'a T,
+    boundary: StepBoundary<'a>,
+    /// empty for a single step of which no summary is made
+    passed: &'a [Passed],
+    threads: &'a Threads,
 }
 
 /// What is done at a level.
@@ -55,20 +83,15 @@ struct Doing {
 }
 
 impl<T: Terms + ?Sized> Steps<'_, T> {
-    fn at(&self, level: usize, t: f64) -> Doing {
-        match self.then {
-            Then::Done => Doing { told: Told::All, t, stretch: false },
-            Then::Again if level == 0 => Doing { told: Told::First, t, stretch: false },
-            Then::Again if self.terms.still() => Doing { told: Told::AllWithKept, t, stretch: false },
-            Then::Again => Doing { told: Told::All, t, stretch: false },
-            Then::Next(_, kicks, passed) => {
-                let Passed { t, stretch_wanted, .. } = passed[level / kicks.passes()];
-                match level % kicks.passes() {
-                    0 if kicks.predicts => Doing { told: Told::First, t, stretch: stretch_wanted },
-                    0 => Doing { told: Told::All, t, stretch: stretch_wanted },
-                    _ => Doing { told: Told::AllWithKept, t, stretch: false },
-                }
-            }
+    fn at(&self, level: usize, t_end: f64) -> Doing {
+        let scheme = self.boundary.block.scheme;
+        let (t, wanted) =
+            self.passed.get(level / scheme.passes()).map_or((t_end, false), |step| (step.t, step.stretch_wanted));
+        match level % scheme.passes() {
+            0 if scheme.predicts => Doing { told: Told::First, t, stretch: wanted },
+            0 => Doing { told: Told::All, t, stretch: wanted },
+            _ if self.terms.still() => Doing { told: Told::AllWithKept, t, stretch: false },
+            _ => Doing { told: Told::All, t, stretch: false },
         }
     }
 }
@@ -108,40 +131,51 @@ impl Sweep {
         if self.resides() { LONGEST } else { LEVELS / passes }
     }
 
-    /// As many steps as there are entries of `passed`, from the state that `moving.around` makes before the first.
-    /// Sums, state and what is told of every step have the bits of steps made one by one. Where steps predict, terms of
-    /// the first sum have to be [still](Terms::still). (A scene in windows begins by the scheme's point and kicks in
-    /// place of what it does before and after: they are the same.)
-    pub fn stride<T: Terms + ?Sized>(
+    /// Makes as many steps as there are entries of `passed`, or a single one of which no summary is made. Sums, state,
+    /// tallies and summaries have the bits of steps made one by one.
+    pub fn advance<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, Moving<'_>),
-        between: Between<'_>,
+        boundary: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [DVec3]; SUMS],
-        passed: &mut [Passed],
+        (tallies, passed): (&mut [Tally], &mut [Passed]),
     ) {
-        debug_assert!(!between.scheme.kicks().predicts || terms.still());
-        if self.resides() {
-            return self.stride_in_windows((terms, moving), between, threads, out, passed);
+        if self.resides() && passed.len() > 1 {
+            self.advance_single_block((terms, moving), boundary, threads, out, passed);
+        } else {
+            let scheme = boundary.block.scheme;
+            let works = !passed.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
+            let (several, still) = (passed.len() > 1, terms.still());
+            let needs = Needs {
+                terms: terms.count(),
+                levels: scheme.passes() * passed.len().max(1),
+                threads: if several { threads.count() } else { 1 },
+                keeps: scheme.predicts && still,
+                aside: [works && several, scheme.predicts && several],
+            };
+            let mut room = self.room(needs, &out);
+            self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut room);
+            // Terms of the first sum are gone over once a step if they are still, and then tell their energies.
+            let told_at = if still { 0 } else { scheme.passes() - 1 };
+            for (step, passed) in passed.iter_mut().enumerate() {
+                let first = scheme.passes() * step;
+                passed.tallies.resize(terms.count(), Tally::default());
+                room.add_up(first + told_at, &mut passed.tallies);
+                passed.largest_stretch = room.largest_stretch(first);
+                passed.nodes = room.node_sums(first + scheme.passes() - 1);
+            }
+            if passed.is_empty() {
+                room.add_up(told_at, tallies);
+            }
         }
-        let (kicks, works) = (between.scheme.kicks(), out[1..].iter().any(|sum| !sum.is_empty()));
-        let (levels, threads_of) = (kicks.passes() * passed.len(), threads.count());
-        let aside = [works, kicks.predicts];
-        let needs = Needs { terms: terms.count(), levels, threads: threads_of, keeps: kicks.predicts, aside };
-        let mut room = self.room(needs, &out);
-        let then = Then::Next(between, kicks, passed);
-        self.steps((Steps { terms, then, threads }, moving), out, &mut room);
-        for (step, passed) in passed.iter_mut().enumerate() {
-            let first = kicks.passes() * step;
-            passed.tallies.resize(terms.count(), Default::default());
-            room.add_up(first, &mut passed.tallies);
-            passed.largest_stretch = room.largest_stretch(first);
-            passed.nodes = room.node_sums(first + kicks.passes() - 1);
+        if let Some(last) = passed.last() {
+            tallies.copy_from_slice(&last.tallies);
         }
     }
 
     /// A step for every level of `room`.
-    pub(super) fn steps<T: Terms + ?Sized>(
+    fn steps<T: Terms + ?Sized>(
         &self,
         (steps, moving): (Steps<'_, T>, Moving<'_>),
         out: [&mut [DVec3]; SUMS],
@@ -192,7 +226,7 @@ impl Sweep {
             let level = ahead.level;
             let moved = front.move_for(&ahead);
             if !moved.is_empty() {
-                span.moving.before(moved, workers);
+                steps.boundary.begin(span.moving.within(moved), workers);
             }
             let Doing { told, t, stretch } = steps.at(level, span.moving.t);
             let job = Job {
@@ -256,23 +290,17 @@ impl Sweep {
                 self.tiling.add_beyond(tiles.clone(), *beyond, (nodes.start, out));
             }
         }
-        let dofs = 3 * nodes.start..3 * nodes.end;
-        match steps.then {
-            Then::Again if *level > 0 => {}
-            Then::Again | Then::Done => moving.around.after(dofs, moving.v, cast_slice(part.out[0])),
-            Then::Next(between, kicks, _) if *told != Told::First => between.end(kicks, *level, part, moving),
-            Then::Next(..) if *level == 0 => moving.around.after(dofs, moving.v, cast_slice(part.out[0])),
-            Then::Next(between, kicks, _) => {
-                kicks.correct(
-                    moving.v,
-                    cast_slice(part.aside[1]),
-                    &between.inverse_mass[dofs],
-                    cast_slice(part.out[0]),
-                );
-            }
+        let (boundary, summarized) = (&steps.boundary, !steps.passed.is_empty());
+        match (*told, *level) {
+            (Told::First, 0) => boundary.kick_again(&part, moving),
+            (Told::First, _) => boundary.correct(&part, moving),
+            _ if summarized => boundary.end(*level, part, moving),
+            (_, 0) => boundary.kick_again(&part, moving),
+            // A single step that predicts: its second pass ends it.
+            _ => {}
         }
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

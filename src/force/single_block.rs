@@ -1,14 +1,15 @@
-//! Strides of a scene that is one tile: its nodes stay in the tile's windows from the first step to the last.
+//! Blocks of steps of a scene that is one tile: its nodes stay in the tile's windows from the first step to the last.
 
-use super::around::Moving;
-use super::between::Between;
+use super::step_block::Moving;
+use super::step_boundary::StepBoundary;
 use super::sweep::{Sweep, Terms};
 use super::threads::{Resident, SUMS, Threads, Windows};
 use super::tile::Tile;
 use super::told::{Sums, Told};
-use super::window::{RECORD, Records, Window, fill, rows, store_rows};
+use super::window::{Padded, RECORD, Records, Window, fill, rows, store_rows};
 use crate::model::forces::Tally;
-use crate::model::stride::{Kicks, NodeSums, Nodes, Passed, Work};
+use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work};
+use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
 use glam::DVec3;
 
@@ -18,16 +19,16 @@ impl Sweep {
         self.tiling.tiles().len() == 1
     }
 
-    /// [`Sweep::stride`] of such a scene.
-    pub(super) fn stride_in_windows<T: Terms + ?Sized>(
+    /// [`Sweep::advance`] of several steps of such a scene.
+    pub(super) fn advance_single_block<T: Terms + ?Sized>(
         &self,
         (terms, moving): (&T, Moving<'_>),
-        Between { scheme, mass, inverse_mass }: Between<'_>,
+        StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [DVec3]; SUMS],
         passed: &mut [Passed],
     ) {
-        let (n, from, kicks) = (mass.len(), scheme.from(), scheme.kicks());
+        let n = mass.len();
         let present = out.each_ref().map(|sum| !sum.is_empty());
         let windows = &mut *threads.windows(0);
         let Windows { x, v, sums, resident: Resident { inverse_mass: m, before, kicked, kept, .. } } = windows;
@@ -42,11 +43,11 @@ impl Sweep {
         }
         let mut net = Net { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
         // Begins the first step, which ends nothing: what this tells is of no step.
-        net.go_on(Kicks { end: None, ..kicks }, true);
+        net.go_on(KickDriftScheme { end: None, ..scheme }, true);
         let steps = passed.len();
         for (step, passed) in passed.iter_mut().enumerate() {
-            net.find(kicks, passed);
-            passed.nodes = net.go_on(kicks, step + 1 < steps);
+            net.find(scheme, passed);
+            passed.nodes = net.go_on(scheme, step + 1 < steps);
         }
         let Net { x, v, sums, .. } = net;
         for (from, to) in [(x, cast_slice_mut(moving.x)), (v, cast_slice_mut(moving.v))] {
@@ -85,19 +86,24 @@ struct Net<'a, T: ?Sized> {
 
 impl<T: Terms + ?Sized> Net<'_, T> {
     /// The forces where a step ends; with corrected velocities, if it predicts.
-    fn find(&mut self, kicks: Kicks, passed: &mut Passed) {
+    fn find(&mut self, scheme: KickDriftScheme, passed: &mut Passed) {
         passed.tallies.resize(self.terms.count(), Tally::default());
         let n = self.mass.len();
-        if kicks.predicts {
+        if scheme.predicts {
             self.add(Told::First, passed);
             let numbers = RECORD * n;
-            kicks.correct(
+            scheme.correct(
                 &mut self.v[..numbers],
                 &self.kicked[..numbers],
                 &self.m[..numbers],
                 &self.sums[0][..numbers],
             );
-            self.add(Told::AllWithKept, passed);
+            if self.terms.still() {
+                self.add(Told::AllWithKept, passed);
+            } else {
+                rows(self.sums[0], n).fill(Padded::default());
+                self.add(Told::All, passed);
+            }
         } else {
             self.add(Told::All, passed);
         }
@@ -114,7 +120,7 @@ impl<T: Terms + ?Sized> Net<'_, T> {
     }
 
     /// Ends a step and begins another.
-    fn go_on(&mut self, kicks: Kicks, another: bool) -> NodeSums {
+    fn go_on(&mut self, scheme: KickDriftScheme, another: bool) -> NodeSums {
         let (n, works) = (self.mass.len(), self.present[1] || self.present[2]);
         let mut work = Work::default();
         if works {
@@ -127,10 +133,10 @@ impl<T: Terms + ?Sized> Net<'_, T> {
             inverse_mass: flat(self.m),
             x: flat(self.x),
             v: flat(self.v),
-            kicked: if kicks.predicts { flat(self.kicked) } else { &mut [] },
+            kicked: if scheme.predicts { flat(self.kicked) } else { &mut [] },
             f: flat(self.sums[0]),
         };
-        let nodes = kicks.end(nodes, another);
+        let nodes = scheme.end(nodes, another);
         if works && another {
             self.begun = self.work();
         }

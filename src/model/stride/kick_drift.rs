@@ -1,4 +1,4 @@
-//! What happens to nodes between the force passes of a stride, in one way through them.
+//! Schemes that kick, drift and perhaps kick again, and what they do to nodes between force passes.
 //!
 //! ```text
 //! v += l M^-1 f                       a step ends: kinetic energy and largest speed; where none follows, bounds, and whether all is finite
@@ -15,12 +15,14 @@
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
 use crate::model::motion::{BLOCK, Sum};
+use crate::model::point::Point;
 use crate::model::quad::{self, Quad, VectorUnit};
 use multiversion::multiversion;
+use std::ops::Range;
 
 /// A step v += k M^-1 f, x += h v, then with the new forces v += l M^-1 f.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kicks {
+pub struct KickDriftScheme {
     /// [s] k
     pub begin: f64,
     /// [s] h
@@ -29,6 +31,28 @@ pub struct Kicks {
     pub end: Option<f64>,
     /// whether the second kick is by the forces at velocities v + h M^-1 f, before those at the step's end are found
     pub predicts: bool,
+}
+
+/// Where a step begins: the same degrees of freedom of every vector.
+#[derive(Clone, Copy, Debug)]
+pub struct StepStart<'a> {
+    /// [m]
+    pub x: &'a [f64],
+    /// [m/s]
+    pub v: &'a [f64],
+    /// [N]
+    pub f: &'a [f64],
+    /// [1/kg] 0 at fixed ones
+    pub inverse_mass: &'a [f64],
+}
+
+impl<'a> StepStart<'a> {
+    /// Some degrees of freedom of a point.
+    pub fn of(from: &'a Point, inverse_mass: &'a [f64], dofs: Range<usize>) -> Self {
+        let Point { state, forces } = from;
+        let [x, v, f, inverse_mass] = [&state.x, &state.v, &forces.total, inverse_mass].map(|all| &all[dofs.clone()]);
+        StepStart { x, v, f, inverse_mass }
+    }
 }
 
 /// Some nodes where a step ends: vectors of `W` numbers a node.
@@ -49,10 +73,27 @@ pub struct Nodes<'a, const W: usize> {
     pub f: &'a mut [f64],
 }
 
-impl Kicks {
+impl KickDriftScheme {
     /// Force passes a step.
     pub fn passes(self) -> usize {
         1 + usize::from(self.predicts)
+    }
+
+    /// Moves nodes from where a step begins to where its first force pass finds them: positions at the step's end,
+    /// velocities kicked or predicted.
+    pub fn begin(self, start: StepStart<'_>, x: &mut [f64], v: &mut [f64]) {
+        begin(self, start, (x, v));
+    }
+
+    /// The kick after the first force pass, which found f [N]: v += l M^-1 f of kicked velocities, which predicted ones
+    /// are made again before.
+    pub fn kick_again(self, start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
+        match self.end {
+            Some(l) if self.predicts => kick_twice((self.begin, l), start, v, f),
+            Some(l) => kick(l, start.inverse_mass, v, f),
+            None if self.predicts => kick_twice((self.begin, 0.0), start, v, f),
+            None => {}
+        }
     }
 
     /// v = u + l M^-1 f, where steps predict.
@@ -62,12 +103,12 @@ impl Kicks {
 
     /// Ends a step; where another follows, begins that too. Tells what the nodes are like between both.
     pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> NodeSums {
-        quad::run(Pass { kicks: self, nodes, another })
+        quad::run(Pass { scheme: self, nodes, another })
     }
 }
 
 struct Pass<'a, const W: usize> {
-    kicks: Kicks,
+    scheme: KickDriftScheme,
     nodes: Nodes<'a, W>,
     another: bool,
 }
@@ -77,13 +118,40 @@ impl<const W: usize> quad::Pass for Pass<'_, W> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> NodeSums {
-        match (self.kicks.end.is_some() && !self.kicks.predicts, self.another, self.kicks.predicts) {
+        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
             (true, true, _) => self.blocks::<U, true, true, false>(unit),
             (true, false, _) => self.blocks::<U, true, false, false>(unit),
             (false, true, true) => self.blocks::<U, false, true, true>(unit),
             (false, true, false) => self.blocks::<U, false, true, false>(unit),
             (false, false, _) => self.blocks::<U, false, false, false>(unit),
         }
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn begin(scheme: KickDriftScheme, start: StepStart<'_>, (x, v): (&mut [f64], &mut [f64])) {
+    let KickDriftScheme { begin: k, drift: h, predicts, .. } = scheme;
+    let of_forces = if predicts { h } else { k };
+    let from = start.x.iter().zip(start.v).zip(start.f.iter().zip(start.inverse_mass));
+    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v).zip(from) {
+        let a = inverse_mass * f;
+        *x = x_n + h * (v_n + k * a);
+        *v = v_n + of_forces * a;
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick(l: f64, inverse_mass: &[f64], v: &mut [f64], f: &[f64]) {
+    for ((v, f), inverse_mass) in v.iter_mut().zip(f).zip(inverse_mass) {
+        *v += l * (inverse_mass * f);
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick_twice((k, l): (f64, f64), start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
+    let from = start.v.iter().zip(start.f).zip(start.inverse_mass);
+    for ((v, f), ((v_n, f_n), inverse_mass)) in v.iter_mut().zip(f).zip(from) {
+        *v = (v_n + k * (inverse_mass * f_n)) + l * (inverse_mass * f);
     }
 }
 
@@ -100,7 +168,7 @@ impl<const W: usize> Pass<'_, W> {
         let Nodes { mass, inverse_mass, x, v, kicked, f } = self.nodes;
         let (kicked, kicked_last) = groups_mut::<W>(kicked);
         let mut kicked = kicked.iter_mut();
-        let mut totals = Totals::<U, W, END, ANOTHER, PREDICTS>::new(unit, self.kicks);
+        let mut totals = Totals::<U, W, END, ANOTHER, PREDICTS>::new(unit, self.scheme);
         let n = W * BLOCK;
         let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
         for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
@@ -171,7 +239,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
     Totals<U, W, END, ANOTHER, PREDICTS>
 {
     #[inline(always)]
-    fn new(unit: U, Kicks { begin, drift, end, .. }: Kicks) -> Self {
+    fn new(unit: U, KickDriftScheme { begin, drift, end, .. }: KickDriftScheme) -> Self {
         Totals {
             sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
             motion: Sum::new(unit),

@@ -1,4 +1,4 @@
-//! Kicks of nodes four by four, beside a degree of freedom after the other.
+//! KickDriftScheme of nodes four by four, beside a degree of freedom after the other.
 
 use super::*;
 use crate::model::motion::{Motion, motion};
@@ -30,12 +30,12 @@ impl<const W: usize> Net<W> {
         Net { mass, inverse_mass, x: vectors(0.0), v: vectors(1.0), kicked: vectors(3.0), f: vectors(2.0) }
     }
 
-    fn nodes(&mut self, kicks: Kicks) -> Nodes<'_, W> {
+    fn nodes(&mut self, kicks: KickDriftScheme) -> Nodes<'_, W> {
         let Net { mass, inverse_mass, x, v, kicked, f } = self;
         Nodes { mass, inverse_mass, x, v, kicked: if kicks.predicts { kicked } else { &mut [] }, f }
     }
 
-    fn one_by_one(&mut self, kicks: Kicks, another: bool) -> NodeSums {
+    fn one_by_one(&mut self, kicks: KickDriftScheme, another: bool) -> NodeSums {
         let kick = |net: &mut Self, by: f64| {
             for i in 0..net.v.len() {
                 net.v[i] += by * (net.inverse_mass[i] * net.f[i]);
@@ -65,11 +65,11 @@ impl<const W: usize> Net<W> {
     }
 }
 
-fn every_way(mut of: impl FnMut(Kicks, bool)) {
+fn every_way(mut of: impl FnMut(KickDriftScheme, bool)) {
     let [begin, drift] = SIZES;
     for (end, predicts) in [(None, false), (Some(0.2), false), (Some(0.2), true), (None, true)] {
         for another in [false, true] {
-            of(Kicks { begin, drift, end, predicts }, another);
+            of(KickDriftScheme { begin, drift, end, predicts }, another);
         }
     }
 }
@@ -83,7 +83,7 @@ fn assert_same<const W: usize>() {
             let sums = expected.one_by_one(kicks, another);
             assert_eq!(kicks.end(best.nodes(kicks), another), sums, "{nodes} nodes, {kicks:?}, {another}");
             assert_eq!(
-                Pass { kicks, nodes: portable.nodes(kicks), another }.run(Portable),
+                Pass { scheme: kicks, nodes: portable.nodes(kicks), another }.run(Portable),
                 sums,
                 "{nodes} nodes, any machine"
             );
@@ -140,10 +140,10 @@ fn a_force_that_is_not_finite_is_told_wherever_it_is() {
 #[test]
 fn predicted_steps_are_corrected() {
     let Net { inverse_mass, mut v, kicked, f, .. } = Net::<3>::new(11);
-    let kicks = Kicks { begin: 0.3, drift: 0.01, end: Some(0.2), predicts: true };
+    let kicks = KickDriftScheme { begin: 0.3, drift: 0.01, end: Some(0.2), predicts: true };
     kicks.correct(&mut v, &kicked, &inverse_mass, &f);
     for (i, v) in v.into_iter().enumerate() {
         assert_eq!(v, kicked[i] + 0.2 * (inverse_mass[i] * f[i]), "{i}");
     }
-    assert_eq!([kicks.passes(), Kicks { predicts: false, ..kicks }.passes()], [2, 1]);
+    assert_eq!([kicks.passes(), KickDriftScheme { predicts: false, ..kicks }.passes()], [2, 1]);
 }
