@@ -4,7 +4,7 @@
 //!
 //! # How to add a force
 //! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a
-//!    [`batch::Kernel`] for it and `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`]
+//!    [`batch::Kernel`] for it and `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`kernel::batch::Summand`]
 //!    and [`ForceTerm`]. Either adds to one tile of the scene at a time (`sweep`): that is what keeps results the same
 //!    for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element after the other; or, where
 //!    speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that
@@ -31,44 +31,9 @@
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.
 
-pub mod air;
-pub mod axial_dashpot;
-pub mod batch;
-pub mod coefficient;
-pub mod edges;
-pub mod faces;
-mod fans;
-pub mod follower_pressure;
-mod fronts;
-pub mod gravity;
-mod incidence;
-pub mod neighbours;
-pub mod nodal;
-pub mod one_sided;
-mod pairs;
-mod phases;
-mod pull;
-mod push;
-pub mod rayleigh;
-pub mod relative_dashpot;
-mod room;
-pub mod series;
-mod shelf;
-mod single_block;
-pub mod slack;
-pub mod spring;
-pub(crate) mod step_block;
-pub(crate) mod step_boundary;
-mod step_samples;
-mod stretch;
-pub(crate) mod sweep;
-mod tension;
-pub mod threads;
-pub mod tile;
-mod tiling;
-mod told;
-pub mod triangle;
-pub mod window;
+pub mod kernel;
+pub mod law;
+pub mod schedule;
 
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -97,7 +62,7 @@ pub trait TangentSink {
 }
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
-pub trait ForceTerm: batch::Summand {
+pub trait ForceTerm: kernel::batch::Summand {
     /// Its name in reports, its role in the ledger and what diagnoses ask of it; the same at every state.
     fn info(&self) -> TermInfo;
 

@@ -6,7 +6,7 @@
 //! is slack at the beginning adds, and k times the area below that which a taut one leaves out.
 
 use super::network::{Network, SpringBatch, by_node};
-use crate::force::slack::clamped;
+use crate::force::law::slack::clamped;
 use crate::model::state::StateRef;
 use glam::DVec3;
 

@@ -2,13 +2,13 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::batch::Summand;
-use crate::force::series::Tabled;
-use crate::force::spring::{Coefficient, SpringData};
-use crate::force::step_block::Moving;
-use crate::force::step_boundary::StepBoundary;
-use crate::force::sweep::{Sweep, Terms};
-use crate::force::threads::{SUMS, Threads};
+use crate::force::kernel::batch::Summand;
+use crate::force::law::series::Tabled;
+use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_boundary::StepBoundary;
+use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
