@@ -8,5 +8,6 @@ pub(crate) mod step_block;
 pub(crate) mod step_boundary;
 pub(crate) mod sweep;
 pub mod threads;
+mod tuning;
 pub(in crate::force) mod wavefront;
 pub(in crate::force) mod workspace;

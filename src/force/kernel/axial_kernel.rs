@@ -3,19 +3,19 @@
 //! ```text
 //! d = ub - ua      force on a = s d, on b = -s d
 //! ```
-//! To add such a force, write a [`PullLaw`]: s and the energy or power from d^2 and two numbers of the element, as
+//! To add such a force, write a [`AxialLaw`]: s and the energy or power from d^2 and two numbers of the element, as
 //! equations on four elements at once, and an [`crate::force::kernel::edges::EdgeKernel`].
 
 use crate::force::kernel::coefficient::{Column, Place};
 use crate::force::kernel::edges::Edges;
-use crate::force::kernel::lane_batches::{Phases, add};
-use crate::force::kernel::local_buffer::{Padded, Records, record, set_record};
-use crate::force::kernel::star_batches::pull_fans;
+use crate::force::kernel::lane_batches::{LaneKernel, add};
+use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
+use crate::force::kernel::star_batches::add_stars;
 use crate::model::lanes::LANES;
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How elements pull.
-pub(in crate::force) trait PullLaw {
+pub(in crate::force) trait AxialLaw {
     /// Four elements by their two numbers and the squares d^2 of their differences; `#[inline(always)]`.
     fn pull<U: VectorUnit>(&self, unit: U, numbers: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad>;
 }
@@ -29,10 +29,10 @@ pub(in crate::force) struct Pull<Q> {
     pub amount: Q,
 }
 
-/// Adds the forces [N] of a tile's elements to its window; `u` is the nodal vector of the differences.
-pub(in crate::force) fn pull<L: PullLaw>(law: &L, edges: &Edges<'_>, u: &Records, f: &mut Records) -> f64 {
+/// Adds the forces [N] of a block's elements to its local buffer; `u` is the nodal vector of the differences.
+pub(in crate::force) fn pull<L: AxialLaw>(law: &L, edges: &Edges<'_>, u: &Records, f: &mut Records) -> f64 {
     let (others, numbers) = edges.others();
-    pull_fans(law, edges.fans(), u, f) + add(Pulling { law, numbers, u }, others, f)
+    add_stars(law, edges.stars(), u, f) + add(Pulling { law, numbers, u }, others, f)
 }
 
 struct Pulling<'a, L> {
@@ -44,11 +44,11 @@ struct Pulling<'a, L> {
 #[derive(Clone, Copy, Default)]
 #[repr(align(32))]
 struct Kept {
-    d: [Padded; LANES],
-    scale: [Padded; 2],
+    d: [PaddedVec3; LANES],
+    scale: [PaddedVec3; 2],
 }
 
-impl<L: PullLaw> Phases<2> for Pulling<'_, L> {
+impl<L: AxialLaw> LaneKernel<2> for Pulling<'_, L> {
     type Kept = Kept;
     type Chunk = [Kept; 1];
 
@@ -85,7 +85,7 @@ pub(in crate::force) mod tests {
     /// Pulls with given forces [N], the first numbers, once the second ones are taken off.
     pub struct Law;
 
-    impl PullLaw for Law {
+    impl AxialLaw for Law {
         #[inline(always)]
         fn pull<U: VectorUnit>(&self, _: U, [force, less]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
             let (l, force) = (square.sqrt(), force - less);
@@ -130,7 +130,7 @@ pub(in crate::force) mod tests {
             let numbers = [Column::each(&in_blocks), Column::uniform(&LESS)];
             let [best, portable] = on_both(|| Pulling { law: &Law, numbers, u }, &nodes);
             assert_eq!(best, portable, "{n} elements");
-            let mut f = crate::force::kernel::local_buffer::Window::new(0);
+            let mut f = crate::force::kernel::local_buffer::LocalBuffer::new(0);
             let force: Vec<f64> = force.iter().map(|force| force - LESS[0][0]).collect();
             let l = one_by_one(&force, &nodes, u, f.records());
             let sums = crate::force::kernel::local_buffer::rows(f.records(), best.0.len());

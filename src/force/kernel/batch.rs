@@ -1,14 +1,14 @@
-//! The interface of what a pass over the tiles sums into nodes ([`Summand`]), and an implementation for many elements
+//! The interface of what a pass over the blocks sums into nodes ([`Summand`]), and an implementation for many elements
 //! of one kind ([`Batch`]; for springs and what acts as they do `edges`, for triangles that are pushed along their
 //! normal `faces`).
 
+use crate::force::kernel::element_block::ElementBlock;
 pub use crate::force::kernel::element_block::Elements;
-use crate::force::kernel::element_block::Tile;
 pub use crate::force::kernel::local_buffer::Records;
 use crate::model::forces::Tally;
 use std::ops::Range;
 
-/// The windows of a tile that are read.
+/// The local buffers of a block that are read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wants {
     /// positions
@@ -24,12 +24,12 @@ impl Wants {
     }
 }
 
-/// Something that is summed into nodes, tile after tile: every force term.
+/// Something that is summed into nodes, block after block: every force term.
 pub trait Summand: Send + Sync {
     /// Number of elements (springs, triangles, nodes) that a pass goes over.
     fn elements(&self) -> usize;
 
-    /// What it reads of the windows; what nothing reads is not copied.
+    /// What it reads of the local buffers; what nothing reads is not copied.
     fn wants(&self) -> Wants;
 
     /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in
@@ -39,51 +39,51 @@ pub trait Summand: Send + Sync {
         None
     }
 
-    /// Hears which elements a tile has, and where the records of their nodes begin in its windows. Called for one tile
-    /// after the other; from the first again where a scene is cut anew.
-    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        let _ = (tile, elements, place);
+    /// Hears which elements a block has, and where the records of their nodes begin in its local buffers. Called for
+    /// one block after the other; from the first again where a scene is cut anew.
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let _ = (block, elements, place);
     }
 
-    /// Adds its forces [N], or whatever it sums, to a tile's window: those of the elements it has taken, and those on
-    /// the tile's own nodes; returns their energy [J] or power [W].
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally;
+    /// Adds its forces [N], or whatever it sums, to a block's local buffer: those of the elements it has taken, and
+    /// those on the block's own nodes; returns their energy [J] or power [W].
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally;
 
-    /// [-] Largest l^2/l0^2 of the springs among a tile's elements; -inf where there is none.
-    fn largest_stretch(&self, tile: &Tile<'_>) -> f64 {
-        let _ = tile;
+    /// [-] Largest l^2/l0^2 of the springs among a block's elements; -inf where there is none.
+    fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
+        let _ = block;
         f64::NEG_INFINITY
     }
 }
 
 /// The forces of like elements with `N` nodes each.
 pub trait Kernel<const N: usize>: Send + Sync {
-    /// What it reads of the windows.
+    /// What it reads of the local buffers.
     const WANTS: Wants;
 
     /// Node numbers of every element, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; N]];
 
-    /// Adds the forces [N] of a tile's elements, or whatever it sums, to its window; returns their energy [J] or power
-    /// [W].
-    fn add(&self, tile: Elements<'_, N>, f: &mut Records) -> Tally;
+    /// Adds the forces [N] of a block's elements, or whatever it sums, to its local buffer; returns their energy [J] or
+    /// power [W].
+    fn add(&self, block: Elements<'_, N>, f: &mut Records) -> Tally;
 }
 
-/// A kernel, and its elements by tiles.
+/// A kernel, and its elements by blocks.
 #[derive(Debug)]
 pub struct Batch<K, const N: usize> {
     kernel: K,
-    /// every element's nodes by where their records begin in the tile's windows
+    /// every element's nodes by where their records begin in the block's local buffers
     local: Vec<[u16; N]>,
-    /// elements of every tile
-    tiles: Vec<Range<usize>>,
+    /// elements of every block
+    blocks: Vec<Range<usize>>,
 }
 
 impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending
     /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
-        Batch { kernel, local: Vec::new(), tiles: Vec::new() }
+        Batch { kernel, local: Vec::new(), blocks: Vec::new() }
     }
 
     /// The kernel.
@@ -91,11 +91,11 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
         &self.kernel
     }
 
-    /// A tile's elements, if it has any.
-    fn elements_of<'a>(&'a self, tile: &'a Tile<'_>) -> Option<Elements<'a, N>> {
-        let elements = self.tiles.get(tile.number).filter(|elements| !elements.is_empty())?;
+    /// A block's elements, if it has any.
+    fn elements_of<'a>(&'a self, block: &'a ElementBlock<'_>) -> Option<Elements<'a, N>> {
+        let elements = self.blocks.get(block.number).filter(|elements| !elements.is_empty())?;
         let nodes = &self.local[elements.clone()];
-        Some(Elements { t: tile.t, x: tile.x, v: tile.v, nodes, first: elements.start })
+        Some(Elements { t: block.t, x: block.x, v: block.v, nodes, first: elements.start })
     }
 }
 
@@ -112,17 +112,17 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
         self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        if tile == 0 {
-            self.tiles.clear();
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        if block == 0 {
+            self.blocks.clear();
             self.local.clear();
             self.local.reserve_exact(self.kernel.elements().len());
         }
         self.local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));
-        self.tiles.push(elements);
+        self.blocks.push(elements);
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        self.elements_of(tile).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        self.elements_of(block).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
     }
 }

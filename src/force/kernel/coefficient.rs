@@ -1,6 +1,6 @@
 //! Numbers that belong to elements: one for all, or one each.
 
-use crate::force::kernel::star_batches::{FAN, FANS};
+use crate::force::kernel::star_batches::{STAR, STARS};
 use crate::model::quad::VectorUnit;
 use std::sync::Arc;
 
@@ -64,11 +64,11 @@ impl<'a> Column<'a> {
     }
 
     /// The same for all.
-    pub fn uniform(quads: &'a [[f64; FANS]; FAN]) -> Self {
+    pub fn uniform(quads: &'a [[f64; STARS]; STAR]) -> Self {
         Column { quads, mask: 0 }
     }
 
-    /// Those of the elements from one on, the first of a fan or of a block.
+    /// Those of the elements from one on, the first of a star or of a block.
     pub fn from(self, first: usize) -> Self {
         Column { quads: &self.quads[(first / 4) & self.mask..], ..self }
     }
@@ -78,9 +78,9 @@ impl<'a> Column<'a> {
         if self.mask == 0 { &[] } else { self.quads.as_flattened() }
     }
 
-    /// The values of four fans.
+    /// The values of four stars.
     #[inline(always)]
-    pub fn fans(&self, group: usize) -> &'a [[f64; FANS]; FAN] {
+    pub fn stars(&self, group: usize) -> &'a [[f64; STARS]; STAR] {
         &self.quads.as_chunks().0[group & self.mask]
     }
 

@@ -1,42 +1,42 @@
-//! A tile as kernels see it: the nodes of a run of a scene, in windows of records of four numbers (`window`), and the
-//! elements that begin there.
+//! A block as kernels see it: the nodes of a run of a scene, in local buffers of records of four numbers (`local
+//! buffer`), and the elements that begin there.
 
 use crate::force::kernel::local_buffer::{RECORD, Records, record, set_record};
 use glam::DVec3;
 use std::ops::Range;
 
-/// A tile of the scene.
+/// A block of the scene.
 #[derive(Debug)]
-pub struct Tile<'a> {
+pub struct ElementBlock<'a> {
     /// which one
     pub number: usize,
-    /// its own nodes, whose records come first in its windows; those that its elements reach beyond follow. Empty where
-    /// an earlier tile of the strip has them
+    /// its own nodes, whose records come first in its local buffers; those that its elements reach beyond follow. Empty
+    /// where an earlier block of the node block has them
     pub own: Range<usize>,
     /// [s]
     pub t: f64,
-    /// [m] positions of the windows' nodes, if some term wants them
+    /// [m] positions of the local buffers' nodes, if some term wants them
     pub x: &'a Records,
     /// [m/s] their velocities, if some term wants them
     pub v: &'a Records,
 }
 
-/// Where the record of one of a tile's own nodes begins, counted from the first.
+/// Where the record of one of a block's own nodes begins, counted from the first.
 #[inline]
 pub(in crate::force) fn place(own: usize) -> u16 {
     (RECORD * own) as u16
 }
 
-/// The elements of a tile as a kernel sees them.
+/// The elements of a block as a kernel sees them.
 #[derive(Clone, Copy)]
 pub struct Elements<'a, const N: usize> {
     /// [s]
     pub t: f64,
-    /// [m] positions of the window's nodes, where the kernel wants them
+    /// [m] positions of the local buffer's nodes, where the kernel wants them
     pub x: &'a Records,
     /// [m/s] their velocities, where the kernel wants them
     pub v: &'a Records,
-    /// every element's nodes, by where their records begin in the window
+    /// every element's nodes, by where their records begin in the local buffer
     pub nodes: &'a [[u16; N]],
     /// number of the first element
     pub first: usize,

@@ -2,7 +2,7 @@
 //! (`pairs`).
 
 use crate::force::kernel::batch::{Summand, Wants};
-use crate::force::kernel::element_block::Tile;
+use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
 use crate::force::kernel::triangle_pairs::{Group, PAIRS, arrange};
 use crate::model::forces::Tally;
@@ -10,42 +10,42 @@ use std::ops::Range;
 
 /// The forces of triangles, for forces of this crate.
 pub trait FaceKernel: Send + Sync {
-    /// What it reads of the windows.
+    /// What it reads of the local buffers.
     const WANTS: Wants;
 
     /// Nodes of every triangle, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; 3]];
 
-    /// Adds the forces [N] of a tile's triangles to its window; returns their energy [J] or power [W]. Which of a
-    /// triangle's nodes comes first is not kept, in which sense they go round is.
-    fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally;
+    /// Adds the forces [N] of a block's triangles to its local buffer; returns their energy [J] or power [W]. Which of
+    /// a triangle's nodes comes first is not kept, in which sense they go round is.
+    fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally;
 }
 
-/// A tile's triangles.
+/// A block's triangles.
 #[derive(Clone, Copy)]
 pub struct Faces<'a> {
     /// [s]
     pub t: f64,
-    /// [m] positions of the window's nodes, where the kernel wants them
+    /// [m] positions of the local buffer's nodes, where the kernel wants them
     pub(in crate::force) x: &'a Records,
     /// [m/s] their velocities, where the kernel wants them
     pub(in crate::force) v: &'a Records,
-    /// those in pairs, by where the records of their nodes begin in the window
+    /// those in pairs, by where the records of their nodes begin in the local buffer
     pub(in crate::force) pairs: &'a [Group],
     /// all others
     pub(in crate::force) others: &'a [[u16; 3]],
 }
 
-/// A kernel, and its triangles by tiles.
+/// A kernel, and its triangles by blocks.
 #[derive(Debug)]
 pub struct FaceBatch<K> {
     kernel: K,
     pairs: Vec<Group>,
     others: Vec<[u16; 3]>,
-    tiles: Vec<Placing>,
+    blocks: Vec<Placing>,
 }
 
-/// The triangles of a tile.
+/// The triangles of a block.
 #[derive(Clone, Debug)]
 struct Placing {
     pairs: Range<usize>,
@@ -56,7 +56,7 @@ impl<K: FaceKernel> FaceBatch<K> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and triangles in ascending
     /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
-        FaceBatch { kernel, pairs: Vec::new(), others: Vec::new(), tiles: Vec::new() }
+        FaceBatch { kernel, pairs: Vec::new(), others: Vec::new(), blocks: Vec::new() }
     }
 
     /// The kernel.
@@ -78,11 +78,11 @@ impl<K: FaceKernel> Summand for FaceBatch<K> {
         self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        if tile == 0 {
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        if block == 0 {
             self.pairs.clear();
             self.others.clear();
-            self.tiles.clear();
+            self.blocks.clear();
             // Nearly all are in pairs.
             self.pairs.reserve_exact(self.kernel.elements().len() / (2 * PAIRS));
         }
@@ -91,12 +91,12 @@ impl<K: FaceKernel> Summand for FaceBatch<K> {
         let first = [self.pairs.len(), self.others.len()];
         self.pairs.extend(pairs);
         self.others.extend(others);
-        self.tiles.push(Placing { pairs: first[0]..self.pairs.len(), others: first[1]..self.others.len() });
+        self.blocks.push(Placing { pairs: first[0]..self.pairs.len(), others: first[1]..self.others.len() });
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        let Some(Placing { pairs, others }) = self.tiles.get(tile.number) else { return Tally::default() };
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        let Some(Placing { pairs, others }) = self.blocks.get(block.number) else { return Tally::default() };
         let (pairs, others) = (&self.pairs[pairs.clone()], &self.others[others.clone()]);
-        self.kernel.add(Faces { t: tile.t, x: tile.x, v: tile.v, pairs, others }, f)
+        self.kernel.add(Faces { t: block.t, x: block.x, v: block.v, pairs, others }, f)
     }
 }

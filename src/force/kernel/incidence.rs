@@ -1,4 +1,4 @@
-//! Which elements meet at a node of a tile.
+//! Which elements meet at a node of a block.
 
 use crate::force::kernel::local_buffer::RECORD;
 

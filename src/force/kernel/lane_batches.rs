@@ -12,7 +12,7 @@ use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
 /// How elements with `N` nodes are measured, and how their forces go to the nodes. Its functions are
 /// `#[inline(always)]`.
-pub(in crate::force) trait Phases<const N: usize> {
+pub(in crate::force) trait LaneKernel<const N: usize> {
     /// What is kept of a block between the phases.
     type Kept: Copy + Default;
 
@@ -36,12 +36,12 @@ pub(in crate::force) trait Phases<const N: usize> {
         unit.splat(0.0)
     }
 
-    /// Adds the forces [N] of a block's first elements to the window.
+    /// Adds the forces [N] of a block's first elements to the local buffer.
     fn scatter<U: VectorUnit>(&self, unit: U, nodes: &[[u16; N]], kept: &Self::Kept, f: &mut Records);
 }
 
-/// Adds the forces of a tile's elements to its window; returns the sum of their energies or powers.
-pub(in crate::force) fn add<P: Phases<N>, const N: usize>(phases: P, nodes: &[[u16; N]], f: &mut Records) -> f64 {
+/// Adds the forces of a block's elements to its local buffer; returns the sum of their energies or powers.
+pub(in crate::force) fn add<P: LaneKernel<N>, const N: usize>(phases: P, nodes: &[[u16; N]], f: &mut Records) -> f64 {
     run(Elements { phases, nodes, f })
 }
 
@@ -51,7 +51,7 @@ struct Elements<'a, P, const N: usize> {
     f: &'a mut Records,
 }
 
-impl<P: Phases<N>, const N: usize> Pass for Elements<'_, P, N> {
+impl<P: LaneKernel<N>, const N: usize> Pass for Elements<'_, P, N> {
     type Output = f64;
 
     #[inline(always)]
@@ -100,7 +100,7 @@ fn flat([[a, b, c, d], [e, f, g, h]]: [[f64; 4]; 2]) -> [f64; LANES] {
 #[cfg(test)]
 pub(in crate::force) mod tests {
     use super::*;
-    use crate::force::kernel::local_buffer::{RECORD, Window, rows};
+    use crate::force::kernel::local_buffer::{LocalBuffer, RECORD, rows};
     use crate::model::quad::Portable;
 
     /// What a force adds to the records of 50 nodes, and its energy or power, in bits.
@@ -117,9 +117,9 @@ pub(in crate::force) mod tests {
         }
     }
 
-    /// A window with vectors of [`NODES`] nodes; the last two are the same.
-    pub fn vectors(seed: u64) -> Window {
-        let (mut window, mut random) = (Window::new(0), random(seed));
+    /// A local buffer with vectors of [`NODES`] nodes; the last two are the same.
+    pub fn vectors(seed: u64) -> LocalBuffer {
+        let (mut window, mut random) = (LocalBuffer::new(0), random(seed));
         let rows = rows(window.records(), NODES);
         for row in rows.iter_mut() {
             *row = [0; RECORD].map(|_| random());
@@ -141,9 +141,9 @@ pub(in crate::force) mod tests {
     }
 
     /// The same elements on this machine's best unit and on any.
-    pub fn on_both<P: Phases<N>, const N: usize>(phases: impl Fn() -> P, nodes: &[[u16; N]]) -> [Found; 2] {
+    pub fn on_both<P: LaneKernel<N>, const N: usize>(phases: impl Fn() -> P, nodes: &[[u16; N]]) -> [Found; 2] {
         let found = |pass: &dyn Fn(&mut Records) -> f64| {
-            let mut f = Window::new(0);
+            let mut f = LocalBuffer::new(0);
             let sum = pass(f.records());
             let bits = |r: &mut [f64; RECORD]| [r[0].to_bits(), r[1].to_bits(), r[2].to_bits()];
             (rows(f.records(), NODES).iter_mut().map(bits).collect(), sum.to_bits())

@@ -1,20 +1,20 @@
-//! Windows: the few nodes of a tile as records of four numbers, one vector register each.
+//! LocalBuffers: the few nodes of a block as records of four numbers, one vector register each.
 //!
-//! An element's node is known by where its record begins. A window reaches as far as the 16 bits of such a number, so
-//! that no access needs a check; memory that no tile uses is never touched.
+//! An element's node is known by where its record begins. A local buffer reaches as far as the 16 bits of such a
+//! number, so that no access needs a check; memory that no block uses is never touched.
 
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
 use glam::DVec3;
 
 /// A vector and a number that means nothing.
-pub type Padded = [f64; RECORD];
+pub type PaddedVec3 = [f64; RECORD];
 
 /// Numbers of a record.
 pub(in crate::force) const RECORD: usize = 4;
 
 const REACH: usize = u16::MAX as usize + RECORD;
 
-/// A window's records, one after the other.
+/// A local buffer's records, one after the other.
 pub type Records = [f64; REACH];
 
 /// Numbers of a cache line and of a page.
@@ -23,22 +23,22 @@ const PAGE: usize = 512;
 
 /// The record that begins at a place.
 #[inline(always)]
-pub fn record(records: &Records, at: u16) -> Padded {
+pub fn record(records: &Records, at: u16) -> PaddedVec3 {
     // `None` cannot be, and is compiled away.
     records[at as usize..].first_chunk().copied().unwrap_or_default()
 }
 
 /// Replaces the record that begins at a place.
 #[inline(always)]
-pub fn set_record(records: &mut Records, at: u16, value: Padded) {
+pub fn set_record(records: &mut Records, at: u16, value: PaddedVec3) {
     if let Some(record) = records[at as usize..].first_chunk_mut() {
         *record = value;
     }
 }
 
-/// Room for the records of one tile after the other.
+/// Workspace for the records of one block after the other.
 #[derive(Debug)]
-pub(in crate::force) struct Window {
+pub(in crate::force) struct LocalBuffer {
     /// more than is used; empty until it is
     room: Vec<f64>,
     /// [cache lines] where in a page the records begin
@@ -46,11 +46,11 @@ pub(in crate::force) struct Window {
     first: usize,
 }
 
-impl Window {
-    /// Windows that are used together begin at different lines of a page: where a load and an earlier store are equally
-    /// far from the beginning of their pages, a processor lets the load wait as if both were one place.
+impl LocalBuffer {
+    /// LocalBuffers that are used together begin at different lines of a page: where a load and an earlier store are
+    /// equally far from the beginning of their pages, a processor lets the load wait as if both were one place.
     pub fn new(shift: usize) -> Self {
-        Window { room: Vec::new(), shift, first: 0 }
+        LocalBuffer { room: Vec::new(), shift, first: 0 }
     }
 
     /// The records; whatever was there before.
@@ -65,22 +65,22 @@ impl Window {
 }
 
 /// The first records.
-pub(in crate::force) fn rows(records: &mut Records, n: usize) -> &mut [Padded] {
+pub(in crate::force) fn rows(records: &mut Records, n: usize) -> &mut [PaddedVec3] {
     &mut records.as_chunks_mut().0[..n]
 }
 
 /// The same, to be read.
-pub(in crate::force) fn rows_of(records: &Records, n: usize) -> &[Padded] {
+pub(in crate::force) fn rows_of(records: &Records, n: usize) -> &[PaddedVec3] {
     &records.as_chunks().0[..n]
 }
 
 /// Copies a nodal vector into as many records.
-pub(in crate::force) fn copy_rows(from: &[DVec3], to: &mut [Padded]) {
+pub(in crate::force) fn copy_rows(from: &[DVec3], to: &mut [PaddedVec3]) {
     run(CopyRows { from: bytemuck::cast_slice(from), to });
 }
 
 /// Copies vectors into as many records, with 0 in their fourth numbers, which a scheme moves as all others.
-pub(in crate::force) fn fill(from: &[f64], to: &mut [Padded]) {
+pub(in crate::force) fn fill(from: &[f64], to: &mut [PaddedVec3]) {
     for (&[x, y, z], to) in from.as_chunks().0.iter().zip(to) {
         *to = [x, y, z, 0.0];
     }
@@ -88,7 +88,7 @@ pub(in crate::force) fn fill(from: &[f64], to: &mut [Padded]) {
 
 struct CopyRows<'a> {
     from: &'a [f64],
-    to: &'a mut [Padded],
+    to: &'a mut [PaddedVec3],
 }
 
 impl Pass for CopyRows<'_> {
@@ -111,17 +111,17 @@ impl Pass for CopyRows<'_> {
 }
 
 /// Adds records to as many nodes.
-pub(in crate::force) fn add_rows(records: &[Padded], to: &mut [DVec3]) {
+pub(in crate::force) fn add_rows(records: &[PaddedVec3], to: &mut [DVec3]) {
     run(Give::<true> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
 /// Overwrites as many nodes with records.
-pub(in crate::force) fn store_rows(records: &[Padded], to: &mut [DVec3]) {
+pub(in crate::force) fn store_rows(records: &[PaddedVec3], to: &mut [DVec3]) {
     run(Give::<false> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
 struct Give<'a, const ADD: bool> {
-    records: &'a [Padded],
+    records: &'a [PaddedVec3],
     to: &'a mut [f64],
 }
 
@@ -147,7 +147,7 @@ impl<const ADD: bool> Pass for Give<'_, ADD> {
 
 /// Overwrites records with the sums of others: `first`, or else what is there, and then those of `others` that are not
 /// empty, one after the other.
-pub(in crate::force) fn sum_rows(to: &mut [Padded], first: Option<&[Padded]>, others: [&[Padded]; 2]) {
+pub(in crate::force) fn sum_rows(to: &mut [PaddedVec3], first: Option<&[PaddedVec3]>, others: [&[PaddedVec3]; 2]) {
     match (others, first) {
         ([[], []], None) => {}
         ([[], []], Some(first)) => to.copy_from_slice(first),
@@ -159,26 +159,26 @@ pub(in crate::force) fn sum_rows(to: &mut [Padded], first: Option<&[Padded]>, ot
 }
 
 struct Sum<'a, F, const N: usize> {
-    to: &'a mut [Padded],
+    to: &'a mut [PaddedVec3],
     first: F,
-    others: [&'a [Padded]; N],
+    others: [&'a [PaddedVec3]; N],
 }
 
 /// Where a sum begins: with records, or with what is there.
 trait First {
-    fn record(&self, i: usize, there: Padded) -> Padded;
+    fn record(&self, i: usize, there: PaddedVec3) -> PaddedVec3;
 }
 
-impl First for &[Padded] {
+impl First for &[PaddedVec3] {
     #[inline(always)]
-    fn record(&self, i: usize, _: Padded) -> Padded {
+    fn record(&self, i: usize, _: PaddedVec3) -> PaddedVec3 {
         self[i]
     }
 }
 
 impl First for () {
     #[inline(always)]
-    fn record(&self, _: usize, there: Padded) -> Padded {
+    fn record(&self, _: usize, there: PaddedVec3) -> PaddedVec3 {
         there
     }
 }
@@ -206,7 +206,7 @@ mod tests {
     fn rows_are_copied_and_added_for_every_length() {
         for n in 0..23 {
             let nodes: Vec<DVec3> = (0..n).map(|i| DVec3::new(1.0, 10.0, 100.0) * f64::from(i + 1)).collect();
-            let mut window = Window::new(3);
+            let mut window = LocalBuffer::new(3);
             let records = rows(window.records(), nodes.len());
             copy_rows(&nodes, records);
             let mut sums = vec![DVec3::splat(0.5); nodes.len()];
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_last_place_has_a_whole_record() {
-        let mut window = Window::new(3);
+        let mut window = LocalBuffer::new(3);
         set_record(window.records(), u16::MAX, [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(record(window.records(), u16::MAX), [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(record(window.records(), u16::MAX - 4), [0.0; 4]);

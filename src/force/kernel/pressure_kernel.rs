@@ -3,19 +3,19 @@
 //! ```text
 //! S = 1/2 (x1 - x0) x (x2 - x0) = A N,      a vertex gets p S
 //! ```
-//! To add such a force, write a [`PushLaw`]: p and the energy or power from S and the vertex velocities, as equations
-//! on four triangles at once, and a [`crate::force::kernel::faces::FaceKernel`].
+//! To add such a force, write a [`PressureLaw`]: p and the energy or power from S and the vertex velocities, as
+//! equations on four triangles at once, and a [`crate::force::kernel::faces::FaceKernel`].
 
 use crate::force::kernel::coefficient::Place;
 use crate::force::kernel::faces::Faces;
-use crate::force::kernel::lane_batches::{Phases, add};
-use crate::force::kernel::local_buffer::{Padded, Records, record, set_record};
+use crate::force::kernel::lane_batches::{LaneKernel, add};
+use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
 use crate::force::kernel::triangle_pairs::{area, numbers, push_pairs, quads, scaled};
 use crate::model::lanes::LANES;
 use crate::model::quad::{Quad, VectorUnit};
 
 /// How triangles are pushed.
-pub(in crate::force) trait PushLaw {
+pub(in crate::force) trait PressureLaw {
     /// Four triangles with the components of S [m^2] and of the sums [m/s] of their vertices' velocities;
     /// `#[inline(always)]`.
     fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad>;
@@ -30,8 +30,8 @@ pub(in crate::force) struct Push<Q> {
     pub amount: Q,
 }
 
-/// Adds the forces [N] of a tile's triangles to its window.
-pub(in crate::force) fn push<L: PushLaw>(law: &L, faces: &Faces<'_>, f: &mut Records) -> f64 {
+/// Adds the forces [N] of a block's triangles to its local buffer.
+pub(in crate::force) fn push<L: PressureLaw>(law: &L, faces: &Faces<'_>, f: &mut Records) -> f64 {
     let &Faces { x, v, pairs, others, .. } = faces;
     push_pairs(law, pairs, [x, v], f) + add(Pushing { law, x, v }, others, f)
 }
@@ -47,12 +47,12 @@ struct Pushing<'a, L> {
 #[repr(align(32))]
 struct Kept {
     /// S, and at last the force on each vertex
-    s: [[Padded; 3]; 2],
+    s: [[PaddedVec3; 3]; 2],
     /// sums of the vertices' velocities
-    v: [[Padded; 3]; 2],
+    v: [[PaddedVec3; 3]; 2],
 }
 
-impl<L: PushLaw> Phases<3> for Pushing<'_, L> {
+impl<L: PressureLaw> LaneKernel<3> for Pushing<'_, L> {
     type Kept = Kept;
     type Chunk = [Kept; 1];
 
@@ -102,7 +102,7 @@ pub(in crate::force) mod tests {
     /// Pressure 2 Pa, a third to each vertex.
     pub struct Law;
 
-    impl PushLaw for Law {
+    impl PressureLaw for Law {
         #[inline(always)]
         fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
             let share = unit.splat(2.0 / 3.0);

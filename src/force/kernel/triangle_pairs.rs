@@ -6,8 +6,8 @@
 //! Measuring, the law, and adding follow each other one group apart, as in [`crate::force::kernel::star_batches`].
 
 use crate::force::kernel::incidence::Incidence;
-use crate::force::kernel::local_buffer::{Padded, Records, record, set_record};
-use crate::force::kernel::pressure_kernel::{Push, PushLaw};
+use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
+use crate::force::kernel::pressure_kernel::{PressureLaw, Push};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 
 /// Pairs side by side.
@@ -16,7 +16,7 @@ pub(in crate::force) const PAIRS: usize = 4;
 /// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
 pub(in crate::force) type Group = [[u16; 4]; PAIRS];
 
-/// A tile's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the
+/// A block's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the
 /// first that is left and has one of its sides the other way round.
 pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
     let around = Incidence::new(triangles);
@@ -54,9 +54,9 @@ fn across<'a>(
     })
 }
 
-/// Adds the forces [N] of pairs to a window, and returns their energy or power; `x` and `v` are the positions [m] and
-/// velocities [m/s] of its nodes.
-pub(in crate::force) fn push_pairs<L: PushLaw>(
+/// Adds the forces [N] of pairs to a local buffer, and returns their energy or power; `x` and `v` are the positions [m]
+/// and velocities [m/s] of its nodes.
+pub(in crate::force) fn push_pairs<L: PressureLaw>(
     law: &L,
     groups: &[Group],
     [x, v]: [&Records; 2],
@@ -78,12 +78,12 @@ struct Pushing<'a, L> {
 #[repr(align(32))]
 struct Kept {
     /// S, then a vertex's force
-    s: [[Padded; 3]; 2],
+    s: [[PaddedVec3; 3]; 2],
     /// sums of the vertices' velocities
-    v: [[Padded; 3]; 2],
+    v: [[PaddedVec3; 3]; 2],
 }
 
-impl<L: PushLaw> Pass for Pushing<'_, L> {
+impl<L: PressureLaw> Pass for Pushing<'_, L> {
     type Output = f64;
 
     #[inline(always)]
@@ -140,7 +140,7 @@ pub(in crate::force) fn area<U: VectorUnit>(unit: U, a: [U::Quad; 3], b: [U::Qua
 }
 
 #[inline(always)]
-fn add<U: VectorUnit>(unit: U, nodes: &Group, [one, two]: &[[Padded; 3]; 2], f: &mut Records) {
+fn add<U: VectorUnit>(unit: U, nodes: &Group, [one, two]: &[[PaddedVec3; 3]; 2], f: &mut Records) {
     let [one, two] = [U::Quad::rows(quads(unit, one)), U::Quad::rows(quads(unit, two))];
     for (q, &[a, b, c, d]) in nodes.iter().enumerate() {
         let both = one[q] + two[q];
@@ -153,12 +153,12 @@ fn add<U: VectorUnit>(unit: U, nodes: &Group, [one, two]: &[[Padded; 3]; 2], f: 
 // No `map` in these: its closure would be compiled for any machine, and every operation in it called.
 
 #[inline(always)]
-pub(in crate::force) fn quads<U: VectorUnit>(unit: U, [x, y, z]: &[Padded; 3]) -> [U::Quad; 3] {
+pub(in crate::force) fn quads<U: VectorUnit>(unit: U, [x, y, z]: &[PaddedVec3; 3]) -> [U::Quad; 3] {
     [unit.quad(*x), unit.quad(*y), unit.quad(*z)]
 }
 
 #[inline(always)]
-pub(in crate::force) fn numbers<Q: Quad>([x, y, z]: [Q; 3]) -> [Padded; 3] {
+pub(in crate::force) fn numbers<Q: Quad>([x, y, z]: [Q; 3]) -> [PaddedVec3; 3] {
     [x.numbers(), y.numbers(), z.numbers()]
 }
 

@@ -14,7 +14,7 @@
 
 use crate::force::kernel::batch::{Records, Wants};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::pressure_kernel::{Push, PushLaw, push};
+use crate::force::kernel::pressure_kernel::{PressureLaw, Push, push};
 use crate::force::law::series::Table;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{ForceTerm, NodeState, TangentSink, outer};
@@ -72,9 +72,9 @@ impl FaceKernel for AirData {
         &self.triangles
     }
 
-    fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally {
-        let wind = DVec3::from_array(self.wind.at(tile.t));
-        Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &tile, f) }
+    fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
+        let wind = DVec3::from_array(self.wind.at(block.t));
+        Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &block, f) }
     }
 }
 
@@ -83,7 +83,7 @@ struct AirLaw<'a> {
     wind: DVec3,
 }
 
-impl PushLaw for AirLaw<'_> {
+impl PressureLaw for AirLaw<'_> {
     /// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
     #[inline(always)]
     fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {

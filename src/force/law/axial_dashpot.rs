@@ -83,10 +83,10 @@ impl Kernel<2> for AxialData {
         &self.springs.nodes
     }
 
-    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let power = tile.each([1.0, -1.0], f, |i, [a, b]| {
+    fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        let power = block.each([1.0, -1.0], f, |i, [a, b]| {
             let difference = |of: &Records| vector(of, b) - vector(of, a);
-            let d = self.damping(i, difference(tile.x), difference(tile.v));
+            let d = self.damping(i, difference(block.x), difference(block.v));
             (d.force * d.stretch.n, -d.force * d.ldot)
         });
         Tally { energy: 0.0, power }

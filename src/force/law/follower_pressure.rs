@@ -6,7 +6,7 @@
 
 use crate::force::kernel::batch::{Records, Wants};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::pressure_kernel::{Push, PushLaw, push};
+use crate::force::kernel::pressure_kernel::{PressureLaw, Push, push};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::{AreaVector, THIRD};
 use crate::force::{ForceTerm, NodeState, TangentSink};
@@ -37,18 +37,18 @@ impl FaceKernel for FollowerData {
         &self.triangles
     }
 
-    fn add(&self, tile: Faces<'_>, f: &mut Records) -> Tally {
-        let pressure = self.pressure * factor(self.factor.as_ref(), tile.t);
-        Tally { energy: 0.0, power: push(&PressureLaw { pressure }, &tile, f) }
+    fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
+        let pressure = self.pressure * factor(self.factor.as_ref(), block.t);
+        Tally { energy: 0.0, power: push(&FollowerLaw { pressure }, &block, f) }
     }
 }
 
-struct PressureLaw {
+struct FollowerLaw {
     /// [Pa]
     pressure: f64,
 }
 
-impl PushLaw for PressureLaw {
+impl PressureLaw for FollowerLaw {
     #[inline(always)]
     fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
         let share = unit.splat(THIRD * self.pressure);

@@ -4,8 +4,8 @@
 //! weight here: their support carries it and nothing moves.
 
 use crate::force::kernel::batch::{Records, Summand, Wants};
-use crate::force::kernel::element_block::Tile;
-use crate::force::kernel::local_buffer::{Padded, rows};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::{PaddedVec3, rows};
 use crate::force::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{self, Quad, VectorUnit};
@@ -40,8 +40,8 @@ struct Weigh<'a> {
     g: DVec3,
     mass: &'a [f64],
     origin: &'a [DVec3],
-    x: &'a [Padded],
-    f: &'a mut [Padded],
+    x: &'a [PaddedVec3],
+    f: &'a mut [PaddedVec3],
 }
 
 impl quad::Pass for Weigh<'_> {
@@ -95,11 +95,11 @@ impl Summand for Gravity {
         Wants { x: true, v: false }
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        let own = tile.own.clone();
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        let own = block.own.clone();
         let mass = &self.mass[own.clone()];
         let origin = &self.origin[own.clone()];
-        let x = &tile.x.as_chunks().0[..own.len()];
+        let x = &block.x.as_chunks().0[..own.len()];
         Tally { energy: quad::run(Weigh { g: self.g, mass, origin, x, f: rows(f, own.len()) }), power: 0.0 }
     }
 }

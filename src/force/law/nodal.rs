@@ -3,7 +3,7 @@
 //! f = factor(t) F, tangents zero, power = f . v.
 
 use crate::force::kernel::batch::{Records, Summand, Wants};
-use crate::force::kernel::element_block::{Tile, add, place, vector};
+use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::AreaVector;
 use crate::force::{ForceTerm, NodeState, TangentSink};
@@ -71,15 +71,15 @@ impl Summand for NodalForces {
         Wants { x: false, v: true }
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
-        let scale = factor(self.factor.as_ref(), tile.t);
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        let scale = factor(self.factor.as_ref(), block.t);
         let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
-        let here = before(tile.own.start)..before(tile.own.end);
+        let here = before(block.own.start)..before(block.own.end);
         let mut power = 0.0;
         for (&i, &force) in self.nodes[here.clone()].iter().zip(&self.force[here]) {
-            let (force, at) = (scale * force, place(i as usize - tile.own.start));
+            let (force, at) = (scale * force, place(i as usize - block.own.start));
             add(f, at, force);
-            power += force.dot(vector(tile.v, at));
+            power += force.dot(vector(block.v, at));
         }
         Tally { energy: 0.0, power }
     }

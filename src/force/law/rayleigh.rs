@@ -4,7 +4,7 @@
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
 use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Summand, Wants};
-use crate::force::kernel::element_block::{Tile, add, place, vector};
+use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
 use crate::force::law::spring::Coefficient;
 use crate::force::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -30,10 +30,10 @@ impl Summand for RayleighMass {
         Wants { x: false, v: true }
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
         let mut power = 0.0;
-        for (i, node) in tile.own.clone().enumerate() {
-            let v = vector(tile.v, place(i));
+        for (i, node) in block.own.clone().enumerate() {
+            let v = vector(block.v, place(i));
             let force = -(self.factor * self.mass[node]) * v;
             power += force.dot(v);
             add(f, place(i), force);
@@ -85,10 +85,10 @@ impl Kernel<2> for RayleighData {
         &self.nodes
     }
 
-    fn add(&self, tile: Elements<'_, 2>, f: &mut Records) -> Tally {
-        let power = tile.each([1.0, -1.0], f, |i, [a, b]| {
+    fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        let power = block.each([1.0, -1.0], f, |i, [a, b]| {
             let n = self.direction[i];
-            let rate = n.dot(vector(tile.v, b) - vector(tile.v, a));
+            let rate = n.dot(vector(block.v, b) - vector(block.v, a));
             let c = self.coefficient.at(i);
             (c * rate * n, -c * rate * rate)
         });

@@ -5,7 +5,7 @@
 //! ```
 //! They also damp rigid rotation, so they are not a material; the thesis uses them with c = k dt.
 
-use crate::force::kernel::axial_kernel::{Pull, PullLaw, pull};
+use crate::force::kernel::axial_kernel::{AxialLaw, Pull, pull};
 use crate::force::kernel::batch::{Records, Wants};
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::kernel::edges::{EdgeBatch, EdgeKernel, Edges};
@@ -39,15 +39,15 @@ impl EdgeKernel for RelativeData {
         [self.coefficient.clone(), Coefficient::Uniform(0.0)]
     }
 
-    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
-        Tally { energy: 0.0, power: pull(&DashpotLaw, &tile, tile.v, f) }
+    fn add(&self, block: Edges<'_>, f: &mut Records) -> Tally {
+        Tally { energy: 0.0, power: pull(&DashpotLaw, &block, block.v, f) }
     }
 }
 
 /// By the coefficient; the second number is nothing.
 struct DashpotLaw;
 
-impl PullLaw for DashpotLaw {
+impl AxialLaw for DashpotLaw {
     #[inline(always)]
     fn pull<U: VectorUnit>(&self, unit: U, [c, _]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
         Pull { scale: c, amount: unit.splat(-1.0) * c * square }

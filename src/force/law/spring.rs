@@ -6,7 +6,7 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use crate::force::kernel::axial_kernel::{Pull, PullLaw, pull};
+use crate::force::kernel::axial_kernel::{AxialLaw, Pull, pull};
 use crate::force::kernel::batch::{Records, Wants};
 pub use crate::force::kernel::coefficient::Coefficient;
 use crate::force::kernel::edges::{EdgeBatch, EdgeKernel, Edges};
@@ -93,7 +93,7 @@ impl SpringData {
 /// Springs side by side, by stiffness and rest length.
 struct SpringLaw<T>(T);
 
-impl<T: TensionLaw> PullLaw for SpringLaw<T> {
+impl<T: TensionLaw> AxialLaw for SpringLaw<T> {
     #[inline(always)]
     fn pull<U: VectorUnit>(&self, unit: U, [k, l0]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
         let l = square.sqrt();
@@ -145,16 +145,16 @@ impl EdgeKernel for SpringData {
         [self.stiffness.clone(), Coefficient::Each(self.rest_length.clone())]
     }
 
-    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
+    fn add(&self, block: Edges<'_>, f: &mut Records) -> Tally {
         let energy = match clamped(self.slack) {
-            None => pull(&SpringLaw(Plain), &tile, tile.x, f),
-            Some(tension) => pull(&SpringLaw(tension), &tile, tile.x, f),
+            None => pull(&SpringLaw(Plain), &block, block.x, f),
+            Some(tension) => pull(&SpringLaw(tension), &block, block.x, f),
         };
         Tally { energy, power: 0.0 }
     }
 
-    fn largest_stretch(&self, tile: Edges<'_>) -> f64 {
-        largest(Stretched { ends: tile.ends, rest_length: tile.second(), at: InWindow(tile.x) })
+    fn largest_stretch(&self, block: Edges<'_>) -> f64 {
+        largest(Stretched { ends: block.ends, rest_length: block.second(), at: InWindow(block.x) })
     }
 }
 

@@ -96,13 +96,13 @@ fn correction(n: u64, inside: impl Iterator<Item = (f64, f64)>, ends: [f64; 2]) 
     if largest <= ROUNDINGS * (n + 1) as f64 * low.abs().max(high.abs()) {
         return [f64::NAN; 2];
     }
-    let beyond = |value: f64| value - value.clamp(low, high);
+    let halo = |value: f64| value - value.clamp(low, high);
     if n == 0 {
-        let excess = beyond(ends[1] + d0);
+        let excess = halo(ends[1] + d0);
         return [2.0 * excess, d0 - excess];
     }
     // The sum stays d0, whatever is moved.
-    let [early, late] = [beyond(ends[0] + d0 - d1), beyond(ends[1] + d1)];
+    let [early, late] = [halo(ends[0] + d0 - d1), halo(ends[1] + d1)];
     let moved = if early == 0.0 { late } else { -early };
     [d0 - d1 + moved, d1 - moved]
 }
@@ -194,7 +194,7 @@ mod tests {
         let kept: f64 =
             made.t.windows(2).zip(made.value.windows(2)).map(|(t, v)| 0.5 * (v[0][0] + v[1][0]) * (t[1] - t[0])).sum();
         let last = rows.last().map_or(0.0, |row| row[1]);
-        let beyond = made.t[101] - 0.99999;
-        assert!((kept - whole - last * beyond).abs() < 1e-12, "{kept} {whole}");
+        let halo = made.t[101] - 0.99999;
+        assert!((kept - whole - last * halo).abs() < 1e-12, "{kept} {whole}");
     }
 }

@@ -22,7 +22,7 @@ pub(in crate::force) trait Positions<E>: Copy {
 #[derive(Clone, Copy)]
 pub(in crate::force) struct InScene<'a>(pub &'a [f64]);
 
-/// The records of a tile.
+/// The records of a block.
 #[derive(Clone, Copy)]
 pub(in crate::force) struct InWindow<'a>(pub &'a Records);
 

@@ -7,23 +7,23 @@ use std::sync::{Mutex, PoisonError};
 /// thread of a pool that waits for its share of a pass may begin another caller's pass meanwhile, which then has room
 /// of its own.
 #[derive(Debug, Default)]
-pub(in crate::force) struct Shelf<T>(Mutex<Vec<T>>);
+pub(in crate::force) struct BufferPool<T>(Mutex<Vec<T>>);
 
-/// Is put back in the end.
-pub(in crate::force) struct Taken<'a, T: Default> {
+/// Returns the value to the pool when dropped.
+pub(in crate::force) struct Pooled<'a, T: Default> {
     what: T,
-    shelf: &'a Shelf<T>,
+    pool: &'a BufferPool<T>,
 }
 
-impl<T: Default> Shelf<T> {
+impl<T: Default> BufferPool<T> {
     /// What was put back last; a new one, if all are in use.
-    pub fn take(&self) -> Taken<'_, T> {
+    pub fn take(&self) -> Pooled<'_, T> {
         let what = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Taken { what: what.unwrap_or_default(), shelf: self }
+        Pooled { what: what.unwrap_or_default(), pool: self }
     }
 }
 
-impl<T: Default> Deref for Taken<'_, T> {
+impl<T: Default> Deref for Pooled<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -31,16 +31,16 @@ impl<T: Default> Deref for Taken<'_, T> {
     }
 }
 
-impl<T: Default> DerefMut for Taken<'_, T> {
+impl<T: Default> DerefMut for Pooled<'_, T> {
     fn deref_mut(&mut self) -> &mut T {
         &mut self.what
     }
 }
 
-impl<T: Default> Drop for Taken<'_, T> {
+impl<T: Default> Drop for Pooled<'_, T> {
     fn drop(&mut self) {
         let what = std::mem::take(&mut self.what);
-        self.shelf.0.lock().unwrap_or_else(PoisonError::into_inner).push(what);
+        self.pool.0.lock().unwrap_or_else(PoisonError::into_inner).push(what);
     }
 }
 
@@ -50,16 +50,16 @@ mod tests {
 
     #[test]
     fn what_was_put_back_is_there_again_and_nobody_waits_for_it() {
-        let shelf = Shelf::<Vec<u8>>::default();
+        let pool = BufferPool::<Vec<u8>>::default();
         {
-            let mut first = shelf.take();
+            let mut first = pool.take();
             first.push(1);
-            let mut second = shelf.take();
+            let mut second = pool.take();
             assert!(second.is_empty(), "the first is in use");
             second.push(2);
         }
-        let (first, second) = (shelf.take(), shelf.take());
+        let (first, second) = (pool.take(), pool.take());
         assert_eq!((&**first, &**second), (&[1][..], &[2][..]));
-        assert!(shelf.take().is_empty());
+        assert!(pool.take().is_empty());
     }
 }

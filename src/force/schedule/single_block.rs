@@ -1,12 +1,13 @@
-//! Blocks of steps of a scene that is one tile: its nodes stay in the tile's windows from the first step to the last.
+//! Blocks of steps of a scene that is one block: its nodes stay in the block's local buffers from the first step to the
+//! last.
 
-use crate::force::kernel::element_block::Tile;
-use crate::force::kernel::local_buffer::{Padded, RECORD, Records, Window, fill, rows, store_rows};
-use crate::force::schedule::pass_kind::{Sums, Told};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
+use crate::force::schedule::pass_kind::{PassKind, Sums};
 use crate::force::schedule::step_block::Moving;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{Sweep, Terms};
-use crate::force::schedule::threads::{Resident, SUMS, Threads, Windows};
+use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
 use crate::model::forces::Tally;
 use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work};
 use crate::model::system::KickDriftBlock;
@@ -14,9 +15,9 @@ use bytemuck::cast_slice_mut;
 use glam::DVec3;
 
 impl Sweep {
-    /// Whether all nodes and elements are in one tile.
-    pub fn resides(&self) -> bool {
-        self.tiling.tiles().len() == 1
+    /// Whether all nodes and elements are in one block.
+    pub fn is_single_block(&self) -> bool {
+        self.partition.blocks().len() == 1
     }
 
     /// [`Sweep::advance`] of several steps of such a scene.
@@ -30,10 +31,11 @@ impl Sweep {
     ) {
         let n = mass.len();
         let present = out.each_ref().map(|sum| !sum.is_empty());
-        let windows = &mut *threads.windows(0);
-        let Windows { x, v, sums, resident: Resident { inverse_mass: m, before, kicked, kept, .. } } = windows;
-        let [x, v, m, before, kicked, kept] = [x, v, m, before, kicked, kept].map(Window::records);
-        let mut sums = sums.each_mut().map(Window::records);
+        let local_buffers = &mut *threads.local_buffers(0);
+        let LocalBuffers { x, v, sums, single_block: SingleBlockBuffers { inverse_mass: m, before, kicked, kept } } =
+            local_buffers;
+        let [x, v, m, before, kicked, kept] = [x, v, m, before, kicked, kept].map(LocalBuffer::records);
+        let mut sums = sums.each_mut().map(LocalBuffer::records);
         let forces = [&from.forces.total, &from.forces.external, &from.forces.dissipative];
         for ((from, to), _) in forces.into_iter().zip(&mut sums).zip(present).filter(|(_, present)| *present) {
             fill(from, rows(to, n));
@@ -59,7 +61,7 @@ impl Sweep {
     }
 }
 
-/// A scene in its windows.
+/// A scene in its local buffers.
 struct Net<'a, T: ?Sized> {
     terms: &'a T,
     /// [kg] one a node
@@ -76,7 +78,7 @@ struct Net<'a, T: ?Sized> {
     before: &'a mut Records,
     /// [m/s] kicked velocities
     kicked: &'a mut Records,
-    /// [N] of still terms
+    /// [N] of terms of position only
     kept: &'a mut Records,
     /// [N] all forces, external ones, dissipative ones
     sums: [&'a mut Records; SUMS],
@@ -90,7 +92,7 @@ impl<T: Terms + ?Sized> Net<'_, T> {
         passed.tallies.resize(self.terms.count(), Tally::default());
         let n = self.mass.len();
         if scheme.predicts {
-            self.add(Told::First, passed);
+            self.add(PassKind::TotalOnly, passed);
             let numbers = RECORD * n;
             scheme.correct(
                 &mut self.v[..numbers],
@@ -98,25 +100,25 @@ impl<T: Terms + ?Sized> Net<'_, T> {
                 &self.m[..numbers],
                 &self.sums[0][..numbers],
             );
-            if self.terms.still() {
-                self.add(Told::AllWithKept, passed);
+            if self.terms.is_position_only() {
+                self.add(PassKind::ReusePosition, passed);
             } else {
-                rows(self.sums[0], n).fill(Padded::default());
-                self.add(Told::All, passed);
+                rows(self.sums[0], n).fill(PaddedVec3::default());
+                self.add(PassKind::Full, passed);
             }
         } else {
-            self.add(Told::All, passed);
+            self.add(PassKind::Full, passed);
         }
-        let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
-        passed.largest_stretch = self.terms.largest_stretch(&tile, passed.stretch_wanted);
+        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        passed.largest_stretch = self.terms.largest_stretch(&block, passed.stretch_wanted);
     }
 
-    fn add(&mut self, told: Told, passed: &mut Passed) {
+    fn add(&mut self, kind: PassKind, passed: &mut Passed) {
         let n = self.mass.len();
-        let tile = Tile { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
         let sums = self.sums.each_mut().map(|sum| &mut **sum);
         let mut sums = Sums { n, sums, present: self.present, kept: rows(self.kept, n) };
-        sums.add(self.terms, told, &tile, &mut passed.tallies);
+        sums.add(self.terms, kind, &block, &mut passed.tallies);
     }
 
     /// Ends a step and begins another.

@@ -1,35 +1,30 @@
-//! Force passes of one step, or of a block of steps, each a few strips behind the one before it (time skewing). What
-//! the scheme does to nodes before and after a pass is done in the same way through them.
+//! Force passes of one step, or of a block of steps, each a few node blocks behind the one before it (time skewing).
+//! What the scheme does to nodes before and after a pass is done in the same way through them.
 //!
 //! A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's
-//! own strips as soon as their forces are complete. So a large scene is read from memory once a step, or once a block.
+//! own node blocks as soon as their forces are complete. So a large scene is read from memory once a step, or once a
+//! block.
 //!
-//! The strips of every level ([`crate::force::schedule::wavefront`]) are done in rounds. A round can begin as soon as all nodes that its
-//! elements reach are complete in the level before, and were moved on, or their velocities corrected. Since elements
-//! belong to the strip of their smallest node, the level before does not need those nodes any more: all happens in
-//! place, and sums of a level overwrite those of the level before.
+//! The node blocks of every level ([`crate::force::schedule::wavefront`]) are done in rounds. A round can begin as soon
+//! as all nodes that its elements reach are complete in the level before, and were moved on, or their velocities
+//! corrected. Since elements belong to the node block of their smallest node, the level before does not need those
+//! nodes any more: all happens in place, and sums of a level overwrite those of the level before.
 
 use crate::force::NodeState;
-use crate::force::schedule::partition::{Beyond, Tiling};
-use crate::force::schedule::pass_kind::Told;
+use crate::force::schedule::partition::{Halo, Partition};
+use crate::force::schedule::pass_kind::PassKind;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{Job, Sweep, Terms, wants};
 use crate::force::schedule::threads::{SUMS, Threads};
-use crate::force::schedule::wavefront::{Front, LEVELS};
-use crate::force::schedule::workspace::{Needs, Part, Room};
+use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
+use crate::force::schedule::wavefront::Wavefront;
+use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
 use crate::model::forces::Tally;
 use crate::model::stride::{LONGEST, Passed};
 use crate::model::workers::{ALONE, Workers};
 use bytemuck::cast_slice;
 use glam::DVec3;
 use std::ops::Range;
-
-/// Strips in a round for each of several threads that share a front, enough that none waits long for another: in one
-/// step, and in several, where a cache is to hold those of all levels.
-const STRIPS: [usize; 2] = [4, 2];
-
-/// So many seams are gone over side by side, fewer one after the other by all threads.
-const SIDE_BY_SIDE: usize = 3;
 
 /// Where a pass is to find nodes.
 pub struct Moving<'a> {
@@ -75,7 +70,7 @@ struct Steps<'a, T: ?Sized> {
 
 /// What is done at a level.
 struct Doing {
-    told: Told,
+    kind: PassKind,
     /// [s]
     t: f64,
     /// whether the largest stretch is looked for
@@ -88,39 +83,39 @@ impl<T: Terms + ?Sized> Steps<'_, T> {
         let (t, wanted) =
             self.passed.get(level / scheme.passes()).map_or((t_end, false), |step| (step.t, step.stretch_wanted));
         match level % scheme.passes() {
-            0 if scheme.predicts => Doing { told: Told::First, t, stretch: wanted },
-            0 => Doing { told: Told::All, t, stretch: wanted },
-            _ if self.terms.still() => Doing { told: Told::AllWithKept, t, stretch: false },
-            _ => Doing { told: Told::All, t, stretch: false },
+            0 if scheme.predicts => Doing { kind: PassKind::TotalOnly, t, stretch: wanted },
+            0 => Doing { kind: PassKind::Full, t, stretch: wanted },
+            _ if self.terms.is_position_only() => Doing { kind: PassKind::ReusePosition, t, stretch: false },
+            _ => Doing { kind: PassKind::Full, t, stretch: false },
         }
     }
 }
 
-/// Strips whose nodes are complete in a level.
+/// Node blocks whose nodes are complete in a level.
 struct Completed<'a> {
     level: usize,
-    told: Told,
+    kind: PassKind,
     /// what gives something to these nodes
-    tiles: Range<usize>,
-    beyond: [Beyond<'a>; SUMS],
+    blocks: Range<usize>,
+    halo: [Halo<'a>; SUMS],
 }
 
-/// Some strips, and the state of their nodes.
+/// Some node blocks, and the state of their nodes.
 struct Span<'a> {
-    part: Part<'a>,
+    part: WorkspaceView<'a>,
     moving: Moving<'a>,
 }
 
 impl Span<'_> {
-    fn within(&mut self, tiling: &Tiling, strips: Range<usize>) -> Span<'_> {
-        let moving = self.moving.within(tiling.nodes_of(strips.clone()));
-        Span { part: self.part.within(tiling, strips), moving }
+    fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> Span<'_> {
+        let moving = self.moving.within(partition.nodes_of(node_blocks.clone()));
+        Span { part: self.part.within(partition, node_blocks), moving }
     }
 
-    /// The strips before one, and the others.
-    fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
-        let [before, after] = self.moving.split(tiling.nodes_of(at..at).start);
-        let [part, others] = self.part.split(tiling, at);
+    /// The node blocks before one, and the others.
+    fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
+        let [before, after] = self.moving.split(partition.nodes_of(at..at).start);
+        let [part, others] = self.part.split(partition, at);
         [Span { part, moving: before }, Span { part: others, moving: after }]
     }
 }
@@ -128,7 +123,7 @@ impl Span<'_> {
 impl Sweep {
     /// How many steps a stride may have that is worth while, with so many force passes each.
     pub fn longest_stride(&self, passes: usize) -> usize {
-        if self.resides() { LONGEST } else { LEVELS / passes }
+        if self.is_single_block() { LONGEST } else { LEVELS / passes }
     }
 
     /// Makes as many steps as there are entries of `passed`, or a single one of which no summary is made. Sums, state,
@@ -141,32 +136,33 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         (tallies, passed): (&mut [Tally], &mut [Passed]),
     ) {
-        if self.resides() && passed.len() > 1 {
+        if self.is_single_block() && passed.len() > 1 {
             self.advance_single_block((terms, moving), boundary, threads, out, passed);
         } else {
             let scheme = boundary.block.scheme;
             let works = !passed.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
-            let (several, still) = (passed.len() > 1, terms.still());
-            let needs = Needs {
+            let (several, is_position_only) = (passed.len() > 1, terms.is_position_only());
+            let needs = WorkspaceSize {
                 terms: terms.count(),
                 levels: scheme.passes() * passed.len().max(1),
                 threads: if several { threads.count() } else { 1 },
-                keeps: scheme.predicts && still,
+                keeps: scheme.predicts && is_position_only,
                 aside: [works && several, scheme.predicts && several],
             };
-            let mut room = self.room(needs, &out);
-            self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut room);
-            // Terms of the first sum are gone over once a step if they are still, and then tell their energies.
-            let told_at = if still { 0 } else { scheme.passes() - 1 };
+            let mut workspace = self.workspace(needs, &out);
+            self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut workspace);
+            // Terms of the first sum are gone over once a step if they depend on position only, and then tell their
+            // energies.
+            let told_at = if is_position_only { 0 } else { scheme.passes() - 1 };
             for (step, passed) in passed.iter_mut().enumerate() {
                 let first = scheme.passes() * step;
                 passed.tallies.resize(terms.count(), Tally::default());
-                room.add_up(first + told_at, &mut passed.tallies);
-                passed.largest_stretch = room.largest_stretch(first);
-                passed.nodes = room.node_sums(first + scheme.passes() - 1);
+                workspace.add_up(first + told_at, &mut passed.tallies);
+                passed.largest_stretch = workspace.largest_stretch(first);
+                passed.nodes = workspace.node_sums(first + scheme.passes() - 1);
             }
             if passed.is_empty() {
-                room.add_up(told_at, tallies);
+                workspace.add_up(told_at, tallies);
             }
         }
         if let Some(last) = passed.last() {
@@ -179,81 +175,81 @@ impl Sweep {
         &self,
         (steps, moving): (Steps<'_, T>, Moving<'_>),
         out: [&mut [DVec3]; SUMS],
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
-        let tiling = &self.tiling;
-        let (part, fronts) = room.parts(tiling, out);
+        let partition = &self.partition;
+        let (part, wavefronts) = workspace.parts(partition, out);
         let mut span = Span { part, moving };
-        let pool = steps.threads.workers().pool().filter(|_| tiling.strips().len() > 1);
-        let [parts, others] = fronts.all();
+        let pool = steps.threads.workers().pool().filter(|_| partition.node_blocks().len() > 1);
+        let [parts, others] = wavefronts.all();
         let Some(pool) = pool else { return self.side_by_side(&steps, others, span) };
         pool.install(|| {
-            self.side_by_side(&steps, parts, span.within(tiling, tiling.strips()));
-            if others.len() >= SIDE_BY_SIDE {
+            self.side_by_side(&steps, parts, span.within(partition, partition.node_blocks()));
+            if others.len() >= SEAMS_SIDE_BY_SIDE {
                 return self.side_by_side(&steps, others, span);
             }
-            for front in others {
-                let span = span.within(tiling, front.strips.clone());
-                let strips = STRIPS[usize::from(front.levels.len() > 1)] * pool.current_num_threads();
-                self.rounds(&steps, (front, strips), span, steps.threads.workers());
+            for wavefront in others {
+                let span = span.within(partition, wavefront.node_blocks.clone());
+                let node_blocks = ROUND[usize::from(wavefront.levels.len() > 1)] * pool.current_num_threads();
+                self.rounds(&steps, (wavefront, node_blocks), span, steps.threads.workers());
             }
         });
     }
 
-    /// Every front by one thread, or all by the only one.
-    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, fronts: &mut [Front], span: Span<'_>) {
-        match fronts {
+    /// Every wavefront by one thread, or all by the only one.
+    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: Span<'_>) {
+        match wavefronts {
             [] => {}
-            [front] => self.rounds(steps, (front, 1), span, &ALONE),
+            [wavefront] => self.rounds(steps, (wavefront, 1), span, &ALONE),
             _ => {
-                let (left, right) = fronts.split_at_mut(fronts.len() / 2);
-                let [before, after] = span.split(&self.tiling, right[0].strips.start);
+                let (left, right) = wavefronts.split_at_mut(wavefronts.len() / 2);
+                let [before, after] = span.split(&self.partition, right[0].node_blocks.start);
                 rayon::join(|| self.side_by_side(steps, left, before), || self.side_by_side(steps, right, after));
             }
         }
     }
 
-    /// A front to its end, so many strips at once.
+    /// A wavefront to its end, so many node blocks at once.
     fn rounds<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        (front, strips): (&mut Front, usize),
+        (wavefront, node_blocks): (&mut Wavefront, usize),
         mut span: Span<'_>,
         workers: &Workers,
     ) {
-        let tiling = &self.tiling;
-        while let Some(ahead) = front.ahead(tiling, strips) {
+        let partition = &self.partition;
+        while let Some(ahead) = wavefront.ahead(partition, node_blocks) {
             let level = ahead.level;
-            let moved = front.move_for(&ahead);
+            let moved = wavefront.move_for(&ahead);
             if !moved.is_empty() {
                 steps.boundary.begin(span.moving.within(moved), workers);
             }
-            let Doing { told, t, stretch } = steps.at(level, span.moving.t);
+            let Doing { kind, t, stretch } = steps.at(level, span.moving.t);
             let job = Job {
                 terms: steps.terms,
-                wants: wants(steps.terms, told),
+                wants: wants(steps.terms, kind),
                 stretch,
-                told,
+                kind,
                 // Energies of what was kept are told already.
-                level: if told == Told::AllWithKept { level - 1 } else { level },
+                level: if kind == PassKind::ReusePosition { level - 1 } else { level },
                 at: NodeState { t, ..span.moving.state() },
                 first: span.moving.first,
                 threads: steps.threads,
                 workers,
-                tiling,
+                partition,
             };
-            job.run(span.part.within(tiling, ahead.strips.clone()));
-            let tiles = front.advance(tiling, &ahead);
-            let first = tiling.beyond_of(tiling.tiles_of(span.part.strips.clone())).start;
-            let beyond = std::mem::take(&mut span.part.beyond);
-            let sums = beyond.each_ref().map(|sums| Beyond { first, sums });
-            let completed = Completed { level, told, tiles, beyond: sums };
-            self.complete(steps, &completed, span.within(tiling, ahead.completed), workers);
-            span.part.beyond = beyond;
+            job.run(span.part.within(partition, ahead.node_blocks.clone()));
+            let blocks = wavefront.advance(partition, &ahead);
+            let first = partition.halo_of(partition.blocks_of(span.part.node_blocks.clone())).start;
+            let halo = std::mem::take(&mut span.part.halo);
+            let sums = halo.each_ref().map(|sums| Halo { first, sums });
+            let completed = Completed { level, kind, blocks, halo: sums };
+            self.complete(steps, &completed, span.within(partition, ahead.completed), workers);
+            span.part.halo = halo;
         }
     }
 
-    /// Adds what came from other strips to the sums of nodes, and does what comes after, strip by strip.
+    /// Adds what came from other node blocks to the sums of nodes, and does what comes after, node block by node block.
     fn complete<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
@@ -261,15 +257,19 @@ impl Sweep {
         mut span: Span<'_>,
         workers: &Workers,
     ) {
-        let strips = span.part.strips.clone();
-        match workers.pool().filter(|_| strips.len() > 1) {
+        let node_blocks = span.part.node_blocks.clone();
+        match workers.pool().filter(|_| node_blocks.len() > 1) {
             None => {
-                for strip in strips {
-                    self.complete_strip(steps, completed, span.within(&self.tiling, strip..strip + 1));
+                for node_block in node_blocks {
+                    self.complete_node_block(
+                        steps,
+                        completed,
+                        span.within(&self.partition, node_block..node_block + 1),
+                    );
                 }
             }
             Some(_) => {
-                let [left, right] = span.split(&self.tiling, strips.start + strips.len() / 2);
+                let [left, right] = span.split(&self.partition, node_blocks.start + node_blocks.len() / 2);
                 rayon::join(
                     || self.complete(steps, completed, left, workers),
                     || self.complete(steps, completed, right, workers),
@@ -278,22 +278,22 @@ impl Sweep {
         }
     }
 
-    fn complete_strip<T: Terms + ?Sized>(
+    fn complete_node_block<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        Completed { level, told, tiles, beyond }: &Completed<'_>,
+        Completed { level, kind, blocks, halo }: &Completed<'_>,
         Span { mut part, moving }: Span<'_>,
     ) {
-        let nodes = self.tiling.nodes_of(part.strips.clone());
-        for (out, beyond) in part.out.iter_mut().zip(beyond).take(told.sums()) {
+        let nodes = self.partition.nodes_of(part.node_blocks.clone());
+        for (out, halo) in part.out.iter_mut().zip(halo).take(kind.sums()) {
             if !out.is_empty() {
-                self.tiling.add_beyond(tiles.clone(), *beyond, (nodes.start, out));
+                self.partition.add_halo(blocks.clone(), *halo, (nodes.start, out));
             }
         }
         let (boundary, summarized) = (&steps.boundary, !steps.passed.is_empty());
-        match (*told, *level) {
-            (Told::First, 0) => boundary.kick_again(&part, moving),
-            (Told::First, _) => boundary.correct(&part, moving),
+        match (*kind, *level) {
+            (PassKind::TotalOnly, 0) => boundary.kick_again(&part, moving),
+            (PassKind::TotalOnly, _) => boundary.correct(&part, moving),
             _ if summarized => boundary.end(*level, part, moving),
             (_, 0) => boundary.kick_again(&part, moving),
             // A single step that predicts: its second pass ends it.

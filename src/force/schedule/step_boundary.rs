@@ -5,7 +5,7 @@
 
 use crate::force::schedule::step_block::Moving;
 use crate::force::schedule::sweep::by_node;
-use crate::force::schedule::workspace::Part;
+use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::stride::{NodeSums, Nodes, StepStart, Work};
@@ -34,13 +34,13 @@ impl StepBoundary<'_> {
     }
 
     /// The kick after the first force pass.
-    pub(in crate::force) fn kick_again(&self, part: &Part<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn kick_again(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
         let start = self.start(3 * first..3 * first + v.len());
         self.block.scheme.kick_again(start, v, cast_slice(part.out[0]));
     }
 
     /// The same after the first force pass of a later step, whose kicked velocities are kept.
-    pub(in crate::force) fn correct(&self, part: &Part<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
         let inverse_mass = &self.inverse_mass[3 * first..3 * first + v.len()];
         self.block.scheme.correct(v, cast_slice(part.aside[1]), inverse_mass, cast_slice(part.out[0]));
     }
@@ -49,10 +49,10 @@ impl StepBoundary<'_> {
         StepStart::of(self.block.from, self.inverse_mass, dofs)
     }
 
-    /// Ends a step in a strip, and begins the next.
-    pub(in crate::force) fn end(&self, level: usize, part: Part<'_>, Moving { first, x, v, .. }: Moving<'_>) {
+    /// Ends a step in a node block, and begins the next.
+    pub(in crate::force) fn end(&self, level: usize, part: WorkspaceView<'_>, Moving { first, x, v, .. }: Moving<'_>) {
         let KickDriftBlock { scheme, from } = self.block;
-        let Part { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
+        let WorkspaceView { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
         let (dofs, passes) = (3 * first..3 * first + x.len(), scheme.passes());
         let another = level + 1 < levels;
         let forces = out.each_ref().map(|sum| cast_slice::<DVec3, f64>(sum));

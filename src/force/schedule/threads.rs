@@ -1,6 +1,6 @@
 //! The threads of a force pass.
 
-use crate::force::kernel::local_buffer::Window;
+use crate::force::kernel::local_buffer::LocalBuffer;
 use crate::model::workers::Workers;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,43 +8,48 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Sums of a pass at most.
 pub(crate) const SUMS: usize = 3;
 
-/// A thread's windows.
+/// A thread's local buffers.
 #[derive(Debug)]
-pub(in crate::force) struct Windows {
-    pub x: Window,
-    pub v: Window,
-    pub sums: [Window; SUMS],
-    /// for a scene that stays in its windows
-    pub resident: Resident,
+pub(in crate::force) struct LocalBuffers {
+    pub x: LocalBuffer,
+    pub v: LocalBuffer,
+    pub sums: [LocalBuffer; SUMS],
+    /// for a scene that stays in its local buffers
+    pub single_block: SingleBlockBuffers,
 }
 
-/// What is kept of nodes that stay in their windows.
+/// What is kept of nodes that stay in their local buffers.
 #[derive(Debug)]
-pub(in crate::force) struct Resident {
+pub(in crate::force) struct SingleBlockBuffers {
     /// [1/kg] by degree of freedom
-    pub inverse_mass: Window,
+    pub inverse_mass: LocalBuffer,
     /// [m] positions at the start of the step
-    pub before: Window,
+    pub before: LocalBuffer,
     /// [m/s] kicked velocities
-    pub kicked: Window,
-    /// [N] forces of still terms
-    pub kept: Window,
+    pub kicked: LocalBuffer,
+    /// [N] forces of terms of position only
+    pub kept: LocalBuffer,
 }
 
-impl Default for Windows {
+impl Default for LocalBuffers {
     fn default() -> Self {
-        let [inverse_mass, before, kicked, kept] = [48, 24, 56, 4].map(Window::new);
-        let resident = Resident { inverse_mass, before, kicked, kept };
-        Windows { x: Window::new(0), v: Window::new(32), sums: [16, 40, 8].map(Window::new), resident }
+        let [inverse_mass, before, kicked, kept] = [48, 24, 56, 4].map(LocalBuffer::new);
+        let single_block = SingleBlockBuffers { inverse_mass, before, kicked, kept };
+        LocalBuffers {
+            x: LocalBuffer::new(0),
+            v: LocalBuffer::new(32),
+            sums: [16, 40, 8].map(LocalBuffer::new),
+            single_block,
+        }
     }
 }
 
-/// How many threads a force pass may use, and their windows.
+/// How many threads a force pass may use, and their local buffers.
 #[derive(Debug)]
 pub struct Threads {
     workers: Workers,
     /// one a thread
-    windows: Vec<Mutex<Windows>>,
+    local_buffers: Vec<Mutex<LocalBuffers>>,
 }
 
 impl Default for Threads {
@@ -56,7 +61,7 @@ impl Default for Threads {
 impl Threads {
     fn of(workers: Workers) -> Self {
         let n = workers.pool().map_or(1, ThreadPool::current_num_threads);
-        Threads { workers, windows: (0..n).map(|_| Mutex::default()).collect() }
+        Threads { workers, local_buffers: (0..n).map(|_| Mutex::default()).collect() }
     }
 
     /// One thread: no pool is made.
@@ -87,11 +92,11 @@ impl Threads {
 
     /// How many there are.
     pub(in crate::force) fn count(&self) -> usize {
-        self.windows.len()
+        self.local_buffers.len()
     }
 
-    /// The windows of a thread of the pool.
-    pub(in crate::force) fn windows(&self, thread: usize) -> MutexGuard<'_, Windows> {
-        self.windows[thread % self.windows.len()].lock().unwrap_or_else(PoisonError::into_inner)
+    /// The local buffers of a thread of the pool.
+    pub(in crate::force) fn local_buffers(&self, thread: usize) -> MutexGuard<'_, LocalBuffers> {
+        self.local_buffers[thread % self.local_buffers.len()].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,10 +1,10 @@
 //! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its
-//! strips.
+//! node blocks.
 
-use crate::force::kernel::local_buffer::Padded;
-use crate::force::schedule::partition::Tiling;
+use crate::force::kernel::local_buffer::PaddedVec3;
+use crate::force::schedule::partition::Partition;
 use crate::force::schedule::threads::SUMS;
-use crate::force::schedule::wavefront::Fronts;
+use crate::force::schedule::wavefront::Wavefronts;
 use crate::model::forces::Tally;
 use crate::model::stride::NodeSums;
 use glam::DVec3;
@@ -12,101 +12,105 @@ use std::ops::Range;
 
 /// Kept from pass to pass.
 #[derive(Debug, Default)]
-pub(in crate::force) struct Room {
-    /// what each sum gets beyond the strips' ends
-    beyond: [Vec<Padded>; SUMS],
+pub(in crate::force) struct Workspace {
+    /// what each sum gets beyond the node blocks' ends
+    halo: [Vec<PaddedVec3>; SUMS],
     /// of the pass
     terms: usize,
     levels: usize,
-    /// tile after tile, level after level, term after term
+    /// block after block, level after level, term after term
     tallies: Vec<Tally>,
-    /// [-] largest l^2/l0^2 of springs, tile after tile, level after level
+    /// [-] largest l^2/l0^2 of springs, block after block, level after level
     stretches: Vec<f64>,
-    /// strip after strip, level after level
+    /// node block after node block, level after level
     nodes: Vec<NodeSums>,
-    /// forces of the still terms, tile after tile, where they are kept
-    kept: Vec<Padded>,
+    /// forces of the terms of position only, block after block, where they are kept
+    kept: Vec<PaddedVec3>,
     /// by node, where they are kept
     aside: [Vec<DVec3>; ASIDE],
-    pub fronts: Fronts,
+    pub wavefronts: Wavefronts,
 }
 
 /// What passes need.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::force) struct Needs {
+pub(in crate::force) struct WorkspaceSize {
     pub terms: usize,
     pub levels: usize,
     /// that may go over several levels side by side
     pub threads: usize,
-    /// whether forces of still terms are kept
+    /// whether forces of terms of position only are kept
     pub keeps: bool,
     /// which nodal vectors are kept
     pub aside: [bool; ASIDE],
 }
 
-impl Needs {
+impl WorkspaceSize {
     /// Of a single pass.
     pub fn of_a_pass(terms: usize) -> Self {
-        Needs { terms, levels: 1, threads: 1, keeps: false, aside: [false; ASIDE] }
+        WorkspaceSize { terms, levels: 1, threads: 1, keeps: false, aside: [false; ASIDE] }
     }
 }
 
 /// Nodal vectors that are kept within a step: positions [m] at its start, kicked velocities [m/s].
 pub(in crate::force) const ASIDE: usize = 2;
 
-/// Some strips and where their sums go, those of all levels.
-pub(in crate::force) struct Part<'a> {
-    pub strips: Range<usize>,
+/// Some node blocks and where their sums go, those of all levels.
+pub(in crate::force) struct WorkspaceView<'a> {
+    pub node_blocks: Range<usize>,
     pub out: [&'a mut [DVec3]; SUMS],
-    pub beyond: [&'a mut [Padded]; SUMS],
+    pub halo: [&'a mut [PaddedVec3]; SUMS],
     pub tallies: &'a mut [Tally],
     pub stretches: &'a mut [f64],
     pub nodes: &'a mut [NodeSums],
     /// empty where nothing is kept
-    pub kept: &'a mut [Padded],
+    pub kept: &'a mut [PaddedVec3],
     pub aside: [&'a mut [DVec3]; ASIDE],
     pub levels: usize,
 }
 
-impl Room {
-    /// Makes room for passes into sums of these sizes, with fronts at their beginning.
-    pub fn fit(&mut self, tiling: &Tiling, needs: Needs, out: &[&mut [DVec3]; SUMS]) {
-        let Needs { terms, levels, threads, keeps, aside } = needs;
-        for (beyond, _) in self.beyond.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
-            beyond.resize(tiling.beyond().len(), Padded::default());
+impl Workspace {
+    /// Makes room for passes into sums of these sizes, with wavefronts at their beginning.
+    pub fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [DVec3]; SUMS]) {
+        let WorkspaceSize { terms, levels, threads, keeps, aside } = needs;
+        for (halo, _) in self.halo.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
+            halo.resize(partition.halo().len(), PaddedVec3::default());
         }
-        let tiles = tiling.tiles().len();
+        let blocks = partition.blocks().len();
         (self.terms, self.levels) = (terms, levels);
-        self.tallies.resize(tiles * levels * terms, Tally::default());
-        self.stretches.resize(tiles * levels, f64::NEG_INFINITY);
-        self.nodes.resize(tiling.strips().len() * levels, NodeSums::default());
-        self.fronts.plan(tiling, levels, threads);
+        self.tallies.resize(blocks * levels * terms, Tally::default());
+        self.stretches.resize(blocks * levels, f64::NEG_INFINITY);
+        self.nodes.resize(partition.node_blocks().len() * levels, NodeSums::default());
+        self.wavefronts.plan(partition, levels, threads);
         if keeps {
-            self.kept.resize(tiling.records_of(0..tiles).len(), Padded::default());
+            self.kept.resize(partition.records_of(0..blocks).len(), PaddedVec3::default());
         }
         for (vector, _) in self.aside.iter_mut().zip(aside).filter(|(_, kept)| *kept) {
-            vector.resize(tiling.nodes_of(tiling.strips()).len(), DVec3::ZERO);
+            vector.resize(partition.nodes_of(partition.node_blocks()).len(), DVec3::ZERO);
         }
     }
 
-    /// All strips, and the fronts.
-    pub fn parts<'a>(&'a mut self, tiling: &Tiling, out: [&'a mut [DVec3]; SUMS]) -> (Part<'a>, &'a mut Fronts) {
-        let Room { beyond, tallies, stretches, nodes, kept, aside, fronts, levels, .. } = self;
-        let (beyond, strips) = (beyond.each_mut().map(Vec::as_mut_slice), tiling.strips());
+    /// All node blocks, and the wavefronts.
+    pub fn parts<'a>(
+        &'a mut self,
+        partition: &Partition,
+        out: [&'a mut [DVec3]; SUMS],
+    ) -> (WorkspaceView<'a>, &'a mut Wavefronts) {
+        let Workspace { halo, tallies, stretches, nodes, kept, aside, wavefronts, levels, .. } = self;
+        let (halo, node_blocks) = (halo.each_mut().map(Vec::as_mut_slice), partition.node_blocks());
         let aside = aside.each_mut().map(Vec::as_mut_slice);
-        (Part { strips, out, beyond, tallies, stretches, nodes, kept, aside, levels: *levels }, fronts)
+        (WorkspaceView { node_blocks, out, halo, tallies, stretches, nodes, kept, aside, levels: *levels }, wavefronts)
     }
 
-    /// Adds up energies and powers of every term, tile after tile, in one of the levels.
+    /// Adds up energies and powers of every term, block after block, in one of the levels.
     pub fn add_up(&self, level: usize, tallies: &mut [Tally]) {
         tallies.fill(Tally::default());
         let terms = self.terms.max(1);
-        for by_tile in self.tallies.chunks(terms).skip(level).step_by(self.levels) {
-            tallies.iter_mut().zip(by_tile).for_each(|(total, tally)| *total += *tally);
+        for by_block in self.tallies.chunks(terms).skip(level).step_by(self.levels) {
+            tallies.iter_mut().zip(by_block).for_each(|(total, tally)| *total += *tally);
         }
     }
 
-    /// What the nodes are like in one of the levels, strip after strip.
+    /// What the nodes are like in one of the levels, node block after node block.
     pub fn node_sums(&self, level: usize) -> NodeSums {
         let of_level = self.nodes.iter().skip(level).step_by(self.levels);
         of_level.fold(NodeSums::default(), |sums, next| sums.and(*next))
@@ -118,13 +122,13 @@ impl Room {
     }
 }
 
-impl Part<'_> {
-    /// Some of the strips.
-    pub fn within(&mut self, tiling: &Tiling, strips: Range<usize>) -> Part<'_> {
-        let all = Part {
-            strips: self.strips.clone(),
+impl WorkspaceView<'_> {
+    /// Some of the node blocks.
+    pub fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> WorkspaceView<'_> {
+        let all = WorkspaceView {
+            node_blocks: self.node_blocks.clone(),
             out: self.out.each_mut().map(|out| &mut **out),
-            beyond: self.beyond.each_mut().map(|beyond| &mut **beyond),
+            halo: self.halo.each_mut().map(|halo| &mut **halo),
             tallies: self.tallies,
             stretches: self.stretches,
             nodes: self.nodes,
@@ -132,29 +136,29 @@ impl Part<'_> {
             aside: self.aside.each_mut().map(|vector| &mut **vector),
             levels: self.levels,
         };
-        let [_, from] = all.split(tiling, strips.start);
-        let [within, _] = from.split(tiling, strips.end);
+        let [_, from] = all.split(partition, node_blocks.start);
+        let [within, _] = from.split(partition, node_blocks.end);
         within
     }
 
-    /// The strips before one, and the others.
-    pub fn split(self, tiling: &Tiling, at: usize) -> [Self; 2] {
-        let Part { strips, out, beyond, tallies, stretches, nodes, kept, aside, levels } = self;
-        let (before, after) = (strips.start..at, at..strips.end);
-        let (tiles, terms) = (tiling.tiles_of(before.clone()), tallies.len() / stretches.len().max(1));
-        let (out, out_after) = halves(out, tiling.nodes_of(before.clone()).len());
-        let (beyond, beyond_after) = halves(beyond, tiling.beyond_of(tiles.clone()).len());
-        let (tallies, tallies_after) = tallies.split_at_mut(tiles.len() * levels * terms);
-        let (stretches, stretches_after) = stretches.split_at_mut(tiles.len() * levels);
+    /// The node blocks before one, and the others.
+    pub fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
+        let WorkspaceView { node_blocks, out, halo, tallies, stretches, nodes, kept, aside, levels } = self;
+        let (before, after) = (node_blocks.start..at, at..node_blocks.end);
+        let (blocks, terms) = (partition.blocks_of(before.clone()), tallies.len() / stretches.len().max(1));
+        let (out, out_after) = halves(out, partition.nodes_of(before.clone()).len());
+        let (halo, beyond_after) = halves(halo, partition.halo_of(blocks.clone()).len());
+        let (tallies, tallies_after) = tallies.split_at_mut(blocks.len() * levels * terms);
+        let (stretches, stretches_after) = stretches.split_at_mut(blocks.len() * levels);
         let (nodes, nodes_after) = nodes.split_at_mut(before.len() * levels);
-        let (aside, aside_after) = halves(aside, tiling.nodes_of(before.clone()).len());
-        let (kept, kept_after) = kept.split_at_mut(tiling.records_of(tiles.clone()).len().min(kept.len()));
+        let (aside, aside_after) = halves(aside, partition.nodes_of(before.clone()).len());
+        let (kept, kept_after) = kept.split_at_mut(partition.records_of(blocks.clone()).len().min(kept.len()));
         [
-            Part { strips: before, out, beyond, tallies, stretches, nodes, kept, aside, levels },
-            Part {
-                strips: after,
+            WorkspaceView { node_blocks: before, out, halo, tallies, stretches, nodes, kept, aside, levels },
+            WorkspaceView {
+                node_blocks: after,
                 out: out_after,
-                beyond: beyond_after,
+                halo: beyond_after,
                 tallies: tallies_after,
                 stretches: stretches_after,
                 nodes: nodes_after,

@@ -28,10 +28,10 @@ impl EdgeKernel for LinkData {
         [self.weight, 0.0].map(Coefficient::Uniform)
     }
 
-    fn add(&self, tile: Edges<'_>, f: &mut Records) -> Tally {
-        for &[a, b] in tile.ends {
+    fn add(&self, block: Edges<'_>, f: &mut Records) -> Tally {
+        for &[a, b] in block.ends {
             for (own, other) in [(a, b), (b, a)] {
-                let (sum, x) = (record(f, own), record(tile.x, other));
+                let (sum, x) = (record(f, own), record(block.x, other));
                 set_record(f, own, std::array::from_fn(|i| sum[i] + self.weight * x[i]));
             }
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::force::kernel::element_block::place;
 use crate::force::kernel::lane_batches::tests::{NODES, elements, vectors};
-use crate::force::kernel::local_buffer::{Window, rows};
+use crate::force::kernel::local_buffer::{LocalBuffer, rows};
 use crate::force::kernel::pressure_kernel::tests::{Law, one_by_one};
 use crate::model::quad::Portable;
 
@@ -72,7 +72,7 @@ fn pairs_push_as_their_triangles_do() {
         let (mut x, mut v) = (vectors(2), vectors(3));
         let (x, v) = (&*x.records(), &*v.records());
         let found = |pass: &dyn Fn(&mut Records) -> f64| {
-            let mut f = Window::new(0);
+            let mut f = LocalBuffer::new(0);
             let power = pass(f.records());
             (rows(f.records(), NODES).to_vec(), power)
         };
@@ -93,7 +93,7 @@ fn nodes_may_be_met_again() {
     let group: Group = [[0, 4, 8, 12], [0, 8, 12, 16], [4, 0, 8, 8], [4, 4, 8, 12]];
     let (mut x, mut v) = (vectors(7), vectors(8));
     let (x, v) = (&*x.records(), &*v.records());
-    let mut f = Window::new(0);
+    let mut f = LocalBuffer::new(0);
     let power = push_pairs(&Law, &[group], [x, v], f.records());
     let (forces, expected) = one_by_one(&triangles(&[group], &[]), [x, v]);
     assert!((power - expected).abs() < 1e-13);

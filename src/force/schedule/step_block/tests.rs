@@ -4,7 +4,7 @@ use super::*;
 use crate::force::kernel::batch::{Records, Summand, Wants};
 use crate::force::kernel::edges::EdgeBatch;
 use crate::force::kernel::edges::links::{LinkData, Links};
-use crate::force::kernel::element_block::Tile;
+use crate::force::kernel::element_block::ElementBlock;
 use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::law::spring::{Coefficient, SpringData, Springs};
 use crate::force::schedule::partition::Limits;
@@ -45,15 +45,15 @@ fn terms_with(limits: Limits, sum_of_links: usize) -> (Pairs, Sweep) {
     let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
     let links = LinkData { nodes: apart(1), weight: 0.5 };
     let mut terms = Pairs { dashpots: EdgeBatch::new(data), links: EdgeBatch::new(links), sum_of_links };
-    let tiling = Tiling::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
-    (terms, Sweep::of(tiling))
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
+    (terms, Sweep::of(partition))
 }
 
-/// Springs in the first sum, which count the tiles they are asked for, and dashpots in the last.
+/// Springs in the first sum, which count the blocks they are asked for, and dashpots in the last.
 struct Damped {
     springs: Counted,
     dashpots: RelativeDashpots,
-    still: bool,
+    is_position_only: bool,
 }
 
 struct Counted(Springs, AtomicUsize);
@@ -71,13 +71,13 @@ impl Summand for Counted {
         self.0.element(number)
     }
 
-    fn take(&mut self, tile: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        self.0.take(tile, elements, place);
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        self.0.take(block, elements, place);
     }
 
-    fn add(&self, tile: &Tile<'_>, f: &mut Records) -> Tally {
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
         self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.add(tile, f)
+        self.0.add(block, f)
     }
 }
 
@@ -90,12 +90,12 @@ impl Terms for Damped {
         [(&self.springs as &dyn Summand, 0), (&self.dashpots, 2)][i]
     }
 
-    fn still(&self) -> bool {
-        self.still
+    fn is_position_only(&self) -> bool {
+        self.is_position_only
     }
 }
 
-fn damped(limits: Limits, still: bool) -> (Damped, Sweep) {
+fn damped(limits: Limits, is_position_only: bool) -> (Damped, Sweep) {
     let nodes: Arc<[[u32; 2]]> = (0..NODES as u32 - 31).map(|i| [i, i + 31]).collect();
     let data = SpringData {
         rest_length: vec![0.3; nodes.len()].into(),
@@ -105,9 +105,9 @@ fn damped(limits: Limits, still: bool) -> (Damped, Sweep) {
     };
     let springs = Counted(EdgeBatch::new(data), AtomicUsize::new(0));
     let dashpots = EdgeBatch::new(RelativeData { nodes, coefficient: Coefficient::Uniform(2.0) });
-    let mut terms = Damped { springs, dashpots, still };
-    let tiling = Tiling::within(limits, NODES, &mut [&mut terms.springs, &mut terms.dashpots]);
-    (terms, Sweep::of(tiling))
+    let mut terms = Damped { springs, dashpots, is_position_only };
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.springs, &mut terms.dashpots]);
+    (terms, Sweep::of(partition))
 }
 
 const KICKS: KickDriftScheme = KickDriftScheme { begin: 0.2, drift: 0.01, end: Some(0.1), predicts: false };
@@ -188,11 +188,11 @@ fn in_a_block<T: Terms>(
     (Found { forces, state, told }, tallies)
 }
 
-/// What is told of all nodes at the end of a step, strip after strip; where it is the last, their bounds too.
+/// What is told of all nodes at the end of a step, node block after node block; where it is the last, their bounds too.
 fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
     let [mass, _] = masses();
-    let of = |strip: usize| {
-        let nodes = sweep.tiling.nodes_of(strip..strip + 1);
+    let of = |node_block: usize| {
+        let nodes = sweep.partition.nodes_of(node_block..node_block + 1);
         let dofs = 3 * nodes.start..3 * nodes.end;
         let Motion { kinetic, largest_square } = motion(&to.state.v[dofs.clone()], &mass[nodes.clone()]);
         let half = |forces: &Forces| {
@@ -207,7 +207,7 @@ fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
         let (finite, work) = (true, half(&from.forces).and(half(&to.forces)).halved());
         NodeSums { kinetic, largest_square, bounds, finite, work }
     };
-    sweep.tiling.strips().map(of).fold(NodeSums::default(), NodeSums::and)
+    sweep.partition.node_blocks().map(of).fold(NodeSums::default(), NodeSums::and)
 }
 
 /// Single steps, and what is to be told of them.
@@ -222,8 +222,8 @@ fn one_by_one<T: Terms>(scene: &(T, Sweep), (scheme, present): (KickDriftScheme,
     Found { forces: from.forces, state: from.state, told: of_steps }
 }
 
-/// Of one strip and of many, of strips with several tiles, and such that elements reach many strips ahead, so that
-/// levels wait for each other.
+/// Of one node block and of many, of node blocks with several blocks, and such that elements reach many node blocks
+/// ahead, so that levels wait for each other.
 const LIMITS: [(usize, usize); 7] = [(NODES, 900), (250, 600), (64, 300), (32, 300), (16, 300), (16, 60), (40, 50)];
 
 fn assert_same<T: Terms>(
@@ -245,13 +245,13 @@ fn assert_same<T: Terms>(
     Ok(())
 }
 
-/// Whatever the tiles, the threads and the number of steps, and whichever sums there are.
+/// Whatever the blocks, the threads and the number of steps, and whichever sums there are.
 #[test]
 fn steps_in_one_go_have_the_bits_of_steps_one_by_one() -> Result<(), ThreadPoolBuildError> {
-    for ((strip, records), sum_of_links) in LIMITS.into_iter().flat_map(|limits| [(limits, 0), (limits, 2)]) {
-        let scene = terms_with(Limits { strip, records }, sum_of_links);
-        assert_eq!(scene.1.resides(), strip == NODES);
-        let (what, dissipates) = (format!("strips of {strip}, links in {sum_of_links}"), sum_of_links == 2);
+    for ((node_block, records), sum_of_links) in LIMITS.into_iter().flat_map(|limits| [(limits, 0), (limits, 2)]) {
+        let scene = terms_with(Limits { node_block, records }, sum_of_links);
+        assert_eq!(scene.1.is_single_block(), node_block == NODES);
+        let (what, dissipates) = (format!("node blocks of {node_block}, links in {sum_of_links}"), sum_of_links == 2);
         assert_same(&scene, (KICKS, [false, dissipates]), &what)?;
         assert_same(&scene, (KickDriftScheme { end: None, ..KICKS }, [true, dissipates]), &what)?;
     }
@@ -262,10 +262,14 @@ fn steps_in_one_go_have_the_bits_of_steps_one_by_one() -> Result<(), ThreadPoolB
 #[test]
 fn predicted_steps_in_one_go_have_the_bits_of_steps_one_by_one() -> Result<(), ThreadPoolBuildError> {
     let kicks = KickDriftScheme { predicts: true, ..KICKS };
-    for (strip, records) in LIMITS {
-        let scene = damped(Limits { strip, records }, true);
+    for (node_block, records) in LIMITS {
+        let scene = damped(Limits { node_block, records }, true);
         for external in [false, true] {
-            assert_same(&scene, (kicks, [external, true]), &format!("strips of {strip}, external: {external}"))?;
+            assert_same(
+                &scene,
+                (kicks, [external, true]),
+                &format!("node blocks of {node_block}, external: {external}"),
+            )?;
         }
     }
     Ok(())
@@ -274,7 +278,7 @@ fn predicted_steps_in_one_go_have_the_bits_of_steps_one_by_one() -> Result<(), T
 /// With steps in which forces work, so that the test above compares more than zeros.
 #[test]
 fn forces_work() {
-    let scene = damped(Limits { strip: 40, records: 300 }, true);
+    let scene = damped(Limits { node_block: 40, records: 300 }, true);
     let kicks = KickDriftScheme { predicts: true, ..KICKS };
     let (found, _) = in_a_block(&scene, &Threads::one(), (kicks, &start([true, true])), 2);
     let [first, last] = [0, 1].map(|i| found.told[i].0.work);
@@ -312,18 +316,18 @@ fn apart_from_passes<T: Terms>(
     (Found { forces, state, told: Vec::new() }, tallies)
 }
 
-/// Whatever the tiles and threads, a single step has the bits of whole passes and of the scheme's equations one after
+/// Whatever the blocks and threads, a single step has the bits of whole passes and of the scheme's equations one after
 /// the other.
 #[test]
 fn a_single_step_has_the_bits_of_its_equations() -> Result<(), ThreadPoolBuildError> {
-    for (strip, records) in LIMITS {
-        let scene = terms_with(Limits { strip, records }, 2);
+    for (node_block, records) in LIMITS {
+        let scene = terms_with(Limits { node_block, records }, 2);
         let from = start([false, true]);
         for scheme in [KICKS, KickDriftScheme { end: None, ..KICKS }] {
             let expected = apart_from_passes(&scene, (scheme, &from));
             for threads in [1, 2, 3] {
                 let found = in_a_block(&scene, &Threads::new(threads)?, (scheme, &from), 0);
-                assert!(found == expected, "strips of {strip}, {threads} threads, {scheme:?}");
+                assert!(found == expected, "node blocks of {node_block}, {threads} threads, {scheme:?}");
             }
         }
     }
@@ -336,15 +340,17 @@ fn a_single_step_has_the_bits_of_its_equations() -> Result<(), ThreadPoolBuildEr
 #[test]
 fn a_second_pass_goes_over_what_velocities_change() -> Result<(), ThreadPoolBuildError> {
     let scheme = KickDriftScheme { predicts: true, ..KICKS };
-    for ((strip, records), still) in LIMITS.into_iter().flat_map(|limits| [(limits, true), (limits, false)]) {
-        let (scene, from) = (damped(Limits { strip, records }, still), start([false, true]));
+    for ((node_block, records), is_position_only) in
+        LIMITS.into_iter().flat_map(|limits| [(limits, true), (limits, false)])
+    {
+        let (scene, from) = (damped(Limits { node_block, records }, is_position_only), start([false, true]));
         let asked = || scene.0.springs.1.swap(0, Ordering::Relaxed);
         let (expected, _) = apart_from_passes(&scene, (scheme, &from));
         let asked_apart = asked();
         for threads in [1, 2, 3] {
             let (found, tallies) = in_a_block(&scene, &Threads::new(threads)?, (scheme, &from), 0);
-            let what = format!("strips of {strip}, {threads} threads, still: {still}");
-            assert_eq!(asked() * if still { 2 } else { 1 }, asked_apart, "{what}");
+            let what = format!("node blocks of {node_block}, {threads} threads, position only: {is_position_only}");
+            assert_eq!(asked() * if is_position_only { 2 } else { 1 }, asked_apart, "{what}");
             let off = apart(&found, &expected);
             assert!(off < 1e-14, "{what}: {off:e}");
             let (mut alone, mut told) = (found.forces.clone(), vec![Tally::default(); 2]);
@@ -361,8 +367,12 @@ fn a_second_pass_goes_over_what_velocities_change() -> Result<(), ThreadPoolBuil
 #[test]
 fn blocks_of_terms_that_are_not_still() -> Result<(), ThreadPoolBuildError> {
     let scheme = KickDriftScheme { predicts: true, ..KICKS };
-    for (strip, records) in LIMITS {
-        assert_same(&damped(Limits { strip, records }, false), (scheme, [false, true]), &format!("strips of {strip}"))?;
+    for (node_block, records) in LIMITS {
+        assert_same(
+            &damped(Limits { node_block, records }, false),
+            (scheme, [false, true]),
+            &format!("node blocks of {node_block}"),
+        )?;
     }
     Ok(())
 }
@@ -371,7 +381,7 @@ fn blocks_of_terms_that_are_not_still() -> Result<(), ThreadPoolBuildError> {
 /// and on others.
 #[test]
 fn callers_do_not_meet() -> Result<(), ThreadPoolBuildError> {
-    let (scene, from) = (terms_with(Limits { strip: 16, records: 60 }, 2), start([false, true]));
+    let (scene, from) = (terms_with(Limits { node_block: 16, records: 60 }, 2), start([false, true]));
     let threads = Threads::new(2)?;
     let (step, _) = in_a_block(&scene, &Threads::one(), (KICKS, &from), 0);
     let pass = |threads: &Threads| {

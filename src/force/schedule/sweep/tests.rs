@@ -1,4 +1,4 @@
-//! Passes over tiles, beside element after element.
+//! Passes over blocks, beside element after element.
 
 use super::*;
 use crate::force::kernel::edges::EdgeBatch;
@@ -46,8 +46,8 @@ fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let links = LinkData { nodes: ends(&|i| [i, i - 1]), weight: 0.5 };
     let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
     let mut terms = Mixed { star: EdgeBatch::new(data), chain: EdgeBatch::new(links), weight };
-    let tiling = Tiling::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
-    (terms, Sweep::of(tiling))
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
+    (terms, Sweep::of(partition))
 }
 
 fn vectors(seed: u64) -> Vec<DVec3> {
@@ -55,7 +55,7 @@ fn vectors(seed: u64) -> Vec<DVec3> {
     std::iter::repeat_with(|| DVec3::new(random(), random(), random())).take(NODES).collect()
 }
 
-/// What element after element gives, without tiles.
+/// What element after element gives, without blocks.
 fn one_by_one(at: NodeState<'_>) -> ([Vec<DVec3>; 3], [Tally; 3]) {
     let mut sums = [0; 3].map(|_| vec![DVec3::ZERO; NODES]);
     let mut tallies = [Tally::default(); 3];
@@ -82,10 +82,10 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
     let (x, v) = (vectors(1), vectors(2));
     let at = NodeState { t: 0.0, x: &x, v: &v };
     let (expected, amounts) = one_by_one(at);
-    // Of one strip, of many, and of strips whose nodes need several tiles.
-    for (strip, records, tiles) in [(200, 400, 1..2), (16, 300, 13..14), (16, 40, 20..200)] {
-        let (terms, sweep) = mixed(Limits { strip, records });
-        assert!(tiles.contains(&sweep.tiling.tiles().len()), "{}", sweep.tiling.tiles().len());
+    // Of one node block, of many, and of node blocks whose nodes need several blocks.
+    for (node_block, records, blocks) in [(200, 400, 1..2), (16, 300, 13..14), (16, 40, 20..200)] {
+        let (terms, sweep) = mixed(Limits { node_block, records });
+        assert!(blocks.contains(&sweep.partition.blocks().len()), "{}", sweep.partition.blocks().len());
         let mut bits = Vec::new();
         for threads in [1, 2, 3] {
             let threads = Threads::new(threads)?;
@@ -102,7 +102,7 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
             let all = sums.iter().flatten().flat_map(|f| f.to_array());
             bits.push(all.chain(tallies.map(|t| t.energy + t.power)).map(f64::to_bits).collect::<Vec<_>>());
         }
-        assert!(bits[0] == bits[1] && bits[0] == bits[2], "strips of {strip}");
+        assert!(bits[0] == bits[1] && bits[0] == bits[2], "node blocks of {node_block}");
     }
     Ok(())
 }
@@ -111,7 +111,7 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
 fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildError> {
     let (x, v) = (vectors(3), vectors(4));
     let at = NodeState { t: 0.0, x: &x, v: &v };
-    let (terms, sweep) = mixed(Limits { strip: 16, records: 40 });
+    let (terms, sweep) = mixed(Limits { node_block: 16, records: 40 });
     for threads in [1, 2] {
         let threads = Threads::new(threads)?;
         let all = || {
@@ -136,9 +136,9 @@ fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildE
 fn a_batch_can_be_cut_again() {
     let (x, v) = (vectors(5), vectors(6));
     let at = NodeState { t: 0.0, x: &x, v: &v };
-    let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
-    let tiling = Tiling::within(Limits { strip: 64, records: 300 }, NODES, &mut [&mut terms.star]);
-    let sweep = Sweep::of(tiling);
+    let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
+    let partition = Partition::within(Limits { node_block: 64, records: 300 }, NODES, &mut [&mut terms.star]);
+    let sweep = Sweep::of(partition);
     let mut sum = vec![DVec3::NAN; NODES];
     let star = std::slice::from_ref(&terms.star);
     sweep.pass((star, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
@@ -150,9 +150,9 @@ fn a_batch_can_be_cut_again() {
 fn weight_alone_needs_no_elements() {
     let (x, v) = (vectors(3), vectors(4));
     let at = NodeState { t: 0.0, x: &x, v: &v };
-    let (mut terms, _) = mixed(Limits { strip: 16, records: 40 });
+    let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
     let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
-    let sweep = Sweep::of(Tiling::within(Limits { strip: 16, records: 40 }, NODES, summands));
+    let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, summands));
     let mut sum = vec![DVec3::NAN; NODES];
     let one = std::slice::from_ref(&terms.weight);
     sweep.pass((one, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
