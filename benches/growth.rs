@@ -15,7 +15,7 @@
 mod fixture;
 
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::output::process::cpu_seconds;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Marker, Stroke};
 use canopy_fem::scene::Scene;
@@ -65,7 +65,7 @@ impl Observer for Pacer<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         let now = cpu();
         if step.step == self.warm_up {
             self.began = now;

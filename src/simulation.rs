@@ -1,7 +1,7 @@
 //! A case made ready to run: the scene and the method bound to each other; and [`follow`], a whole run in one call.
 
 use crate::case::spec::{Problem, SystemSpec};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use crate::drive::{Outcome, RunError};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
@@ -136,7 +136,7 @@ impl<W: FnMut(&Seen<'_>)> Observer for Follower<'_, W> {
         self.show(at, ledger, 0)
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.show(step.to, step.ledger, step.newton_iterations)
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        step.end.map_or(Ok(()), |end| self.show(end, step.ledger, step.newton_iterations))
     }
 }

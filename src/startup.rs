@@ -1,8 +1,8 @@
-//! Where the time before the first step goes.
+//! Account of the time before the first step, by phases.
 //!
-//! Phases lie in many layers, and most of what they call has no business with clocks. So each is timed where it is
-//! called, into an account of the thread that makes a run ready; without an account nothing is measured. Seconds are
-//! told, they decide nothing.
+//! Phases belong to many layers, and most of their code should not know of clocks. So each phase is timed where it is
+//! called, into an account of the thread that prepares a run. Without an account nothing is measured. The times are
+//! reported and decide nothing.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::output::process;
 
-/// A part of the way to the first step.
+/// A phase before the first step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// reading the case file and checking its sections
@@ -25,13 +25,13 @@ pub enum Phase {
     Numbering,
     /// force terms and masses in the new numbering
     Scene,
-    /// the largest stable step, and what else is looked at to warn
+    /// the largest stable step and the warnings
     CriticalStep,
     /// the folder and the files of the results
     Files,
     /// the first pass over the forces
     Forces,
-    /// entries of the tangent matrix, and where every element adds to it
+    /// pattern of the tangent matrix and slots of the elements
     Pattern,
     /// fill-reducing ordering
     Ordering,
@@ -41,16 +41,16 @@ pub enum Phase {
     Factorization,
 }
 
-/// [s] Processor time by phase (time on the clock where the system tells no other), 0 for one that did not take place;
-/// each without the phases inside it.
+/// [s] Processor time by phase (wall time if the system does not report it), without the phases inside it; 0 for a
+/// phase that did not take place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Startup {
-    /// [s] time on the clock from the beginning to the first step
+    /// [s] wall time up to the first step
     pub wall_seconds: f64,
-    /// [s] the same as processor time: all phases but the first factorisation, and what belongs to none
+    /// [s] processor time up to the first step: all phases but the first factorisation, and the rest
     pub cpu_seconds: f64,
-    /// [s] reading and checking the case, its mesh apart
+    /// [s] reading and checking the case without its mesh
     pub parse: f64,
     /// [s] generating or reading the mesh
     pub mesh: f64,
@@ -66,13 +66,13 @@ pub struct Startup {
     pub files: f64,
     /// [s] the first pass over the forces
     pub forces: f64,
-    /// [s] entries of the tangent matrix
+    /// [s] pattern of the tangent matrix
     pub pattern: f64,
     /// [s] fill-reducing ordering
     pub ordering: f64,
     /// [s] symbolic factorisation
     pub symbolic: f64,
-    /// [s] the first factorisation; part of the first step, not of the sums above
+    /// [s] the first factorisation; it belongs to the first step, not to the sums above
     pub factorization: f64,
 }
 
@@ -111,7 +111,7 @@ impl Startup {
         ]
     }
 
-    /// What a person reads of it, small phases together as `other`.
+    /// A line of text; small phases are summed as `other`.
     ///
     /// ```
     /// use canopy_fem::startup::Startup;
@@ -139,7 +139,7 @@ impl Startup {
     }
 }
 
-/// A moment on both clocks.
+/// A time on both clocks.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
     wall: Instant,
@@ -151,7 +151,7 @@ impl Clock {
         Clock { wall: Instant::now(), cpu: process::cpu_seconds() }
     }
 
-    /// [s] on the clock since then, and of the processor
+    /// [s] wall and processor time since then
     fn elapsed(self) -> (f64, f64) {
         let wall = self.wall.elapsed().as_secs_f64();
         let cpu = self.cpu.and_then(|then| Some(process::cpu_seconds()? - then));
@@ -159,14 +159,14 @@ impl Clock {
     }
 }
 
-/// What a thread has measured.
+/// The measurements of a thread.
 #[derive(Clone, Copy, Debug)]
 struct Book {
     began: Clock,
     found: Startup,
-    /// [s] in phases inside the present one
+    /// [s] time in phases inside the current one
     inside: f64,
-    /// whether the present one keeps all of its time
+    /// whether the current phase includes all phases inside it
     whole: bool,
 }
 
@@ -174,8 +174,8 @@ thread_local! {
     static BOOK: RefCell<Option<Book>> = const { RefCell::new(None) };
 }
 
-/// Does some work, and books its time if this thread keeps an account. Of factorisations only the first is booked; the
-/// matrices that the search for the largest stable step makes are part of that search.
+/// Runs `work` and adds its time to the account of this thread, if it has one. Of factorisations only the first counts;
+/// matrices of the search for the largest stable step belong to that phase.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
         let first = |b: &Book| phase != Phase::Factorization || b.found.factorization == 0.0;
@@ -202,14 +202,14 @@ pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
 pub struct Account(());
 
 impl Account {
-    /// Opens it; one that was open is given up.
+    /// Opens an account and discards an open one.
     pub fn open() -> Self {
         let book = Book { began: Clock::now(), found: Startup::default(), inside: 0.0, whole: false };
         BOOK.set(Some(book));
         Account(())
     }
 
-    /// What was measured so far.
+    /// The measurements so far.
     pub fn read(&self) -> Startup {
         BOOK.with_borrow(|book| book.map(|book| book.found)).unwrap_or_default()
     }
@@ -221,7 +221,7 @@ impl Drop for Account {
     }
 }
 
-/// The run is ready: fixes the sums, and returns the account if this thread keeps one.
+/// Ends the account when a run is ready: sets the sums and returns it, if this thread has one.
 pub fn ready() -> Option<Startup> {
     BOOK.with_borrow_mut(|book| {
         let book = book.as_mut()?;

@@ -6,7 +6,7 @@
 mod common;
 
 use canopy_fem::drive::clock::{Step, Tolerance};
-use canopy_fem::drive::observer::{ObserveError, Observer, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer};
 use canopy_fem::drive::{Explain, RunSpec, run};
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
@@ -119,7 +119,7 @@ struct Marks<'a> {
 }
 
 impl Observer for Marks<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         for (mark, at) in self.blocks.iter_mut().zip([60, 120]) {
             if step.step >= at && *mark == 0 {
                 *mark = dhat::HeapStats::get().total_blocks;

@@ -3,8 +3,8 @@
 use super::page::{Caption, Section, cell};
 use super::runs::{Failed, Trace, asset, changed, run, run_to_the_end};
 use super::wire::wireframe;
-use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};

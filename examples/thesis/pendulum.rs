@@ -2,8 +2,8 @@
 
 use super::page::{Caption, Section, cell};
 use super::runs::{COST_HEADS, Failed, Trace, asset, changed, cost_rows, run_to_the_end};
-use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Stroke};
 use canopy_fem::simulation::build_scene;

@@ -1,16 +1,16 @@
-//! Whether a scene buckles: a negative root of its stiffness, and where.
+//! Whether a scene buckles: a negative eigenvalue of its stiffness, and where.
 
 use super::lanczos;
-use super::linearised::Linearised;
+use super::operators::Linearised;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
 
-/// Share of the largest root below which a negative one is rounding.
+/// Share of the largest eigenvalue below which a negative one is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A shape that compression drives away from where it is.
+/// A mode that grows under compression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Buckling {
     /// [1/s] rate at which it grows
@@ -19,8 +19,8 @@ pub struct Buckling {
     pub dof: usize,
 }
 
-/// The shape that grows fastest at a state, if the stiffness has a negative root there. Costs some tens to hundreds of
-/// tangent products (Lanczos); exact for symmetric scenes, of the others the symmetric part is looked at.
+/// The fastest growing mode at a state, if the stiffness has a negative eigenvalue. Takes some tens to hundreds of
+/// tangent products (Lanczos). Exact for symmetric scenes; else from the symmetric part.
 pub fn fastest(scene: &dyn Scene, at: StateRef<'_>, stop: Stop<'_>) -> Option<Buckling> {
     let linear = Linearised::of(scene, at, stop);
     let mut p = vec![0.0; linear.root.len()];
@@ -32,5 +32,5 @@ pub fn fastest(scene: &dyn Scene, at: StateRef<'_>, stop: Stop<'_>) -> Option<Bu
     if !(softest.value > ROUNDING * stiffest.value.abs() && softest.value.is_finite()) {
         return None;
     }
-    Some(Buckling { rate: softest.value.sqrt(), dof: linear.place(&softest.vector) })
+    Some(Buckling { rate: softest.value.sqrt(), dof: linear.most_moving_dof(&softest.vector) })
 }

@@ -1,5 +1,5 @@
-//! The proof that no mode is faster than a bound: m M + c C + k K is positive definite exactly where Cholesky finds
-//! only positive pivots (Sylvester's law of inertia). Its rounding, n 1e-16 of the largest root, is far below the
+//! The proof that no mode is faster than a bound: m M + c C + k K is positive definite if and only if Cholesky finds
+//! only positive pivots (Sylvester's law of inertia). Its rounding, n 1e-16 of the largest eigenvalue, is far below the
 //! margins used.
 
 use crate::assembly::Assembler;
@@ -12,12 +12,12 @@ use crate::solve::{Inertia, LinearChoice, LinearSolver, solver_for};
 /// Matrix and factorisation of a symmetric scene.
 pub(super) struct Certifier {
     assembler: Assembler,
-    /// none for a single unknown
+    /// `None` for a single unknown
     solver: Option<Box<dyn LinearSolver>>,
 }
 
 impl Certifier {
-    /// `None` for scenes that are not symmetric.
+    /// `None` for non-symmetric scenes.
     pub fn of(scene: &dyn Scene) -> Option<Self> {
         if !scene.symmetric() {
             return None;
@@ -32,7 +32,7 @@ impl Certifier {
         Some(Certifier { assembler, solver })
     }
 
-    /// Whether m M + c C + k K is positive definite; false where that cannot be told.
+    /// Whether m M + c C + k K is proved positive definite.
     pub fn definite(&mut self, scene: &dyn Scene, at: StateRef<'_>, w: Weights) -> bool {
         scene.assemble(at, w, &mut self.assembler);
         match &mut self.solver {

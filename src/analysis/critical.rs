@@ -1,46 +1,22 @@
-//! Critical steps of the methods on a scene, linearised about a state: prestress, dashpots, Rayleigh damping and the
-//! air included.
-//!
-//! Symmetric and undamped: the largest root lies between a Rayleigh quotient (Lanczos) and a bound that one pass over
-//! the elements or a Cholesky factorisation proves; what a scheme does to one oscillator then gives its limit.
-//! Euler-Cromer, symmetric and damped: a root z of a step with shape u meets (z - 1)^2 + h c (z - 1) + h^2 k z = 0 with
-//! the quotients k = u*Ku, c = u*Cu of M, so no root passes -1 while 4 M - 2 h C - h^2 K is positive definite: proved
-//! in the same way ([`Pencil`], which a method may give). Else estimates. A linear step of a Runge-Kutta or multistep
-//! scheme is a function of L = [0 I; -M^-1 K, -M^-1 C], so outer eigenvalues of L (Arnoldi) tell; explicit partitioned
-//! schemes are stepped. Motion that grows by itself (buckling, flutter) limits no step: it must grow. A step of a
-//! scheme that is stepped is stable where every shape that its map makes grow is one that grows by itself.
+//! Critical steps: what one is worth, what to advise where a step is above it, and bounds from one pass over the
+//! elements. [`Spectrum`](super::spectrum::Spectrum) finds sharper ones.
 
-use super::certificate::Certifier;
-use super::lanczos::{self, Ritz};
 use super::limit::critical_step;
-use super::linearised::Linearised;
-use super::motions::{Motion, Motions};
+use super::operators::{DAMPING, STIFFNESS};
 use super::rates::Rates;
-use super::step_map::{LinearScene, Search};
 use crate::figures::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
-use crate::model::system::{TermInfo, Weights};
-use crate::scene::{BoundRoom, Scene};
+use crate::model::system::TermInfo;
+use crate::scene::{BoundBuffer, Scene};
 
-pub(super) const STIFFNESS: Weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
-pub(super) const DAMPING: Weights = Weights { m: 0.0, c: 1.0, k: 0.0 };
-/// Margins in w^2 (or its like) over the Rayleigh quotient that a proof is tried with.
-const MARGINS: [f64; 3] = [0.003, 0.02, 0.08];
-/// A bound from the elements this close to the quotient needs no factorisation.
-const CLOSE: f64 = 1.003;
-/// Without a factorisation a bound from the elements this close is still worth its word.
-const USEFUL: f64 = 1.15;
-/// Share by which rounding may lift an element bound.
-const ROUNDING: f64 = 1e-10;
-
-/// Share of a critical step that is advised: scenes stiffen, and close to its limit a scheme is stable but wrong
-/// (velocity Verlet makes the energy of the fastest oscillation swell by 1/(1 - (wh/2)^2), fivefold at 0.9, by a third
-/// at 0.5).
+/// [-] Share of a critical step that is advised. Scenes stiffen, and close to its limit a scheme is stable but
+/// inaccurate: velocity Verlet inflates the energy of the fastest oscillation by 1/(1 - (wh/2)^2), fivefold at 0.9, by
+/// a third at 0.5.
 const ADVISED: f64 = 0.5;
-/// [rad] w h up to which a step is advised for an implicit method that damps nothing
+/// [rad] Largest w h that is advised for an implicit method without numerical damping.
 const JUMPS: f64 = 3.0;
 
 /// How far a critical step can be trusted.
@@ -51,7 +27,7 @@ pub enum Confidence {
         /// [s] steps above are unstable
         at_most: f64,
     },
-    /// found by iteration on the linearised step, or on a scene too large for a proof
+    /// estimated: by iteration on the linearised step, or on a scene too large for a proof
     Estimate,
     /// the method has no limit on any oscillator
     NoLimit,
@@ -60,32 +36,31 @@ pub enum Confidence {
 /// The largest stable step of a method on a scene and what sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
-    /// [s] the safe end; infinite without limit, 0 where the method grows at every step
+    /// [s] lower end of the interval; infinite without limit, 0 if the method is unstable at every step
     pub step: f64,
-    /// what it is worth
+    /// how far it can be trusted
     pub confidence: Confidence,
-    /// degree of freedom that moves most in the motion that sets it
+    /// degree of freedom that moves most in the mode that sets it
     pub dof: usize,
-    /// the rates of that motion
+    /// the rates of that mode
     pub rates: Rates,
 }
 
-/// Whether a method has a limit on any oscillator. Kang's filter has none of its own; what acts outside it may set one
-/// that is not found here.
+/// Whether a method has a stability limit on an oscillator. Kang's filter has none; forces outside it may set one that
+/// is not found here.
 pub fn has_limit(method: &MethodChoice) -> bool {
     let some = Rates { frequency: 1.0, ..Rates::default() };
     method.info.family != Family::MatrixFree && critical_step(method, some).is_finite()
 }
 
-/// Whether a limit is not known: forces that follow velocities, and loads that turn with the cloth, act outside Kang's
-/// filter.
+/// Whether a limit is unknown: velocity-dependent and follower forces act outside Kang's filter.
 pub fn outside_filter(method: &MethodChoice, scene: &dyn Scene) -> bool {
     let outside = |term: &TermInfo| term.velocity_dependent || term.follower;
     method.info.family == Family::MatrixFree && scene.terms().iter().any(outside)
 }
 
 impl CriticalStep {
-    /// Of a method or a scene without limit.
+    /// A method or scene without limit.
     pub fn none() -> Self {
         CriticalStep { step: f64::INFINITY, confidence: Confidence::NoLimit, dof: 0, rates: Rates::default() }
     }
@@ -100,8 +75,8 @@ impl CriticalStep {
         }
     }
 
-    /// [s] A step to take below a limit that is above 0, two digits: an estimate may lie a few percent above the true
-    /// limit, what is proved does not.
+    /// [s] A safe step below a positive limit, two digits. An estimate may lie a few percent above the true limit; a
+    /// proved limit does not.
     pub fn safe(&self) -> f64 {
         let share = match self.confidence {
             Confidence::Certified { .. } => 0.98,
@@ -111,8 +86,8 @@ impl CriticalStep {
     }
 }
 
-/// What to take in place of a step `h` [s] that is above a critical step, or of a method that has no stable step.
-/// Whoever finds this fault, before a run, in it or after it, gives this advice.
+/// The advice for a step `h` [s] above a critical step, or for a method without a stable step. All checks give the same
+/// advice, before, during and after a run.
 pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     let implicit = implicit_for(limit.rates, h);
     if limit.step > 0.0 {
@@ -127,37 +102,38 @@ pub fn remedy(limit: &CriticalStep, h: f64) -> String {
     }
 }
 
-/// A method for which a step `h` [s] is not too long: Newmark's may make energy where a step jumps over motions.
+/// An implicit method for a step `h` [s]. Newmark's may gain energy if a step is long for the fastest modes.
 pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
     if h * rates.frequency <= JUMPS { "--method newmark" } else { "--method backward-euler" }
 }
 
-/// What an analysis may cost.
+/// Limits on the cost of an analysis.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<'a> {
-    /// degrees of freedom up to which a proof may take factorisations
+    /// degrees of freedom up to which a proof may factorise
     pub factorise: usize,
-    /// degrees of freedom up to which a step is made again and again
+    /// degrees of freedom up to which the step map is iterated
     pub step: usize,
-    /// [s] estimates above are not made sharper by stepping: of no matter to a run with a step far below
+    /// [s] estimates above this are not refined by stepping: a run with a far smaller step does not need it
     pub sharpen_below: f64,
-    /// looked at between two pieces of work; once it is asked for, what is found is not worth reading
-    /// ([`Spectrum::stopped`])
+    /// checked between pieces of work; results after a stop are not valid
+    /// ([`Spectrum::stopped`](super::spectrum::Spectrum::stopped))
     pub stop: Stop<'a>,
 }
 
 impl Effort<'static> {
-    /// Fit for a question of its own: seconds on the largest scenes.
+    /// For a command of its own: seconds on the largest scenes.
     pub const FULL: Self = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
-    /// Fit for the start of a run: a small part of it.
+    /// For the start of a run: a small part of its time.
     pub const START: Self = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
-/// Degrees of freedom below which the spectrum is cheap enough to be asked always.
+/// Degrees of freedom up to which the spectrum is cheap enough to be computed always.
 const LARGE: usize = 20_000;
 
-/// A safe end for a large scene whose step is far below it, from one or two passes over its elements: nothing more is
-/// then asked. Proved on symmetric undamped scenes; else the least limit of oscillators with the bounds on both rates.
+/// A critical step for a large scene whose step is far below it, from one or two passes over the elements. Proved on
+/// symmetric undamped scenes, else the smallest limit of oscillators with the bounds on both rates. `None` if the scene
+/// is small or the step not far below.
 pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice, step: f64) -> Option<CriticalStep> {
     if scene.n_dof() <= LARGE {
         return None;
@@ -166,27 +142,26 @@ pub fn plainly_stable(scene: &dyn Scene, at: StateRef<'_>, method: &MethodChoice
     (2.0 * step <= found.step && found.step.is_finite()).then_some(found)
 }
 
-/// Bounds on the fastest rates of a scene from one or two passes over its elements: what is known of a scene for which
-/// more is not affordable.
+/// Bounds on the fastest rates of a scene from one or two passes over its elements, for scenes too large for more.
 pub struct ElementBounds {
-    /// bounds, and the degrees of freedom they are reached at
+    /// bounds, and the degrees of freedom where they are reached
     pub rates: Rates,
-    /// whether they prove a limit: on symmetric undamped scenes
+    /// whether they prove a limit (symmetric undamped scenes)
     proved: bool,
 }
 
 impl ElementBounds {
-    /// At a state.
+    /// Computes the bounds at a state.
     pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Self {
-        let mut room = BoundRoom::default();
-        let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut room);
+        let mut buffer = BoundBuffer::default();
+        let (square, frequency_dof) = scene.rate_bound(at, STIFFNESS, &mut buffer);
         let damped = scene.velocity_dependent();
-        let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut room) } else { (0.0, 0) };
+        let (damping, damping_dof) = if damped { scene.rate_bound(at, DAMPING, &mut buffer) } else { (0.0, 0) };
         let rates = Rates { frequency: square.sqrt(), frequency_dof, damping, damping_dof };
         ElementBounds { rates, proved: !damped && scene.symmetric() }
     }
 
-    /// A safe end: the least limit of oscillators with the bounds on both rates.
+    /// The smallest limit of oscillators with the bounds on both rates.
     pub fn critical_step(&self, method: &MethodChoice) -> CriticalStep {
         if !has_limit(method) {
             return CriticalStep::none();
@@ -203,224 +178,13 @@ impl ElementBounds {
     }
 }
 
-/// A scene linearised about a state; finds limits of methods, and keeps what several of them need.
-pub struct Spectrum<'a> {
-    linear: Linearised<'a>,
-    effort: Effort<'a>,
-    damped: bool,
-    /// largest root of the symmetric part of K [1/s^2] and its shape
-    stiffest: Ritz,
-    /// largest damping rate [1/s] and its shape
-    most_damped: Ritz,
-    certifier: Option<Certifier>,
-    room: BoundRoom,
-    /// [1/s^2] proved to lie above all roots of K
-    bound: Option<f64>,
-    /// outer motions of a damped or non-symmetric scene, when asked for
-    motions: Option<Motions>,
-}
-
-impl<'a> Spectrum<'a> {
-    /// Linearises a scene and finds its fastest motion; costs some tens to some hundreds of tangent products and, on
-    /// symmetric scenes of up to 200 000 degrees of freedom, up to three factorisations.
-    pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        Self::with(scene, at, Effort::FULL)
-    }
-
-    /// The same within bounds of cost; what is not proved within them is told as an estimate.
-    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort<'a>) -> Self {
-        let linear = Linearised::of(scene, at, effort.stop);
-        let stiffest = largest(&linear, STIFFNESS);
-        let most_damped = if scene.velocity_dependent() { largest(&linear, DAMPING) } else { Ritz::default() };
-        let damped = scene.velocity_dependent() && most_damped.value != 0.0;
-        let (certifier, room, bound, motions) = (None, BoundRoom::default(), None, None);
-        let mut spectrum = Spectrum { linear, effort, damped, stiffest, most_damped, certifier, room, bound, motions };
-        if spectrum.symmetric() {
-            spectrum.bound = spectrum.prove(spectrum.stiffest.value);
-        }
-        spectrum
-    }
-
-    /// Whether its search was cut short.
-    pub fn stopped(&self) -> bool {
-        self.effort.stop.asked()
-    }
-
-    fn symmetric(&self) -> bool {
-        self.linear.scene.symmetric()
-    }
-
-    /// The fastest rates: the frequency is a lower bound (a Rayleigh quotient) on symmetric scenes, an estimate else.
-    pub fn rates(&self) -> Rates {
-        Rates {
-            frequency: self.stiffest.value.max(0.0).sqrt(),
-            frequency_dof: self.linear.place(&self.stiffest.vector),
-            damping: self.most_damped.value.max(0.0),
-            damping_dof: self.linear.place(&self.most_damped.vector),
-        }
-    }
-
-    /// [rad/s] what the largest w of a symmetric scene is proved to lie below.
-    pub fn frequency_bound(&self) -> Option<f64> {
-        self.bound.map(f64::sqrt)
-    }
-
-    /// The largest stable step of a method.
-    pub fn critical_step(&mut self, method: &MethodChoice) -> CriticalStep {
-        if !has_limit(method) {
-            return CriticalStep::none();
-        }
-        if self.symmetric() && !self.damped {
-            return self.undamped(method);
-        }
-        if self.symmetric()
-            && let Some(pencil) = method.info.linear.pencil
-            && let Some(found) = self.definite_below(pencil)
-        {
-            return found;
-        }
-        self.estimate(method).unwrap_or(CriticalStep::none())
-    }
-
-    fn undamped(&self, method: &MethodChoice) -> CriticalStep {
-        let rates = self.rates();
-        let dof = rates.frequency_dof;
-        let limit =
-            |square: f64| Motion { frequency: square.max(0.0).sqrt(), damping: 0.0, dof, grows: false }.limit(method);
-        let at_most = limit(self.stiffest.value);
-        let (step, confidence) = match self.bound {
-            Some(bound) => (limit(bound), Confidence::Certified { at_most }),
-            None => (at_most, Confidence::Estimate),
-        };
-        CriticalStep { step, confidence, dof, rates }
-    }
-
-    /// A bound on the roots of K, a small margin above its largest Rayleigh quotient.
-    fn prove(&mut self, quotient: f64) -> Option<f64> {
-        if quotient <= 0.0 {
-            return None;
-        }
-        let (bound, _) = self.linear.scene.rate_bound(self.linear.at, STIFFNESS, &mut self.room);
-        let bound = bound * (1.0 + ROUNDING);
-        if bound <= CLOSE * quotient {
-            return Some(bound);
-        }
-        let mut candidates = MARGINS.iter().map(|margin| quotient * (1.0 + margin));
-        let proved = candidates.find(|&bound| self.definite(Weights { m: bound, c: 0.0, k: -1.0 }));
-        proved.or((bound <= USEFUL * quotient).then_some(bound))
-    }
-
-    /// Whether m M + c C + k K is positive definite; false where it is not, or cannot be told within the effort.
-    fn definite(&mut self, w: Weights) -> bool {
-        let (scene, at) = (self.linear.scene, self.linear.at);
-        if self.stopped() {
-            return false;
-        }
-        if self.certifier.is_none() && scene.n_dof() <= self.effort.factorise {
-            self.certifier = Certifier::of(scene);
-        }
-        self.certifier.as_mut().is_some_and(|certifier| certifier.definite(scene, at, w))
-    }
-
-    /// Any quotients of K and C give a step that is too large, so the iteration comes down to the limit.
-    fn definite_below(&mut self, pencil: Pencil) -> Option<CriticalStep> {
-        let (h, shape) = self.definite_at_most(pencil)?;
-        let dof = self.linear.place(&shape);
-        let rates = Rates { damping_dof: dof, frequency_dof: dof, ..self.linear.quotients(&shape)? };
-        let step = MARGINS.iter().map(|margin| h * (1.0 - 0.5 * margin)).find(|&h| {
-            let (bound, _) = self.linear.scene.rate_bound(self.linear.at, taken(pencil, h), &mut self.room);
-            bound * (1.0 + ROUNDING) < pencil.m || self.definite(pencil.at(h))
-        })?;
-        Some(CriticalStep { step, confidence: Confidence::Certified { at_most: h }, dof, rates })
-    }
-
-    /// [s] A step at which a root has passed -1, close to the first such, and its shape.
-    fn definite_at_most(&self, pencil: Pencil) -> Option<(f64, Vec<f64>)> {
-        let (mut h, mut shape) = (f64::INFINITY, Vec::new());
-        for vector in [&self.stiffest.vector, &self.most_damped.vector] {
-            let at_most = self.singular_at(pencil, vector)?;
-            if at_most < h {
-                (h, shape) = (at_most, vector.clone());
-            }
-        }
-        if !(h > 0.0 && h.is_finite()) {
-            return None;
-        }
-        for _ in 0..4 {
-            let ritz = largest(&self.linear, taken(pencil, h));
-            let next = self.singular_at(pencil, &ritz.vector)?;
-            if next >= h {
-                break;
-            }
-            let settled = next > h * (1.0 - 1e-4);
-            (h, shape) = (next, ritz.vector);
-            if settled {
-                break;
-            }
-        }
-        Some((h, shape))
-    }
-
-    /// [s] The step at which a pencil is 0 for the Rayleigh quotients of a shape.
-    fn singular_at(&self, pencil: Pencil, shape: &[f64]) -> Option<f64> {
-        let Rates { frequency, damping, .. } = self.linear.quotients(shape)?;
-        Some(pencil.singular_at(frequency * frequency, damping))
-    }
-
-    /// Rates of the scene's outer motions, those that set limits: the stiffest and the most damped, and outer
-    /// eigenvalues of L.
-    pub fn outer_motions(&mut self) -> Vec<Rates> {
-        let unit = self.unit();
-        let shapes = [&self.stiffest, &self.most_damped];
-        self.motions.get_or_insert_with(|| Motions::find(&self.linear, shapes, unit)).rates()
-    }
-
-    fn estimate(&mut self, method: &MethodChoice) -> Option<CriticalStep> {
-        let unit = self.unit();
-        let shapes = [&self.stiffest, &self.most_damped];
-        let motions = self.motions.get_or_insert_with(|| Motions::find(&self.linear, shapes, unit));
-        let (mut step, motion) = motions.limit(method)?;
-        let mut dof = motion.dof;
-        let steppable = self.damped && self.linear.scene.n_dof() <= self.effort.step;
-        // What an implicit scheme carries it would need from every state.
-        let stepped_alone = method.partitioned() && method.info.family == Family::Explicit;
-        if stepped_alone && steppable && step < self.effort.sharpen_below && step > 0.0 {
-            let most = self.fixed_velocity(method);
-            let search = Search { guess: step.min(most.0), unit, stop: self.effort.stop };
-            let stepped = LinearScene::of(&self.linear).and_then(|linear| linear.limit(method, search));
-            (step, dof) = stepped.unwrap_or((step, dof));
-            if most.0 < step {
-                (step, dof) = most;
-            }
-        }
-        Some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates: motion.rates() })
-    }
-
-    /// [s] Step at which the method keeps a velocity as it is whatever K does ([`LinearStep::fixed_velocity`]): beyond,
-    /// it grows to one side, and is hard to tell among motions that grow by themselves. Infinite for methods without.
-    ///
-    /// [`LinearStep::fixed_velocity`]: crate::integrate::linear_step::LinearStep::fixed_velocity
-    fn fixed_velocity(&self, method: &MethodChoice) -> (f64, usize) {
-        let damping = self.most_damped.value;
-        let fixed = method.info.linear.fixed_velocity.filter(|_| damping > 0.0);
-        (fixed.map_or(f64::INFINITY, |hc| hc / damping), self.linear.place(&self.most_damped.vector))
-    }
-
-    /// [1/s] a rate to measure others by.
-    fn unit(&self) -> f64 {
-        let unit = self.stiffest.value.max(0.0).sqrt().max(self.most_damped.value);
-        if unit > 0.0 { unit } else { 1.0 }
-    }
-}
-
-/// What a pencil takes from its part in M.
-fn taken(pencil: Pencil, h: f64) -> Weights {
-    let Weights { c, k, .. } = pencil.at(h);
-    Weights { m: 0.0, c: -c, k: -k }
-}
-
-fn largest(linear: &Linearised<'_>, w: Weights) -> Ritz {
-    let mut p = vec![0.0; linear.root.len()];
-    let times = |q: &[f64], y: &mut [f64]| linear.times(w, q, &mut p, y);
-    lanczos::largest(linear.start(), linear.stop, times).unwrap_or_default()
+/// [s] The limit of Euler-Cromer if the element bounds on the rates were reached. The limits of other methods scale
+/// with it.
+pub(crate) fn step_by_bounds(scene: &dyn Scene, at: StateRef<'_>, buffer: &mut BoundBuffer) -> f64 {
+    let (k, _) = scene.rate_bound(at, STIFFNESS, buffer);
+    let c = match scene.velocity_dependent() {
+        true => scene.rate_bound(at, DAMPING, buffer).0,
+        false => 0.0,
+    };
+    Pencil::EULER_CROMER.singular_at(k, c)
 }

@@ -266,7 +266,7 @@ impl Shifted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::linearised::rough;
+    use crate::mesh::random::pseudo_random;
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
@@ -370,7 +370,7 @@ mod tests {
             for scale in [1e-140, 1.0, 1e140] {
                 let h = Mat::from_fn(m, m, |i, j| {
                     number += 1;
-                    if i <= j + 1 { scale * rough(number) } else { 0.0 }
+                    if i <= j + 1 { scale * pseudo_random(number) } else { 0.0 }
                 });
                 assert_right(&h, &format!("{m} x {m} at {scale:e}"));
             }

@@ -1,21 +1,21 @@
 //! The largest eigenvalue of a symmetric operator (Lanczos 1950), restarted with its best vector, reorthogonalised in
 //! full where that is cheap.
 
-use super::linearised::{SHAPES, add, affordable, dot, norm, orthogonalise};
+use super::vectors::{SHAPES, add, affordable, dot, norm, orthogonalise};
 use crate::model::stop::Stop;
 use faer::{Mat, Side};
 
-/// Residual over value at which no restart is made; the value is then wrong by about its square over the gap.
+/// Relative residual at which no restart is made; the error of the value is about its square over the gap.
 const GOOD: f64 = 1e-3;
 const RESTARTS: usize = 4;
-/// Products between two looks at what has been found.
+/// Products between two checks of convergence.
 const LOOK: usize = 8;
-/// Relative gain between two looks at which the value is good, though many modes close to each other may still mix.
+/// Relative gain between two checks at which the value has converged, although modes close to each other may still mix.
 const SETTLED: f64 = 2e-4;
-/// A remainder of this share of the operator's size is rounding: the space is complete.
+/// A remainder below this share of the operator's norm is rounding: the space is complete.
 const NOTHING_LEFT: f64 = 1e-12;
-/// Length of vectors above which only the last two are taken out of the next: orthogonality to the others is lost as
-/// fast as a value is found (Paige 1971), and none is found here to more than [`GOOD`].
+/// Length of vectors above which only the last two are orthogonalised against: orthogonality to the others is lost as
+/// fast as a value converges (Paige 1971), and no value here converges beyond [`GOOD`].
 const LONG: usize = 20_000;
 
 /// The largest Ritz value: a Rayleigh quotient, so never above the largest eigenvalue.
@@ -26,7 +26,8 @@ pub(super) struct Ritz {
     pub vector: Vec<f64>,
 }
 
-/// `None` where a product is not finite, there is nothing to iterate on, or it was asked to stop.
+/// Finds the largest Ritz value from `start` `[n]`. `None` if a product is not finite, the start is zero, or it was
+/// stopped.
 pub(super) fn largest(mut start: Vec<f64>, stop: Stop<'_>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<Ritz> {
     let mut best = None;
     for _ in 0..RESTARTS {
@@ -87,7 +88,7 @@ fn cycle(start: Vec<f64>, stop: Stop<'_>, times: &mut impl FnMut(&[f64], &mut [f
     Some((Ritz { value: top.value, vector }, done))
 }
 
-/// The operator on its Krylov space.
+/// The operator projected on its Krylov space.
 #[derive(Default)]
 struct Tridiagonal {
     alpha: Vec<f64>,
@@ -109,7 +110,7 @@ impl Tridiagonal {
             1 => self.beta[i.min(j)],
             _ => 0.0,
         });
-        // Its QR iteration is bounded in the library, which says so where the bound is reached.
+        // The library bounds its QR iteration and reports if the bound is reached.
         let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
         let shares = (0..m).map(|i| eigen.U()[(i, top)]).collect();
         Some(Top { value: eigen.S().column_vector()[top], shares })
@@ -117,7 +118,7 @@ impl Tridiagonal {
 }
 
 impl Top {
-    /// Size of A u - value u, for the size of what the space left over.
+    /// Norm of A u - value u, from the norm of the remainder.
     fn residual(&self, remainder: f64) -> f64 {
         remainder * self.shares.last().map_or(0.0, |share| share.abs())
     }

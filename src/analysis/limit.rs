@@ -1,22 +1,23 @@
 //! The largest stable step of a method, from the real code of the method on a damped oscillator.
 //!
-//! One step of the code is a linear map of (x, v, what the scheme carries); its columns are steps from unit states, and
-//! the method is stable where the map's spectral radius does not exceed 1.
+//! One step is a linear map of (x, v, carried variables). Its columns are steps from unit states, and the method is
+//! stable if the spectral radius of the map is at most 1.
 
 use super::oscillator::Oscillator;
 use super::rates::Rates;
+use crate::assembly::Abilities;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{Carried, Counters};
 use crate::model::point::Point;
-use crate::model::system::{Abilities, System};
+use crate::model::system::System;
 
 /// Excess of the spectral radius over 1 that is rounding.
 const ROUNDING: f64 = 1e-10;
-/// Below this w h the growth of an oscillation that nothing damps hides in [`ROUNDING`]: the limit is 0.
+/// Below this w h the growth of an undamped oscillation hides in [`ROUNDING`]: the limit is 0.
 const NO_LIMIT_BELOW: f64 = 1e-2;
-/// Steps in which a swing of the energy shows.
+/// Steps over which the energy is followed.
 const SWING: u32 = 64;
 /// Squarings of the map: its power 2^40 is taken.
 const SQUARINGS: usize = 40;
@@ -35,7 +36,8 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
     let oscillator = Oscillator { k: (rates.frequency / unit).powi(2), c: rates.damping / unit };
     let stable_at =
         |h: f64, tolerance: f64| spectral_radius(method, oscillator, h).is_some_and(|r| r <= 1.0 + tolerance);
-    // Far out the map is badly scaled, so its radius carries more rounding; an unstable method is far above 1 there.
+    // At large steps the map is badly scaled and its radius carries more rounding; an unstable method is far above 1
+    // there.
     if stable_at(37.0, 1e-6) && stable_at(400.0, 1e-4) {
         return f64::INFINITY;
     }
@@ -46,8 +48,7 @@ pub fn critical_step(method: &MethodChoice, rates: Rates) -> f64 {
         let middle = 0.5 * (stable + unstable);
         if stable_at(middle, ROUNDING) { stable = middle } else { unstable = middle }
     }
-    // Damping that takes less than rounding in such a step is none: that of motions which the air or dashpots do not
-    // see.
+    // Damping below rounding in such a step is none: that of modes which air or dashpots do not act on.
     let undamped = 0.5 * oscillator.c * stable <= ROUNDING;
     if undamped && stable < NO_LIMIT_BELOW { 0.0 } else { stable / unit }
 }
@@ -140,7 +141,7 @@ fn step_map(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<Vec
     let start = Point { state: system.initial_state(), forces: system.new_forces() };
     let mut probe = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
     probe.start(&start).ok()?;
-    // Vectors of another length are sums for the ledger, which do not act on the motion.
+    // Vectors of another length are energy sums and do not act on the motion.
     let shape = probe.save().vectors;
     let moving: Vec<usize> = (0..shape.len()).filter(|&i| shape[i].len() == 1).collect();
     let column = |j: usize| {

@@ -1,4 +1,4 @@
-//! What can be said of a scene and a method without running them: fastest rates, largest stable steps.
+//! Analysis of a scene and a method without running them: fastest rates, modes, largest stable steps.
 
 mod arnoldi;
 pub mod buckling;
@@ -7,13 +7,11 @@ pub mod critical;
 mod hessenberg;
 mod lanczos;
 pub mod limit;
-pub(crate) mod linearised;
-mod matrices;
-mod motions;
+pub(crate) mod modes;
+mod operators;
 mod oscillator;
 pub mod rates;
-mod shape;
+pub mod spectrum;
 mod step_map;
+mod vectors;
 pub mod warnings;
-
-pub(crate) use linearised::rough;

@@ -1,9 +1,9 @@
 //! A damped oscillator m x'' = -k x - c x', m = 1: what a scheme's stability is tried on.
 
-use crate::assembly::{Assembler, PatternError};
+use crate::assembly::{Assembler, PatternError, TangentSystem};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
-use crate::model::system::{System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TermInfo, Weights};
 
 const SPRING: TermInfo =
     TermInfo { name: "spring", role: Role::Elastic, velocity_dependent: false, follower: false, on_triangles: false };

@@ -1,22 +1,23 @@
-//! One real step of a scheme on the linearised scene as a linear map of (x, v), and whether it grows.
+//! One real step of a scheme on the linearised scene, as a linear map of (x, v), and whether it grows.
 //!
-//! For schemes that treat positions and velocities differently the map is no function of the scene's roots alone once
-//! damping couples the modes; it is stepped instead, and its outer eigenvalues are estimated by Arnoldi's iteration.
+//! For partitioned schemes with damping that couples modes, the map is no function of the scene's eigenvalues alone. It
+//! is stepped instead, and Arnoldi's iteration estimates its outer eigenvalues.
 
-use super::arnoldi::{Krylov, place};
-use super::linearised::{Linearised, norm, rough};
-use super::matrices::Matrices;
-use super::shape::Shape;
-use crate::assembly::{Assembler, PatternError};
+use super::arnoldi::{Krylov, most_moving_dof};
+use super::modes::ModeShape;
+use super::operators::{Linearised, Matrices};
+use super::vectors::norm;
+use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::mesh::random::pseudo_random;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
-use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TermInfo, Weights};
 use faer::c64;
 use std::sync::Arc;
 
@@ -24,30 +25,30 @@ use std::sync::Arc;
 static TERMS: [TermInfo; 1] =
     [TermInfo { name: "tangent", role: Role::Elastic, velocity_dependent: true, follower: false, on_triangles: false }];
 
-/// Ritz values with a larger residual, relative, are not yet eigenvalues of the map.
+/// Ritz values with a larger relative residual have not converged.
 const CONVERGED: f64 = 0.005;
-/// The same as a share of how far a value lies beyond the unit circle: what is left of other motions in its vector must
-/// not hide the vector's own.
+/// The same as a share of the distance beyond the unit circle: parts of other modes in the vector must not hide its
+/// own.
 const CLOSE: f64 = 0.2;
-/// Steps made for one answer, more where a value beyond the bound has not settled; what grows stands far from all that
-/// is stable, so it shows soon.
+/// Products for one decision, more if a value beyond the unit circle has not converged. Growing modes are well
+/// separated, so they show soon.
 const PRODUCTS: [usize; 3] = [40, 70, 120];
-/// Growth of a step that is none: beyond the limit a step grows by as much as it is beyond.
+/// Growth per step that counts as none.
 const GROWTH: f64 = 1e-3;
-/// Steps that are made to see whether a motion grows, which the last of their quarters tells from the second.
+/// Steps made to test for growth, by comparing the last quarter with the second.
 const STEPPED: usize = 200;
-/// Relative width at which the search for a step that does not grow ends.
+/// Relative width at which the bisection for the limit ends.
 const WIDTH: f64 = 0.01;
-/// Steps of the search outwards from a guess, ever longer ones from this share on.
+/// Steps of the outward search from a guess, and the first factor of a step.
 const OUTWARDS: usize = 20;
 const FIRST: f64 = 0.97;
 
-/// Where to look for a limit.
+/// Search for a limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search<'a> {
     /// [s]
     pub guess: f64,
-    /// [1/s] makes positions and velocities comparable
+    /// [1/s] scale of positions relative to velocities
     pub unit: f64,
     pub stop: Stop<'a>,
 }
@@ -62,7 +63,7 @@ pub(super) struct LinearScene {
 }
 
 impl LinearScene {
-    /// `None` where the scene has no matrices.
+    /// `None` if the scene has no assembled matrices.
     pub fn of(linear: &Linearised<'_>) -> Option<Self> {
         Some(LinearScene {
             matrices: Arc::clone(linear.matrices.as_ref()?),
@@ -73,14 +74,14 @@ impl LinearScene {
         })
     }
 
-    /// [s] The largest step whose map grows only where the scene itself does, about a guess, and the degree of freedom
-    /// that moves most beyond it.
+    /// [s] The largest step whose map grows only in modes that grow in the scene, and the degree of freedom that moves
+    /// most just beyond it.
     pub fn limit(&self, method: &MethodChoice, search: Search<'_>) -> Option<(f64, usize)> {
         let guess = search.guess;
         let grows = |h: f64| self.grows(method, h, search);
         let (mut stable, mut unstable) = (0.0, guess);
         let mut culprit = grows(unstable)?;
-        // Outwards from the guess until it lies between a stable and a growing step.
+        // Search outwards from the guess for a bracket of a stable and a growing step.
         let mut factor = FIRST;
         for _ in 0..OUTWARDS {
             if culprit.is_some() {
@@ -111,8 +112,8 @@ impl LinearScene {
         Some((stable, dof))
     }
 
-    /// Whether the step map has an eigenvalue beyond the unit circle whose motion does not grow by itself, and the
-    /// degree of freedom that then moves most.
+    /// The degree of freedom that moves most in a mode beyond the unit circle that does not grow in the scene;
+    /// `Some(None)` if there is none.
     fn grows(&self, method: &MethodChoice, h: f64, search: Search<'_>) -> Option<Option<usize>> {
         let unit = search.unit;
         let size = |z: &c64| z.norm();
@@ -125,12 +126,12 @@ impl LinearScene {
                 let ritz = krylov.ritz(z);
                 let vector = krylov.vector(&ritz);
                 let close = ritz.residual <= (CONVERGED * size(&z)).min(CLOSE * (size(&z) - 1.0));
-                let own = || Shape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
+                let own = || ModeShape::of(&vector, &self.matrices, &self.root, unit).grows_by_itself([z.re, z.im], h);
                 if close && own() {
                     continue;
                 }
                 if close && self.grows_when_stepped(method, h, search, &vector[0])? {
-                    return Some(Some(place(&vector, &self.root)));
+                    return Some(Some(most_moving_dof(&vector, &self.root)));
                 }
                 settled = false;
             }
@@ -141,9 +142,8 @@ impl LinearScene {
         Some(None)
     }
 
-    /// Whether repeated steps from a Ritz vector grow: where eigenvectors are nearly parallel a small residual proves
-    /// nothing. Second differences from step to step leave out what drifts, as a net without stiffness across itself
-    /// does.
+    /// Whether repeated steps from a Ritz vector grow, as a small residual proves nothing if eigenvectors are nearly
+    /// parallel. Second differences from step to step remove drift, as of a net without stiffness across itself.
     fn grows_when_stepped(&self, method: &MethodChoice, h: f64, search: Search<'_>, from: &[f64]) -> Option<bool> {
         let mut step = self.step_map(method, h, search.unit)?;
         let mut q = [from.to_vec(), vec![], vec![]];
@@ -171,15 +171,15 @@ impl LinearScene {
         Some(largest[3] > largest[1] * (1.0 + 0.5 * GROWTH).powf(steps))
     }
 
-    /// The step map on a Krylov space; `unit` [1/s] makes positions and velocities comparable.
+    /// The step map on a Krylov space.
     fn krylov(&self, method: &MethodChoice, h: f64, search: Search<'_>, products: usize) -> Option<Krylov> {
         let (root, n) = (&self.root, self.root.len());
         let mut step = self.step_map(method, h, search.unit)?;
-        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { rough(i) } else { 0.0 }).collect();
+        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { pseudo_random(i) } else { 0.0 }).collect();
         Krylov::of(start, products, search.stop, |q, y| step(q, y))
     }
 
-    /// One step of the method as a linear map; what cannot be stepped is no number.
+    /// One step of the method as a linear map of `[2 n_dof]`; NaN if the step fails.
     fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<impl FnMut(&[f64], &mut [f64]) + 's> {
         let root = &self.root;
         let n = root.len();

@@ -1,8 +1,9 @@
 //! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
 //! are taut.
 
-use super::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, plainly_stable, remedy};
+use super::critical::{Confidence, CriticalStep, Effort, has_limit, plainly_stable, remedy};
 use super::rates::Rates;
+use super::spectrum::Spectrum;
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::{State, StateRef};
@@ -22,12 +23,12 @@ pub struct Planned<'a> {
     pub method: &'a MethodChoice,
     /// [s] the fixed step, no longer than the run; `None` for adaptive steps, which find the limit themselves
     pub step: Option<f64>,
-    /// whether the searches are to be cut short
+    /// stops the searches
     pub stop: Stop<'a>,
 }
 
-/// The largest stable step of a case's method at the start. Only methods that have a limit pay for it, and on large
-/// scenes only those whose step is near it.
+/// The largest stable step of a case's method at the start. Computed only for methods that have a limit, and on large
+/// scenes only if the step is near it.
 pub fn limit_at_start(planned: Planned<'_>) -> CriticalStep {
     limit_at(planned, planned.scene.initial_state().as_ref())
 }
@@ -37,23 +38,23 @@ fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>
         return CriticalStep::none();
     }
     let plain = step.and_then(|h| plainly_stable(scene, at, method, h));
-    // Of adaptive steps it is still a figure of the scene.
+    // With adaptive steps it still characterises the scene.
     let effort = Effort { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..Effort::START };
     plain.unwrap_or_else(|| {
         let found = Spectrum::with(scene, at, effort).critical_step(method);
-        // What a search that was cut short has found is no limit.
+        // A stopped search has no valid result.
         if stop.asked() { CriticalStep::none() } else { found }
     })
 }
 
-/// A warning where springs that are slack at the start hide a limit below the step, or all of them are slack, so that
-/// the limit at the start is not of the springs at all.
+/// A warning if springs that are slack at the start hide a limit below the step, or if all are slack, so that the limit
+/// at the start says nothing about springs.
 pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warning> {
     let Planned { scene, method, step, stop } = planned;
     let step = step.filter(|_| has_limit(method) && !stop.asked())?;
     let start = scene.initial_state();
     let slack = slack(scene, start.as_ref())?;
-    // Drawn out as a whole until the slackest spring is taut: the others carry some tension then, which stiffens them a
+    // The scene is scaled until the slackest spring is taut: the others then carry some tension, which stiffens them a
     // little across.
     let longer = |x: &f64| x * slack.stretch;
     let taut = State { x: start.x.iter().map(longer).collect(), ..start.clone() };
@@ -74,15 +75,15 @@ pub fn slack_warning(planned: Planned<'_>, limit: CriticalStep) -> Option<Warnin
     })
 }
 
-/// Springs that are shorter than at rest and do not push back.
+/// Springs that are shorter than at rest and carry no compression.
 struct Slack {
     count: usize,
     of: usize,
-    /// [-] what the slackest must be lengthened by to be taut
+    /// [-] stretch at which the slackest is taut
     stretch: f64,
 }
 
-/// `None` where none is slack.
+/// `None` if no spring is slack.
 fn slack(scene: &dyn Scene, at: StateRef<'_>) -> Option<Slack> {
     let n = scene.edges().len();
     let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
@@ -94,7 +95,7 @@ fn slack(scene: &dyn Scene, at: StateRef<'_>) -> Option<Slack> {
     (count > 0 && least > -1.0).then(|| Slack { count, of, stretch: (1.0 + ROUNDING) / (1.0 + least) })
 }
 
-/// What a critical step is worth in a word.
+/// How far a critical step can be trusted, in a word.
 pub fn worth(limit: CriticalStep) -> &'static str {
     match limit.confidence {
         Confidence::Certified { .. } => "certified",

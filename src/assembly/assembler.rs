@@ -1,12 +1,13 @@
-//! The slot of every entry of every block, found once.
+//! Assembly of W: the slot of every entry of every block is found once.
 
 use super::pattern::{Pattern, PatternError};
 use super::record::Recorder;
 use crate::force::TangentSink;
+use crate::mesh::adjacency::row_starts;
 use glam::DMat3;
 use std::sync::Arc;
 
-/// No unknown.
+/// Marks a fixed degree of freedom.
 const FIXED: u32 = u32::MAX;
 
 /// W: pattern, values, and where each emitted block goes.
@@ -14,7 +15,7 @@ const FIXED: u32 = u32::MAX;
 pub struct Assembler {
     /// the pattern, shared with the linear solver
     pub pattern: Arc<Pattern>,
-    /// entries of W in the order of the pattern, and one spare slot at the end for what is eliminated
+    /// entries of W in the order of the pattern, and a spare slot at the end for eliminated ones
     values: Vec<f64>,
     /// slots of the entries (column by column) of every distinct node-pair block; entry 0 is all spare
     blocks: Vec<[u32; 9]>,
@@ -34,7 +35,8 @@ pub struct Nodes<'a> {
 }
 
 impl Assembler {
-    /// Finds pattern and slots from what the terms emit. Every free degree of freedom gets a diagonal entry (its mass).
+    /// Builds pattern and slots from the emitted elements. Every free degree of freedom gets a diagonal entry (its
+    /// mass).
     ///
     /// # Errors
     /// When W would have more entries than 32 bits can number.
@@ -78,7 +80,7 @@ impl Assembler {
         &self.values[..self.pattern.nonzeros()]
     }
 
-    /// The same, to be written (a system without nodes fills them itself).
+    /// The same, writable (a system without nodes fills them itself).
     pub fn values_mut(&mut self) -> &mut [f64] {
         let n = self.pattern.nonzeros();
         &mut self.values[..n]
@@ -104,7 +106,7 @@ impl Assembler {
     }
 }
 
-/// Adds blocks into the values of W; the terms must emit what the recorder saw, in the same order.
+/// Adds blocks to the values of W. The terms must emit the elements that the recorder saw, in the same order.
 #[derive(Debug)]
 pub struct MatrixSink<'a> {
     values: &'a mut [f64],
@@ -231,13 +233,7 @@ fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blo
 
 /// Number of the block of every emitted pair of nodes, in the order of emission: 0 for those that are eliminated.
 fn blocks_of(recorder: &Recorder, pairs: &[(u32, u32)], nodes: usize, symmetric: bool) -> Vec<u32> {
-    let mut start = vec![0_u32; nodes + 1];
-    for &(j, _) in pairs {
-        start[j as usize + 1] += 1;
-    }
-    for j in 0..nodes {
-        start[j + 1] += start[j];
-    }
+    let start = row_starts(nodes, pairs.iter().map(|&(j, _)| j));
     let mut emitted = Vec::new();
     for &emission in &recorder.emissions {
         emission.blocks(symmetric, |i, j| {

@@ -1,8 +1,8 @@
 //! M, C and K as MatrixMarket files, so that a user can check them in another program.
 
-use super::Pattern;
+use super::{Pattern, TangentSystem};
 use crate::model::state::StateRef;
-use crate::model::system::{TangentSystem, Weights};
+use crate::model::system::Weights;
 use sprs::TriMat;
 use std::path::{Path, PathBuf};
 

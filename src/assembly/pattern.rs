@@ -46,14 +46,22 @@ impl Pattern {
         &self.row_idx[self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize]
     }
 
+    /// Node of every unknown `[n]`, as numbered in `node_start`.
+    pub fn node_of_unknown(&self) -> Vec<u32> {
+        let mut node = vec![0; self.n()];
+        for (g, unknowns) in (0..).zip(self.node_start.windows(2)) {
+            node[unknowns[0] as usize..unknowns[1] as usize].fill(g);
+        }
+        node
+    }
+
     /// Slot of entry (i, j), if it is stored.
     pub fn slot(&self, i: u32, j: u32) -> Option<u32> {
         let first = *self.col_ptr.get(j as usize)?;
         self.column(j as usize).binary_search(&i).ok().map(|p| first + p as u32)
     }
 
-    /// y = W p for values on this pattern (both triangles of a symmetric W): what residuals of linear systems are made
-    /// of.
+    /// y = W p for `values` [nonzeros] on this pattern, both triangles of a symmetric W; `p` and `y` `[n]`.
     pub fn multiply(&self, values: &[f64], p: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for j in 0..self.n() {

@@ -1,4 +1,4 @@
-//! Which elements the terms emit, in which order.
+//! Records which elements the terms emit, in order.
 
 use crate::force::TangentSink;
 use glam::DMat3;
@@ -14,7 +14,7 @@ pub enum Emission {
     Triangle([u32; 3]),
 }
 
-/// A sink that only takes notes.
+/// A sink that records elements without their blocks.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     /// in order of emission

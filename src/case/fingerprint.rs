@@ -19,11 +19,11 @@ use crate::model::spec::NetworkSpec;
 /// The parts of a case.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
-    parts: Vec<Part>,
+    parts: Vec<FingerprintPart>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Part {
+struct FingerprintPart {
     /// key of the case file
     key: String,
     value: Value,
@@ -35,7 +35,7 @@ enum Value {
     Text(String),
     /// follows from the length of the run
     Derived(String),
-    Sum {
+    Digest {
         crc: u32,
         bytes: u64,
     },
@@ -98,28 +98,28 @@ impl Fingerprint {
     /// A sum over all parts, in which cases differ that do (but for one in 2^32): `"5f3a…-1234"`. What follows from the
     /// length of the run is not in it.
     pub fn digest(&self) -> String {
-        let mut sum = Sum::default();
+        let mut sum = Digest::default();
         let mut add = |bytes: &[u8]| {
             // Its length too, lest parts run into each other.
             sum.add(&(bytes.len() as u64).to_le_bytes());
             sum.add(bytes);
         };
-        for Part { key, value } in &self.parts {
+        for FingerprintPart { key, value } in &self.parts {
             add(key.as_bytes());
             match value {
                 Value::Text(text) => add(text.as_bytes()),
                 Value::Derived(_) => add(&[]),
-                Value::Sum { crc, bytes } => add(format!("{crc:08x}-{bytes}").as_bytes()),
+                Value::Digest { crc, bytes } => add(format!("{crc:08x}-{bytes}").as_bytes()),
             }
         }
-        let Sum { crc, bytes } = sum;
+        let Digest { crc, bytes } = sum;
         format!("{:08x}-{bytes}", crc.finalize())
     }
 
     /// Adds the end of the runs, for a study: its runs cannot be taken further.
     pub(crate) fn note_end(&mut self, end: f64) {
         self.parts.retain(|part| part.key != "time.end");
-        self.parts.push(Part { key: "time.end".to_owned(), value: Value::Text(format!("{end:e}")) });
+        self.parts.push(FingerprintPart { key: "time.end".to_owned(), value: Value::Text(format!("{end:e}")) });
     }
 
     fn network(&mut self, spec: &NetworkSpec) -> Result<(), FingerprintError> {
@@ -150,13 +150,13 @@ impl Fingerprint {
 
     fn text(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
         let text = serde_json::to_string(value).map_err(|e| FingerprintError { key, reason: e.to_string() })?;
-        self.parts.push(Part { key: key.to_owned(), value: Value::Text(text) });
+        self.parts.push(FingerprintPart { key: key.to_owned(), value: Value::Text(text) });
         Ok(())
     }
 
     /// The part that was made last follows from the length of the run.
     fn last_follows(&mut self) {
-        if let Some(Part { value, .. }) = self.parts.last_mut()
+        if let Some(FingerprintPart { value, .. }) = self.parts.last_mut()
             && let Value::Text(text) = value
         {
             *value = Value::Derived(std::mem::take(text));
@@ -165,12 +165,12 @@ impl Fingerprint {
 
     fn sum(&mut self, key: &'static str, value: &impl Serialize) -> Result<(), FingerprintError> {
         let sum = || {
-            let sum = BufWriter::with_capacity(1 << 16, Sum::default());
+            let sum = BufWriter::with_capacity(1 << 16, Digest::default());
             let sum = postcard::to_io(value, sum)?;
             sum.into_inner().map_err(|_| postcard::Error::SerializeBufferFull)
         };
-        let Sum { crc, bytes } = sum().map_err(|e| FingerprintError { key, reason: e.to_string() })?;
-        self.parts.push(Part { key: key.to_owned(), value: Value::Sum { crc: crc.finalize(), bytes } });
+        let Digest { crc, bytes } = sum().map_err(|e| FingerprintError { key, reason: e.to_string() })?;
+        self.parts.push(FingerprintPart { key: key.to_owned(), value: Value::Digest { crc: crc.finalize(), bytes } });
         Ok(())
     }
 
@@ -220,19 +220,19 @@ impl Display for Differences {
 
 /// Counts and sums what is written to it.
 #[derive(Default)]
-struct Sum {
+struct Digest {
     crc: crc32fast::Hasher,
     bytes: u64,
 }
 
-impl Sum {
+impl Digest {
     fn add(&mut self, data: &[u8]) {
         self.crc.update(data);
         self.bytes += data.len() as u64;
     }
 }
 
-impl Write for Sum {
+impl Write for Digest {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
         self.add(data);
         Ok(data.len())

@@ -9,7 +9,6 @@
 //! checks ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
 //! [`place`] where it was written.
 
-mod build;
 mod choice;
 mod comments;
 mod ergun;
@@ -17,11 +16,13 @@ mod error;
 pub mod fault;
 mod findings;
 pub mod fingerprint;
+mod lower;
 mod overrides;
 mod picture;
 pub mod place;
 pub mod pointer;
 pub mod schema;
+mod schema_check;
 mod shape;
 mod source;
 pub mod spec;
@@ -29,7 +30,6 @@ mod strict;
 mod text;
 mod tolerant;
 mod typed;
-mod walk;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub use source::Source;
 pub use spec::Problem;
 
 use crate::warning::Warning;
-use build::geometry::Geometry;
+use lower::geometry::Geometry;
 use schema::CaseFile;
 
 /// A case that was read and found good.

@@ -5,18 +5,18 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::build::geometry::Geometry;
-use super::build::{Built, build};
 use super::comments::blank;
 use super::fault::{Fault, Faults, Part};
 use super::findings::{Findings, Told};
+use super::lower::geometry::Geometry;
+use super::lower::{Built, build};
 use super::place::{Place, Written};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
+use super::schema_check::walk;
 use super::text::{NoJson, parse};
 use super::tolerant::Tree;
 use super::typed::typed;
-use super::walk::walk;
 use super::{Case, CaseError, overrides};
 
 /// Where a case comes from.

@@ -1,4 +1,4 @@
-//! From JSON to the schema's structs. Serde stops at the first fault; [`super::walk`] finds them all, and what it
+//! From JSON to the schema's structs. Serde stops at the first fault; [`super::schema_check`] finds them all, and what it
 //! cannot know is told in serde's words.
 
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! The largest displacement at the end of a run.
 
-use crate::drive::observer::{Coming, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::scene::Scene;
 
 /// The largest displacement at the end, for the report.
@@ -19,12 +19,12 @@ impl<'a> Farthest<'a> {
 }
 
 impl Observer for Farthest<'_> {
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         Ok(())
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::complain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::warning::{Warning, WarningCode};
 
 /// Between two updates of the line.
@@ -36,7 +36,7 @@ pub struct Progress {
     bar: ProgressBar,
     display: Display,
     end: f64,
-    clock: Option<Clock>,
+    clock: Option<RefreshClock>,
     /// steps until the clock is read next
     countdown: u64,
     every: u64,
@@ -54,7 +54,7 @@ struct Since {
 
 /// What the line last knew; exists once a run has started and is to be shown.
 #[derive(Clone, Copy, Debug)]
-struct Clock {
+struct RefreshClock {
     start: f64,
     looked: Instant,
     drawn: Instant,
@@ -73,7 +73,7 @@ struct Rates {
 
 /// What the line shows.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct ProgressLine {
     t: f64,
     end: f64,
     step_size: f64,
@@ -136,7 +136,7 @@ impl Progress {
         clock.rates.steps = smooth(clock.rates.steps, self.since.steps as f64 / seconds);
         clock.rates.time = smooth(clock.rates.time, (t - clock.t) / seconds);
         (clock.drawn, clock.t) = (now, t);
-        let line = Line {
+        let line = ProgressLine {
             t,
             end: self.end,
             step_size,
@@ -159,7 +159,7 @@ impl Observer for Progress {
                 self.bar.suspend(|| complain(&format!("start-up {}", startup.text())));
             }
             let (now, t) = (Instant::now(), at.state.t);
-            self.clock = Some(Clock { start: t, looked: now, drawn: now, t, rates: Rates::default() });
+            self.clock = Some(RefreshClock { start: t, looked: now, drawn: now, t, rates: Rates::default() });
         }
         Ok(())
     }
@@ -168,18 +168,12 @@ impl Observer for Progress {
         self.started(at, ledger)
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let t = step.to.state.t;
-        self.stepped(t, t - step.from.state.t, step.newton_iterations);
-        Ok(())
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.t, step.t - step.from, 0);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.t, step.h(), step.newton_iterations);
         Ok(())
     }
 
@@ -204,7 +198,7 @@ impl Drop for Progress {
     }
 }
 
-impl Line {
+impl ProgressLine {
     fn text(&self) -> String {
         let Self { t, end, step_size, newton, rates } = *self;
         let mut text = format!("t {} of {} s  {} steps/s", short(t), short(end), short(rates.steps));
@@ -255,15 +249,14 @@ fn time_left(remaining: f64, rate: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::state::State;
 
     /// The line shows what a person waits for, and leaves out what the scheme does not have.
     #[test]
     fn line_reads_well() {
         let rates = Rates { steps: 12_345.6, time: 0.01 };
-        let line = Line { t: 0.5, end: 2.0, step_size: 1e-5, newton: 2.345, rates };
+        let line = ProgressLine { t: 0.5, end: 2.0, step_size: 1e-5, newton: 2.345, rates };
         assert_eq!(line.text(), "t 0.5 of 2 s  12346 steps/s  h 1.00e-5 s  Newton 2.3  2 min 30 s left");
-        let still = Line { newton: 0.0, rates: Rates { steps: 0.0, time: 0.0 }, ..line };
+        let still = ProgressLine { newton: 0.0, rates: Rates { steps: 0.0, time: 0.0 }, ..line };
         assert_eq!(still.text(), "t 0.5 of 2 s  0 steps/s  h 1.00e-5 s");
         assert_eq!(time_left(7200.0, 1.0).as_deref(), Some("2 h 00 min"));
         assert_eq!(time_left(1.0, f64::NAN), None);
@@ -272,20 +265,10 @@ mod tests {
     /// While steps are quick the clock is read ever more rarely; when they become slow, at once again.
     #[test]
     fn clock_is_read_sparsely() {
-        let point = |t| Point { state: State { t, ..State::default() }, ..Point::default() };
-        let (from, to) = (point(0.0), point(0.1));
-        let view = StepView {
-            step: 1,
-            from: &from,
-            to: &to,
-            ledger: LedgerRow::default(),
-            newton_iterations: 3,
-            residual: 0.0,
-            credible: true,
-        };
+        let view = AcceptedStep { step: 1, t: 0.1, newton_iterations: 3, ..AcceptedStep::default() };
         let mut progress = Progress::new(1.0, Display::Quiet);
         let now = Instant::now();
-        progress.clock = Some(Clock { start: 0.0, looked: now, drawn: now, t: 0.0, rates: Rates::default() });
+        progress.clock = Some(RefreshClock { start: 0.0, looked: now, drawn: now, t: 0.0, rates: Rates::default() });
         for _ in 0..1000 {
             progress.accepted(view).expect("a progress line cannot fail");
         }

@@ -3,7 +3,7 @@
 use super::{CaseArgs, CliError, Finished, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 use crate::study::stability::{Beginning, Stability, StabilitySpec, Status, study, table, write};

@@ -4,15 +4,16 @@
 //! and only then is anything said.
 
 use super::complain;
-use crate::analysis::critical::{CriticalStep, Effort, Spectrum, remedy};
-use crate::analysis::rates::step_by_bounds;
+use crate::analysis::critical::step_by_bounds;
+use crate::analysis::critical::{CriticalStep, Effort, remedy};
+use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
-use crate::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
-use crate::scene::{BoundRoom, Scene, place_of};
+use crate::scene::{BoundBuffer, Scene, place_of};
 use crate::warning::WarningCode;
 use std::io::IsTerminal;
 
@@ -22,7 +23,7 @@ const PASSES: u32 = 5;
 const SHARE: u32 = 100;
 /// At first a look follows the last after one part in so many of the steps made.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the stride in
+/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the block in
 /// which it grows so.
 const LIVELIER: f64 = 4.0;
 /// The spectrum is asked where the measure says that the critical step is below so many steps.
@@ -66,7 +67,7 @@ pub(super) struct Stiffening<'a> {
     kinetic: f64,
     /// [J] one since that asks for another; else 0
     livelier: f64,
-    room: BoundRoom,
+    room: BoundBuffer,
     /// critical step over measure, where both were last known
     ratio: Option<f64>,
     /// [s] measure at which the spectrum is asked next
@@ -88,7 +89,7 @@ impl<'a> Stiffening<'a> {
         let [still, moving] = method.info.evaluations;
         let evaluations = if damped { moving } else { still }.max(1);
         let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
-        let mut room = BoundRoom::default();
+        let mut room = BoundBuffer::default();
         let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut room);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
@@ -189,18 +190,13 @@ impl Observer for Stiffening<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.step, step.ledger.kinetic, Some((step.to, step.to.state.t - step.from.state.t)));
-        Ok(())
+    /// The state of the next look.
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        Wants::end_if(step.step >= self.next)
     }
 
-    /// As far as the next look.
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.iter().position(|step| step.step >= self.next).map_or(coming.len(), |last| last + 1)
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.step, step.ledger.kinetic, step.at.map(|at| (at, step.t - step.from)));
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.step, step.ledger.kinetic, step.end.map(|end| (end, step.h())));
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use super::interrupt::stop_on_interrupt;
 use super::tradeoff_text::{planned, shard_done, summary, written};
 use super::{CliError, Finished, complain};
 use crate::case::Case;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 use crate::study::answers::Answers;
 use crate::study::bench::fingerprint_of;
 use crate::study::difference::differences;

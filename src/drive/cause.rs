@@ -1,9 +1,10 @@
 //! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is
 //! held.
 
-use crate::analysis::critical::{Confidence, CriticalStep, Effort, Spectrum, has_limit, implicit_for, remedy};
+use crate::analysis::critical::{Confidence, CriticalStep, Effort, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
+use crate::analysis::spectrum::Spectrum;
 use crate::figures::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::forces::Role;

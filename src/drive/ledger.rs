@@ -82,7 +82,7 @@ impl Ledger {
         (self.close(system, kinetic, &to.forces.tallies), by_stages)
     }
 
-    /// The same for a step of a stride.
+    /// The same for a step of a block.
     pub fn passed(&mut self, system: &dyn System, end: &Passed) -> LedgerRow {
         self.work.external += end.nodes.work.external;
         self.work.dissipated -= end.nodes.work.dissipative;

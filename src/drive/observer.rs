@@ -1,7 +1,7 @@
-//! What a run tells its observers: both ends of every accepted step, or, of steps that they allow to be made several at
-//! once, the account and a few figures.
+//! What a run shows its observers: the energy account of every accepted step, and the states they ask for.
 
 pub use super::snapshot::{Occasion, Resumable};
+use crate::model::picture::Picture;
 pub use crate::model::point::Point;
 use crate::model::stride::Passed;
 
@@ -30,43 +30,59 @@ impl LedgerRow {
     }
 }
 
-/// One accepted step. Its states are in [the engine's numbering](crate::model::state).
-#[derive(Clone, Copy, Debug)]
-pub struct StepView<'a> {
+/// A step that is about to be made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UpcomingStep {
     /// number of the step, counted from 1
     pub step: u64,
-    /// where it started
-    pub from: &'a Point,
-    /// where it ended
-    pub to: &'a Point,
-    /// account at `to`
-    pub ledger: LedgerRow,
-    /// Newton iterations of the step, 0 for explicit schemes
-    pub newton_iterations: u32,
-    /// [-] final residual over its scale, 0 for explicit schemes
-    pub residual: f64,
-    /// whether the state at `to` can be right: the scheme has made no more energy than there was, and no node moved
-    /// farther than the scene's size; steps made in strides are
-    pub credible: bool,
-}
-
-/// A step that may be made in a [stride](crate::model::stride).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Coming {
-    /// its number
-    pub step: u64,
-    /// [s] its size
-    pub h: f64,
+    /// [s] time at its start
+    pub from: f64,
     /// [s] time at its end
     pub t: f64,
-    /// whether the largest strain is to be told of its end; an observer that wants it sets this
-    pub stretch_wanted: bool,
 }
 
-/// An accepted step of a stride.
-#[derive(Clone, Copy, Debug)]
-pub struct Passing<'a> {
-    /// number of the step
+impl UpcomingStep {
+    /// [s] its size
+    pub fn h(&self) -> f64 {
+        self.t - self.from
+    }
+}
+
+/// The states of a step that an observer wants to see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum States {
+    /// none: the account of the step is enough
+    None,
+    /// the state at its end
+    End,
+    /// the states at both ends
+    #[default]
+    BothEnds,
+}
+
+/// What an observer wants to know of a step. A run makes several steps at once where nobody wants their states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wants {
+    /// states
+    pub states: States,
+    /// whether [`AcceptedStep::max_strain`] is asked for where no state is
+    pub strain: bool,
+}
+
+impl Wants {
+    /// The account alone.
+    pub const ACCOUNT: Self = Wants { states: States::None, strain: false };
+
+    /// The state at the end if `wanted`, else the account alone.
+    pub fn end_if(wanted: bool) -> Self {
+        Wants { states: if wanted { States::End } else { States::None }, strain: false }
+    }
+}
+
+/// An accepted step. Its states are in [the engine's numbering](crate::model::state).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AcceptedStep<'a> {
+    /// number of the step, counted from 1
     pub step: u64,
     /// [s] time at its start
     pub from: f64,
@@ -74,10 +90,49 @@ pub struct Passing<'a> {
     pub t: f64,
     /// account at its end
     pub ledger: LedgerRow,
-    /// what is left of its end
-    pub passed: &'a Passed,
-    /// its end; that of the last step of a stride only
-    pub at: Option<&'a Point>,
+    /// state at its start; there where an observer wants both ends
+    pub start: Option<&'a Point>,
+    /// state at its end; there where an observer wants it
+    pub end: Option<&'a Point>,
+    /// summary of the state at its end, where that state is not kept
+    pub summary: Option<&'a Passed>,
+    /// Newton iterations of the step, 0 for explicit schemes
+    pub newton_iterations: u32,
+    /// [-] final residual over its scale, 0 for explicit schemes
+    pub residual: f64,
+    /// whether its end can be right: the scheme has made no more energy than there was, and no node moved farther than
+    /// the scene's size
+    pub credible: bool,
+}
+
+impl<'a> AcceptedStep<'a> {
+    /// [s] its size
+    pub fn h(&self) -> f64 {
+        self.t - self.from
+    }
+
+    /// The states at both ends, where they are there.
+    pub fn ends(&self) -> Option<[&'a Point; 2]> {
+        Some([self.start?, self.end?])
+    }
+
+    /// [m/s] largest speed at its end
+    pub fn max_speed(&self, picture: &dyn Picture) -> f64 {
+        match (self.summary, self.end) {
+            (Some(summary), _) => summary.max_speed(),
+            (None, Some(end)) => picture.max_speed(end.state.as_ref()),
+            (None, None) => f64::NAN,
+        }
+    }
+
+    /// [-] largest strain at its end, where [`Wants::strain`] or the state was asked for
+    pub fn max_strain(&self, picture: &dyn Picture) -> f64 {
+        match (self.summary, self.end) {
+            (Some(summary), _) => summary.max_strain(),
+            (None, Some(end)) => picture.max_strain(end.state.as_ref()),
+            (None, None) => f64::NAN,
+        }
+    }
 }
 
 /// Why an observer stops a run.
@@ -114,8 +169,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Before every step or [stride](Observer::stride), and once more when the run is interrupted: a moment to keep a
-    /// snapshot.
+    /// At states from which a run can be resumed: the start, after every step whose state an observer wanted, and when
+    /// the run is interrupted.
     ///
     /// # Errors
     /// When it cannot be kept.
@@ -123,34 +178,24 @@ pub trait Observer {
         Ok(())
     }
 
+    /// What it wants to know of a step that is about to be made, given all steps that were accepted so far. Asked of
+    /// the next steps in order, up to the first of which a state is wanted.
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        let _ = step;
+        Wants::default()
+    }
+
     /// After every accepted step.
     ///
     /// # Errors
     /// When results cannot be written.
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError>;
-
-    /// How many of the coming steps, of which the first begins at `from` [s], may be made in one go: the observer then
-    /// hears of all of them by [`Observer::passed`], with the state at the end of the last only. Below 2: none, as for
-    /// every observer that does not say otherwise.
-    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
-        let _ = (from, coming);
-        0
-    }
-
-    /// After every step of a stride, in place of [`Observer::accepted`].
-    ///
-    /// # Errors
-    /// When results cannot be written.
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        let _ = step;
-        Ok(())
-    }
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError>;
 
     /// Once, when the scheme has made energy worth a warning; the run goes on.
     fn doubted(&mut self, _warning: &str) {}
 
-    /// Before [`Observer::finished`] where the run has failed: states that are not [credible](StepView::credible) right
-    /// before the end are not worth showing.
+    /// Before [`Observer::finished`] where the run has failed. States right before the end that are not
+    /// [credible](AcceptedStep::credible) are not worth showing.
     ///
     /// # Errors
     /// When results cannot be written.

@@ -1,9 +1,9 @@
 //! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go
-//! (`stride`).
+//! (`step_block`).
 
 mod attempt;
 mod reach;
-mod stride;
+mod step_block;
 mod take;
 
 use super::clock::Tick;
@@ -104,7 +104,7 @@ fn go_on(
             status = Status::Interrupted;
             break;
         }
-        if run.stride(stepper, observers)? {
+        if run.step_block(stepper, observers)? {
             continue;
         }
         if let Err(stopped) = run.advance(stepper, observers)? {
@@ -144,7 +144,7 @@ struct Run<'a> {
     failure: Option<Failure>,
     new_doubt: Option<String>,
     doubt: Option<String>,
-    strides: stride::Strides,
+    blocks: step_block::StepBlocks,
     /// whether it is to end before its end
     stop: Stop<'a>,
 }
@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
             failure: None,
             new_doubt: None,
             doubt: None,
-            strides: stride::Strides::default(),
+            blocks: step_block::StepBlocks::default(),
             stop: Stop::NEVER,
         }
     }

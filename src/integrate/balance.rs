@@ -1,5 +1,5 @@
-//! The loops of an implicit step's equations over all degrees of freedom; fixed ones have z = 0, and what comes out for
-//! them is not looked at.
+//! The loops of an implicit step's equations over all degrees of freedom. Slices are `[n_dof]`. Fixed degrees of
+//! freedom have z = 0, and their results are not used.
 
 use super::stage::StageMap;
 use crate::model::lanes::{LANES, Lanes};
@@ -7,7 +7,7 @@ use crate::model::workers::Workers;
 use multiversion::multiversion;
 use std::ops::Range;
 
-/// A step's start.
+/// State at the step's start.
 #[derive(Clone, Copy)]
 pub(super) struct Start<'a> {
     /// [m]
@@ -38,7 +38,7 @@ fn displace_some(map: StageMap, z: &[f64], n: Start<'_>, (x, v): (&mut [f64], &m
     }
 }
 
-/// [N] forces at both ends, and what inertia they meet.
+/// [N] forces at both ends of a step, and the masses.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<'a> {
     pub f_n: &'a [f64],
@@ -53,7 +53,7 @@ impl<'a> Forces<'a> {
     }
 }
 
-/// a = ca z + av v_n + aa a_n,   r = M ((1 - am) a + am a_n) - (1 - af) f - af f_n [N], in the place of z
+/// a = ca z + av v_n + aa a_n,   r = M ((1 - am) a + am a_n) - (1 - af) f - af f_n [N], which overwrites z.
 pub(super) fn unbalanced(
     workers: &Workers,
     map: StageMap,
@@ -73,7 +73,7 @@ fn unbalanced_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, (a, z_to_r):
     }
 }
 
-/// What rounding is proportional to, besides the forces.
+/// What rounding errors are proportional to, besides the forces.
 #[derive(Clone, Copy)]
 pub(super) struct Sizes<'a> {
     /// [N/m] by degree of freedom
@@ -84,7 +84,7 @@ pub(super) struct Sizes<'a> {
     pub a: &'a [f64],
 }
 
-/// [N] The rounding of every residual: positions are rounded to eps |x|, which springs turn into force; inertia is a
+/// [N] Rounding error of every residual: positions are rounded to eps |x|, which springs turn into force; inertia is a
 /// difference of terms as large as M v/(beta h).
 pub(super) fn rounding(
     workers: &Workers,
@@ -113,7 +113,7 @@ fn rounding_some(map: StageMap, n: Start<'_>, forces: Forces<'_>, sizes: Sizes<'
     }
 }
 
-/// a + s (a - a_b) [m/s^2]: on along a straight line from the accelerations a_b before the last step
+/// a + s (a - a_b) [m/s^2]: linear extrapolation from the accelerations a_b before the last step.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn go_on(s: f64, before: &[f64], a: &[f64], out: &mut [f64]) {
     for ((out, before), a) in out.iter_mut().zip(before).zip(a) {
@@ -121,7 +121,7 @@ pub(super) fn go_on(s: f64, before: &[f64], a: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Whether accelerations came out nearer to what was expected than to those at the start, in the mean square.
+/// Whether the accelerations `a` are nearer to the expected ones than to those at the start, in the mean square.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn came_as(expected: &[f64], a_n: &[f64], a: &[f64]) -> bool {
     let (mut gained, mut last) = (Lanes::default(), 0.0);

@@ -1,32 +1,32 @@
-//! The engine shared by Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton, one linear
+//! The engine of Newmark, HHT, generalised alpha and backward Euler: one stage map, one Newton iteration, one linear
 //! solver.
 //!
 //! The unknown is the displacement z of the step, over the free degrees of freedom, so that digits do not depend on
-//! where the origin is. Per iteration: one force pass and one solve, with W = cm M + cc C + ck K of the iterate,
-//! assembled into its slots and factorised, or with one that is kept (`kept`).
+//! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
+//! with a reused matrix (`factor_cache`).
 
 use super::balance::{came_as, go_on};
-use super::equations::{Equations, Guess, scales};
-use super::kept::Kept;
+use super::equations::{DofData, Equations, Guess, LinearState, StepStart, Workspace, scales};
+use super::factor_cache::FactorCache;
 use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
-pub use super::tangents::{Factor, kept_factor, refusal};
+pub use super::tangents::{Factor, cached_factor, refusal};
 use super::updates::acceleration;
 use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
+use crate::assembly::TangentSystem;
 use crate::model::point::Point;
-use crate::model::system::TangentSystem;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
 use crate::solve::{Accuracy, LinearChoice, LinearError, LinearStats};
 
-/// [-] What a solve for a filtered error may leave: it is only looked at.
+/// [-] Relative residual of a solve for a filtered error, of which only the size matters.
 const FILTER_RELATIVE: f64 = 1e-3;
 
 /// The trapezoidal rule, which carries the true acceleration and is of order 2 from its first step on. HHT and
-/// generalised alpha need one that lags behind, by a share of a step, which no step of the present forces has made
-/// after a restart: a true one instead is an error of order h in a, in the first step and the one after.
+/// generalised alpha need an acceleration that lags behind by a share of a step. After a restart no step has produced
+/// one; the true acceleration instead would be an error of order h in a, in the first step and the next.
 const TRAPEZOIDAL: NewmarkParameters = NewmarkParameters { beta: 0.25, gamma: 0.5 };
 
-/// A scheme of the family: nothing but its stage map.
+/// A scheme of the family: its stage map.
 pub trait ImplicitScheme: Send {
     /// The map for a step of size `h` [s].
     fn map(&self, h: f64) -> StageMap;
@@ -45,43 +45,32 @@ pub struct SolverSpec {
 pub struct Implicit<M> {
     scheme: M,
     spec: SolverSpec,
-    /// a_n, what the scheme carries
+    /// [m/s^2] a_n, carried from step to step `[n_dof]`
     a: Vec<f64>,
     trend: Trend,
     /// whether the next step is the first after a restart
     anew: bool,
-    /// [s] the step that a_n was made with; 0 before the first
+    /// [s] size of the step that produced a_n; 0 before the first
     made_with: f64,
-    /// [s] the step attempted last
+    /// [s] size of the last attempt
     attempted: f64,
     solver: Option<Solver>,
 }
 
-/// What a step works with, made once.
+/// What steps work with, made at the start of a run.
 struct Solver {
-    tangents: Tangents,
     newton: Newton,
-    kept: Kept,
+    linear: LinearState,
+    dofs: DofData,
+    workspace: Workspace,
+    /// the unknowns `[n]`
     z: Vec<f64>,
-    /// a_n as a step of another size would have left it
+    /// [m/s^2] a_n, scaled to the size of the step `[n_dof]`
     a: Vec<f64>,
-    a_next: Vec<f64>,
-    /// room for vectors over all degrees of freedom
-    wide: [Vec<f64>; 2],
-    /// [kg] by degree of freedom
-    mass: Vec<f64>,
-    /// [N/m] by degree of freedom
-    stiffness: Vec<f64>,
-    /// [1/s^2] the largest of that over its mass
-    fastest: f64,
-    /// [m/s^2] accelerations if they go on along a straight line
+    /// [m/s^2] accelerations at the step's end if they change linearly `[n_dof]`
     expected: Vec<f64>,
-    /// whether the last attempt began from its first guess
+    /// whether the last attempt kept its first guess
     guessed_well: bool,
-    /// half way to a first guess
-    halfway: Point,
-    /// [1/s^2] weight of the mass in the W that is factorised, if the last attempt made one
-    mass_weight: Option<f64>,
 }
 
 impl<M: ImplicitScheme> Implicit<M> {
@@ -104,29 +93,17 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn start(&mut self, system: &dyn TangentSystem, at: &Point) -> Result<(), StepError> {
         let tangents = Tangents::new(system, self.spec.newton.strategy, self.spec.linear)?;
         let (n, unknowns) = (system.n_dof(), tangents.dof.len());
-        let newton = Newton::new(self.spec.newton, unknowns);
-        self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         let zero = || vec![0.0; n];
-        let z = vec![0.0; unknowns];
-        let mut mass = zero();
-        system.mass_times(&vec![1.0; n], &mut mass);
-        let stiffness = system.nodal_stiffness();
-        let fastest = stiffness.iter().zip(system.inverse_mass()).fold(0.0, |most: f64, (k, m)| most.max(k * m));
+        self.a = at.forces.total.iter().zip(system.inverse_mass()).map(|(f, m)| m * f).collect();
         self.solver = Some(Solver {
-            tangents,
-            newton,
-            kept: Kept::new(n),
-            z,
+            newton: Newton::new(self.spec.newton, unknowns),
+            linear: LinearState { tangents, cache: FactorCache::new(n), mass_weight: None },
+            dofs: DofData::of(system),
+            workspace: Workspace::new(at),
+            z: vec![0.0; unknowns],
             a: zero(),
-            a_next: zero(),
-            wide: [zero(), zero()],
-            mass,
-            stiffness,
-            fastest,
             expected: zero(),
             guessed_well: true,
-            halfway: at.clone(),
-            mass_weight: None,
         });
         self.trend = Trend { before: zero(), straight: false };
         (self.made_with, self.attempted, self.anew) = (0.0, 0.0, false);
@@ -151,42 +128,23 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
         let guess = first_guess(&self.trend, lag, &mut s.expected);
         self.attempted = h;
-        s.mass_weight = None;
-        let scales = scales(system, from, &s.a, map, &mut s.wide[0]);
+        s.linear.mass_weight = None;
+        let scales = scales(system, from, &s.a, map, &mut s.workspace.residual);
         let largest = from.state.x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let mut stage = Equations {
-            system,
-            map,
-            from,
-            a: &s.a,
-            to,
-            counters,
-            tangents: &mut s.tangents,
-            kept: &mut s.kept,
-            a_next: &mut s.a_next,
-            mass: &s.mass,
-            wide: s.wide.each_mut().map(|wide| &mut wide[..]),
-            stiffness: &s.stiffness,
-            fastest: s.fastest,
-            expected: &s.expected,
-            h,
-            largest,
-            force_scale: scales.residual,
-            guess,
-            halfway: &mut s.halfway,
-            mass_weight: &mut s.mass_weight,
-        };
-        stage.recall()?;
+        let start = StepStart { largest, from, a: &s.a, expected: &s.expected, h, force_scale: scales.residual };
+        let (dofs, workspace, linear) = (&s.dofs, &mut s.workspace, &mut s.linear);
+        let mut stage = Equations { system, map, start, to, guess, dofs, workspace, linear, counters };
+        stage.rebuild_factor()?;
         stage.fill(&mut s.z);
-        let mut frozen = stage.kept.usable(stage.weights());
+        let mut frozen = stage.linear.cache.history_for(stage.weights());
         let solved = s.newton.solve(&mut stage, &mut s.z, scales, &mut frozen);
         s.guessed_well = stage.guess == guess;
-        s.kept.learn(frozen);
+        s.linear.cache.set_history(frozen);
         let iterations = solved.as_ref().map_or_else(NewtonFailure::iterations, |report| report.iterations);
         counters.newton_iterations += u64::from(iterations);
         let report = solved?;
         if bridge {
-            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.a_next);
+            lag_behind(own.lag(), &self.a, (&to.forces.total, system.inverse_mass()), &mut s.workspace.a_next);
         }
         Ok(StepReport {
             newton_iterations: report.iterations,
@@ -198,18 +156,18 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
-            // After the first step there is nothing yet to compare with.
-            let straight = self.made_with == 0.0 || came_as(&s.expected, &s.a, &s.a_next);
+            // The first step has no predecessor to compare with.
+            let straight = self.made_with == 0.0 || came_as(&s.expected, &s.a, &s.workspace.a_next);
             self.trend.straight = straight && s.guessed_well;
             self.trend.before.copy_from_slice(&self.a);
-            std::mem::swap(&mut self.a, &mut s.a_next);
-            s.kept.accept();
+            std::mem::swap(&mut self.a, &mut s.workspace.a_next);
+            s.linear.cache.accept();
             self.made_with = self.attempted;
             self.anew = false;
         }
     }
 
-    /// a = M^-1 f, as before the first step: no step of the present forces has made an acceleration yet.
+    /// a = M^-1 f, as before the first step.
     fn restart(&mut self, system: &dyn TangentSystem, at: &Point) {
         acceleration(system, &mut self.a, &at.forces.total);
         self.trend.straight = false;
@@ -218,7 +176,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn save(&self) -> Carried {
         let mut vectors = vec![self.a.clone()];
-        let factor = self.solver.as_ref().and_then(|s| s.kept.save(&mut vectors));
+        let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
         Carried { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
     }
 
@@ -229,9 +187,9 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         }
         match (&mut self.solver, &carried.factor) {
             (Some(s), Some(factor)) => {
-                let [x, v] = s.kept.room();
+                let [x, v] = s.linear.cache.state_vectors();
                 carried.take_into(&mut [&mut self.a, x, v])?;
-                s.kept.restore(*factor);
+                s.linear.cache.restore(*factor);
                 Ok(())
             }
             _ => carried.take_into(&mut [&mut self.a]),
@@ -240,37 +198,37 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
 
     fn filter_error(&mut self, e: &mut [f64], _: &dyn TangentSystem, counters: &mut Counters) -> Result<(), StepError> {
         let Some(s) = &mut self.solver else { return Ok(()) };
-        let Some(weight) = s.mass_weight else { return Ok(()) };
+        let Some(weight) = s.linear.mass_weight else { return Ok(()) };
         if !e.iter().all(|e| e.is_finite()) {
             return Ok(());
         }
-        for (&dof, b) in s.tangents.dof.iter().zip(&mut s.z) {
-            *b = weight * (s.mass[dof as usize] * e[dof as usize]);
+        for (&dof, b) in s.linear.tangents.dof.iter().zip(&mut s.z) {
+            *b = weight * (s.dofs.mass[dof as usize] * e[dof as usize]);
         }
-        s.tangents.ask(Accuracy::to(FILTER_RELATIVE));
-        match s.tangents.solve(&mut s.z, counters) {
-            // Conjugate gradients that cannot: an estimate that is not filtered is too large, never too small.
+        s.linear.tangents.ask(Accuracy::to(FILTER_RELATIVE));
+        match s.linear.tangents.solve(&mut s.z, counters) {
+            // If conjugate gradients fail, the unfiltered estimate is too large, never too small.
             Err(LinearError::Indefinite { .. } | LinearError::Stalled { .. }) => return Ok(()),
             solved => solved?,
         }
-        for (&dof, b) in s.tangents.dof.iter().zip(&s.z) {
+        for (&dof, b) in s.linear.tangents.dof.iter().zip(&s.z) {
             e[dof as usize] = *b;
         }
         Ok(())
     }
 
     fn dof_of_unknown(&self, unknown: usize) -> usize {
-        let dof = self.solver.as_ref().and_then(|s| s.tangents.dof.get(unknown));
+        let dof = self.solver.as_ref().and_then(|s| s.linear.tangents.dof.get(unknown));
         dof.map_or(0, |&dof| dof as usize)
     }
 
     fn linear_stats(&self) -> Option<LinearStats> {
-        self.solver.as_ref().and_then(|s| s.tangents.stats())
+        self.solver.as_ref().and_then(|s| s.linear.tangents.stats())
     }
 }
 
-/// The acceleration that HHT and generalised alpha would have carried out of a step that another scheme has made, in
-/// place of the true one: a = M^-1 f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start.
+/// The acceleration that HHT and generalised alpha would have carried out of a step made by another scheme: a = M^-1
+/// f_{n+1} - lag (M^-1 f_{n+1} - a_n), where a_n is the true one at its start. All slices `[n_dof]`.
 fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mut [f64]) {
     for (((a, a_n), f), m) in a.iter_mut().zip(a_n).zip(f).zip(inverse_mass) {
         let now = m * f;
@@ -278,7 +236,7 @@ fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mu
     }
 }
 
-/// Where a step begins to look for its end; `expected` is what accelerations will be if they go on as they did.
+/// The first guess of a step; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
 fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 {
         go_on(lag.h / lag.made_with, &trend.before, lag.a, expected);
@@ -286,7 +244,7 @@ fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 && trend.straight { Guess::Trend } else { Guess::ConstantAcceleration }
 }
 
-/// The acceleration a scheme carries, on its way into a step of `h` [s].
+/// The acceleration a scheme carries into a step of `h` [s].
 #[derive(Clone, Copy)]
 struct Lag<'a> {
     h: f64,
@@ -295,9 +253,10 @@ struct Lag<'a> {
 }
 
 impl Lag<'_> {
-    /// HHT and generalised alpha carry an acceleration that stands for another time than the state, by a share of the
-    /// step: a - M^-1 f is proportional to the step that made it, and is scaled to the next one's size. Left as it is,
-    /// every change of the step would make an error of order h in a.
+    /// Writes the acceleration for a step of this size into `out` [m/s^2]. HHT and generalised alpha carry an
+    /// acceleration of another time than the state, by a share of the step: a - M^-1 f is proportional to the step that
+    /// produced it, and is scaled to the next step's size. Otherwise every change of the step would make an error of
+    /// order h in a.
     fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
         let &Lag { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {

@@ -10,20 +10,19 @@
 //! *is* the viscous part of F and is not added a second time. A fixed node counts in its neighbours' D and contributes
 //! nothing to their sums.
 //!
-//! The published filter acts along slack springs too and brakes free flight on them to v exp(-k h t/m). Here springs
-//! with a slack law are in the filter only if they are taut at x or at x + h v; one that is slack at x but not at x + h
-//! v pulls with k (l - l0) as if it were taut at x ([`StepFilter`]). So free flight keeps its speed, and a rope catches
-//! a mass as by backward Euler, without energy made at any kappa; what is thrown back keeps 1/(1 + kappa) of its speed
-//! in the step in which the rope goes slack. Springs in a row or in a net with slack ones among them are about as
-//! stable as with all in the filter, which does not hold for every step either: the two sweeps see no further than a
-//! neighbour's neighbour. Hanging nets that swing down slack, rest lengths 1.2 and 1.05 times the mesh's, ran through
-//! up to kappa = 11 (a rope of 20 springs; with all in the filter to 22) and 11 (a square of 12 by 12 cells; with all
-//! in the filter to 7). A slack spring with a relative `"step"` dashpot stays in the filter: its viscosity was asked
-//! for.
+//! The published filter also acts along slack springs and brakes free flight on them to v exp(-k h t/m). Here a spring
+//! with a slack law is in the filter only if it is taut at x or at x + h v. One that is slack at x but not at x + h v
+//! pulls with k (l - l0) as if it were taut at x ([`StepFilter`]). So free flight keeps its speed, and a rope catches a
+//! mass as with backward Euler, without energy gain at any kappa. A mass thrown back keeps 1/(1 + kappa) of its speed
+//! in the step in which the rope goes slack. Rows or nets of springs with slack ones among them are about as stable as
+//! with all in the filter, but not for every step: the two sweeps see no further than a neighbour's neighbour. Hanging
+//! nets that swing down slack, with rest lengths of 1.2 and 1.05 times the mesh's, ran through up to kappa = 11 (a rope
+//! of 20 springs; with all in the filter up to 22) and 11 (a square of 12 by 12 cells; with all in the filter up to 7).
+//! A slack spring with a relative `"step"` dashpot stays in the filter, as its viscosity was asked for.
 //!
-//! With kappa = h^2 k/m the filter's artefacts: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
-//! step, momentum drifts where nodes have unequal numbers of springs, and what acts outside it is met by filtered
-//! springs only: a weight on one spring comes to rest 1 + kappa times as far down as it should.
+//! Artefacts of the filter, with kappa = h^2 k/m: a spinning dumbbell keeps (1 + kappa^2)/(1 + kappa)^2 of its speed a
+//! step, and momentum drifts if nodes have unequal numbers of springs. Forces outside the filter meet filtered springs
+//! only: a weight on one spring comes to rest 1 + kappa times too far down.
 
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
@@ -43,15 +42,15 @@ pub struct Kang {
     inverse_d: Vec<f64>,
     /// [N] gravity
     weight: Vec<f64>,
-    /// which dashpots are part of F already
+    /// which dashpots F already contains
     viscosity: Viscosity,
     /// F, the filtered forces
     filtered: Vec<f64>,
     /// h F_j / D_j
     sweep: Vec<f64>,
-    /// [N] dissipative forces that are not part of F, where some are
+    /// [N] dissipative forces outside F, if some are inside `[n_dof]`
     outer_dissipative: Vec<f64>,
-    /// the springs of a step, where some may be slack
+    /// the springs in the filter of a step, if some may be slack
     step_filter: Option<Box<dyn StepFilter>>,
 }
 
@@ -91,7 +90,7 @@ impl Integrator<dyn SpringGraph> for Kang {
         to.state.t = t_next;
         let state = (to.state.x.as_mut_slice(), to.state.v.as_mut_slice());
         let Forces { external, dissipative, .. } = &from.forces;
-        // A scene pays for what acts in it: most have no more than their weight outside.
+        // Most scenes have only their weight outside the filter; the cases avoid passes over absent forces.
         match (*viscosity, external.as_slice(), dissipative.as_slice()) {
             (Viscosity::All { .. }, [], _) | (_, [], []) => step.make(sweeps, state, [[weight]; 2]),
             (Viscosity::All { .. }, one, _) | (_, one, []) | (Viscosity::None, [], one) => {
@@ -118,7 +117,7 @@ impl Kang {
         }
     }
 
-    /// All dissipative forces but those of the dashpots that are part of F, where both are there.
+    /// All dissipative forces except those of dashpots in F, if both exist.
     fn find_outer_dissipative(&mut self, system: &dyn SpringGraph, from: &Point) {
         if self.viscosity == Viscosity::Some {
             system.workers().each(&mut self.outer_dissipative, |r, out| {
@@ -130,7 +129,7 @@ impl Kang {
     }
 }
 
-/// What a step begins with.
+/// State and parameters of a step.
 struct Step<'a> {
     system: &'a dyn SpringGraph,
     from: &'a Point,
@@ -142,12 +141,11 @@ struct Step<'a> {
     step_filter: Option<&'a dyn StepFilter>,
 }
 
-/// The forces that make up what acts outside the filter: as they are in the total of all forces, and as they are beside
-/// F.
+/// The forces outside the filter: as they enter the total of all forces, and as they act beside F.
 type Outside<'a, const N: usize> = [[&'a [f64]; N]; 2];
 
 impl Step<'_> {
-    /// Both sweeps, of which the second moves the nodes.
+    /// Makes both sweeps; the second moves the nodes.
     fn make<const N: usize>(
         &self,
         (f, sweep): (&mut [f64], &mut [f64]),
@@ -174,11 +172,11 @@ impl Step<'_> {
         });
     }
 
-    /// Finds what is viscous in F: dashpots' forces [N], or sums of k (v_j - v_i) [N/s], with the step filter's
-    /// correction over h. Returns what F has of it besides what is among all forces already, [-] or [s].
+    /// Writes the viscous part of F into `out`: forces of dashpots [N], or sums of k (v_j - v_i) [N/s], with the step
+    /// filter's correction over h. Returns its factor in F beyond what the total of all forces contains, [-] or [s].
     fn viscous(&self, dofs: Range<usize>, out: &mut [f64]) -> f64 {
         match self.viscosity {
-            // The scene's dashpots are F's, made for a step of so many seconds.
+            // The scene's dashpots are those of F, for a step of `seconds`.
             Viscosity::All { seconds } => {
                 out.copy_from_slice(&self.from.forces.dissipative[dofs]);
                 self.h / seconds - 1.0
@@ -198,11 +196,11 @@ impl Step<'_> {
     }
 }
 
-/// What F is made of.
+/// Inputs of the first sweep.
 struct Filter<'a> {
     /// [N] all forces
     total: &'a [f64],
-    /// [-] or [s] what F has of what is viscous besides what is in `total`
+    /// [-] or [s] factor of the viscous part in F beyond `total`
     share: f64,
     /// [s]
     h: f64,
@@ -210,7 +208,7 @@ struct Filter<'a> {
     inverse_d: &'a [f64],
 }
 
-/// F = total - g + share * viscous, where f is what is viscous, and h F / D
+/// F = total - g + share * viscous, where f is the viscous part on entry, and h F / D
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn filter<const N: usize>((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>, outside: [&[f64]; N]) {
     let (Filter { total, share, h, inverse_d }, n) = (with, f.len());
@@ -223,7 +221,7 @@ fn filter<const N: usize>((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>
     }
 }
 
-/// What a step is made of, in the letters of the module's equations.
+/// Inputs of the second sweep, in the letters of the module's equations.
 struct Advance<'a> {
     f: &'a [f64],
     inverse_d: &'a [f64],

@@ -1,22 +1,21 @@
-//! What a step of a method is on linear scenes M a = -K x - C v, as far as others ask: [`crate::analysis`] for limits,
+//! Properties of a method's step on linear scenes M a = -K x - C v, used by [`crate::analysis`] for limits and by
 //! diagnoses for advice.
 
 use crate::model::system::Weights;
 
-/// What is known of a method's step on linear scenes; `analysis/limit` measures all of it on oscillators.
+/// Properties of a method's step on linear scenes; tests in `analysis/limit` measure all of them on oscillators.
 #[derive(Debug)]
 pub struct LinearStep {
-    /// whether the method is a partitioned one with these parameters: it advances positions and velocities by different
-    /// formulas. Else its step is a function of h L, L = [0 I; -M^-1 K, -M^-1 C], and an eigenvalue of L alone tells
-    /// what becomes of its motion
+    /// whether the method is partitioned with these parameters: it advances positions and velocities by different
+    /// formulas. Otherwise its step is a function of h L, L = [0 I; -M^-1 K, -M^-1 C], and each eigenvalue of L alone
+    /// determines its mode
     pub partitioned: fn(&[f64]) -> bool,
-    /// whether, with default parameters, every step takes energy from an undamped oscillation, up to w h = 2 at least:
-    /// what the step is coarse for dies out without swinging
+    /// whether, with default parameters, every step removes energy from an undamped oscillation, up to w h = 2 at least
     pub always_dissipates: bool,
-    /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity as it is, whatever K does, for a method
-    /// that has such a step
+    /// [-] h c at which a step with the damping rate c [1/s] keeps a velocity unchanged whatever K is, for a method
+    /// with such a step
     pub fixed_velocity: Option<f64>,
-    /// the matrix that is positive definite in stable steps alone, for a method that has such a one on symmetric scenes
+    /// the matrix that is positive definite only in stable steps of symmetric scenes, for a method with such a matrix
     pub pencil: Option<Pencil>,
 }
 
@@ -32,12 +31,12 @@ pub struct Pencil {
 }
 
 impl LinearStep {
-    /// A method that is a function of h L with all its parameters and may leave an oscillation its energy, or add some.
+    /// A method that is a function of h L for all its parameters and may keep or raise the energy of an oscillation.
     pub const PLAIN: LinearStep =
         LinearStep { partitioned: |_| false, always_dissipates: false, fixed_velocity: None, pencil: None };
-    /// The same of a partitioned method.
+    /// The same for a partitioned method.
     pub const PARTITIONED: LinearStep = LinearStep { partitioned: |_| true, ..LinearStep::PLAIN };
-    /// The same of a method that takes energy in every step.
+    /// The same for a method that removes energy in every step.
     pub const DISSIPATIVE: LinearStep = LinearStep { always_dissipates: true, ..LinearStep::PLAIN };
 }
 
@@ -45,12 +44,12 @@ impl Pencil {
     /// 4 M - 2 h C - h^2 K.
     pub const EULER_CROMER: Pencil = Pencil { m: 4.0, c: 2.0, k: 1.0 };
 
-    /// Its weights at a step [s].
+    /// Its weights for a step `h` [s].
     pub fn at(self, h: f64) -> Weights {
         Weights { m: self.m, c: -self.c * h, k: -self.k * h * h }
     }
 
-    /// [s] The step at which it is 0 for quotients of K, `k` [1/s^2], and of C, `c` [1/s].
+    /// [s] The step at which it vanishes for the quotients of K, `k` [1/s^2], and of C, `c` [1/s].
     pub fn singular_at(self, k: f64, c: f64) -> f64 {
         let c = self.c * c;
         2.0 * self.m / (c + (c * c + 4.0 * self.m * self.k * k).sqrt())

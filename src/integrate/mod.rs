@@ -36,13 +36,13 @@ mod equations;
 pub mod euler_cromer;
 pub mod euler_richardson;
 pub mod explicit_euler;
+mod factor_cache;
 pub mod generalized_alpha;
 pub mod hht;
 pub mod implicit;
 pub mod improved_euler;
 pub mod improved_euler_pec;
 pub mod kang;
-mod kept;
 pub mod kick_drift;
 pub mod linear_step;
 pub mod newmark;
@@ -55,7 +55,7 @@ mod updates;
 pub mod velocity_verlet;
 
 pub use counters::Counters;
-pub use kept::KeptFactor;
+pub use factor_cache::CachedFactor;
 
 use crate::assembly::PatternError;
 use crate::model::point::Point;
@@ -110,7 +110,7 @@ pub struct Carried {
     /// what only the first guess of the next step depends on
     pub trend: Trend,
     /// the factor that an implicit scheme keeps; its state is in the last two vectors
-    pub factor: Option<KeptFactor>,
+    pub factor: Option<CachedFactor>,
 }
 
 /// How accelerations went on from step to step.

@@ -28,8 +28,8 @@ pub struct StageMap {
 }
 
 impl StageMap {
-    /// [-] Of a step, by which the acceleration that is carried lags behind the true one where that changes evenly:
-    /// with a_n = M^-1 (f_n - lag (f_{n+1} - f_n)) both terms of r grow alike.
+    /// [-] Share of a step by which the carried acceleration lags behind the true one if that changes linearly: with
+    /// a_n = M^-1 (f_n - lag (f_{n+1} - f_n)) both terms of r grow alike.
     pub fn lag(&self) -> f64 {
         self.af - self.am
     }

@@ -1,9 +1,10 @@
 //! A scheme bound to a scene that can do what the scheme needs.
 
 use super::{Carried, Counters, ErrorOut, Integrator, PairInfo, StepError, StepInput, StepReport};
+use crate::assembly::{Abilities, TangentSystem};
 use crate::model::point::Point;
 use crate::model::stride::Passed;
-use crate::model::system::{Abilities, SpringGraph, System, TangentSystem};
+use crate::model::system::{SpringGraph, System};
 use crate::solve::LinearStats;
 
 /// A scheme by what it needs of a system.

@@ -1,18 +1,18 @@
-//! The factorised tangents of an implicit scheme: the exact one of an iterate, and a symmetric one that is kept over
-//! many steps. Each is analysed when it is first called for; where W is symmetric they share their room, and one
-//! overwrites the other.
+//! The factorised tangents of an implicit scheme: the exact one of an iterate, and a symmetric one that is reused over
+//! many steps. Each is analysed at its first use. If W is symmetric they share their memory, and one overwrites the
+//! other.
 
 use std::sync::Arc;
 
-use super::kept::Make;
+use super::factor_cache::FactorRequest;
 use super::{Counters, StepError};
-use crate::assembly::Assembler;
+use crate::assembly::{Assembler, TangentSystem};
 use crate::model::state::StateRef;
-use crate::model::system::{TangentSystem, Weights};
+use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{
-    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, kept_solver_for,
+    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, reusing_solver_for,
     solver_for,
 };
 
@@ -20,7 +20,7 @@ use crate::solve::{
 pub struct Factor {
     /// W
     pub assembler: Assembler,
-    /// what factorises it
+    /// its solver
     pub linear: Box<dyn LinearSolver>,
 }
 
@@ -30,38 +30,38 @@ impl Factor {
         Ok(Factor { assembler, linear })
     }
 
-    fn kept(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
-        let linear = kept_solver_for(assembler.pattern.clone(), choice, workers)?;
+    fn for_reuse(assembler: Assembler, choice: LinearChoice, workers: &Workers) -> Result<Self, LinearError> {
+        let linear = reusing_solver_for(assembler.pattern.clone(), choice, workers)?;
         Ok(Factor { assembler, linear })
     }
 
-    /// [-] cost of making it in iterations without.
+    /// [-] Cost of assembly and factorisation in iterations on an existing factor.
     fn cost(&self) -> f64 {
         self.linear.stats().factor_cost(self.assembler.pattern.n())
     }
 }
 
-/// The symmetric tangent and its solver, where steps solved so keep its factor.
+/// The symmetric tangent and its solver if this strategy reuses its factor, else `None`.
 ///
 /// # Errors
 /// When the pattern cannot be found or analysed.
-pub fn kept_factor(
+pub fn cached_factor(
     system: &dyn TangentSystem,
     strategy: Strategy,
     choice: LinearChoice,
 ) -> Result<Option<Factor>, StepError> {
-    // Whoever asks for LU wants it in every iteration.
+    // An explicit choice of LU disables reuse.
     if strategy == Strategy::Full || choice == LinearChoice::Lu {
         return Ok(None);
     }
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
-    let factor = Factor::kept(assembler, choice, system.workers())?;
-    // What is not factorised is cheap to make, and cheaper to keep.
+    let factor = Factor::for_reuse(assembler, choice, system.workers())?;
+    // Conjugate gradients are cheap to set up and cheaper to reuse.
     let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), factor.assembler.pattern.n());
     Ok(keeps.then_some(factor))
 }
 
-/// Why a choice of solver does not fit a scene.
+/// Why a choice of solver does not fit a scene, if it does not.
 pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Option<LinearError> {
     match choice {
         LinearChoice::Cholesky if !symmetric => Some(LinearError::NotSymmetric),
@@ -76,20 +76,20 @@ fn count(counters: &mut Counters, before: Work, after: Work) {
     counters.cg_iterations += after.iterations - before.iterations;
 }
 
-/// Which of the two is meant.
+/// One of the two tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Which {
     Exact,
     Frozen,
 }
 
-/// Both.
+/// The exact and the reused tangent.
 pub(super) struct Tangents {
     symmetric: bool,
     choice: LinearChoice,
     exact: Option<Factor>,
     frozen: Option<Factor>,
-    /// the factor that solves
+    /// the factor that solves use
     current: Which,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
@@ -100,7 +100,7 @@ impl Tangents {
     /// When patterns cannot be found or analysed, or the choice of solver does not fit.
     pub fn new(system: &dyn TangentSystem, strategy: Strategy, choice: LinearChoice) -> Result<Self, StepError> {
         refusal(system.symmetric(), strategy, choice).map_or(Ok(()), Err)?;
-        let frozen = kept_factor(system, strategy, choice)?;
+        let frozen = cached_factor(system, strategy, choice)?;
         let exact = match &frozen {
             Some(_) => None,
             None => {
@@ -112,20 +112,20 @@ impl Tangents {
                 Some(Factor::new(assembler, choice, system.workers())?)
             }
         };
-        // A pendulum's single entry is stored in full.
+        // A pendulum's pattern is not marked symmetric.
         let symmetric = system.symmetric() && exact.as_ref().is_none_or(|f| f.assembler.pattern.symmetric);
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
-        // Where the symmetric part leads nowhere there is nothing but LU.
+        // If the symmetric part does not converge, only LU is left.
         let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
         Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof })
     }
 
-    /// [-] cost of a factorisation in iterations without one.
+    /// [-] Cost of a factorisation in iterations without one.
     pub fn factor_cost(&self) -> f64 {
         self.frozen.as_ref().map_or(0.0, Factor::cost)
     }
 
-    /// Whether a matrix is kept over many solves.
+    /// Whether a matrix is reused over many solves.
     pub fn keeps(&self) -> bool {
         self.frozen.is_some()
     }
@@ -135,12 +135,12 @@ impl Tangents {
         self.symmetric
     }
 
-    /// Further solves are with this one.
+    /// Makes further solves use this tangent.
     pub fn take(&mut self, which: Which) {
         self.current = which;
     }
 
-    /// Factorises the exact tangent.
+    /// Factorises the exact tangent, or its convex part.
     ///
     /// # Errors
     /// A tangent that is not finite or singular, or that cannot be analysed.
@@ -176,12 +176,12 @@ impl Tangents {
         made
     }
 
-    /// Whether the kept factor would be of another kind, had this been expected.
+    /// Whether another solver would have been chosen for the reused tangent with this expected use.
     pub fn prefers_another(&self, expected: Expected) -> bool {
         self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_another(expected))
     }
 
-    /// Factorises the symmetric tangent, the convex one if `convex`; `None` if there is none in this scene.
+    /// Factorises the symmetric tangent, or its convex part on request; `None` if the scene reuses none.
     ///
     /// # Errors
     /// A tangent that is not finite.
@@ -190,7 +190,7 @@ impl Tangents {
         system: &dyn TangentSystem,
         at: StateRef<'_>,
         w: Weights,
-        Make { convex, expected }: Make,
+        FactorRequest { convex, expected }: FactorRequest,
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
@@ -217,25 +217,25 @@ impl Tangents {
         solved
     }
 
-    /// The matrix that solves.
+    /// The factor that solves use.
     fn in_use(&mut self) -> Option<&mut Factor> {
         let shared = self.symmetric && self.frozen.is_some();
         if shared || self.current == Which::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
     }
 
-    /// Whether solves are with this one.
+    /// Whether solves use this tangent.
     pub fn solves_with(&self, which: Which) -> bool {
         self.current == which
     }
 
-    /// What further solves may leave of their right-hand sides.
+    /// Sets the accuracy of further solves.
     pub fn ask(&mut self, accuracy: Accuracy) {
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
             factor.linear.ask(accuracy);
         }
     }
 
-    /// The account of the solver that works most.
+    /// Name and sizes of the solver that works most.
     pub fn stats(&self) -> Option<LinearStats> {
         self.frozen.as_ref().or(self.exact.as_ref()).map(|f| f.linear.stats())
     }

@@ -12,7 +12,7 @@
 
 use super::delaunay::{sorted, triangulate};
 use super::flips::Flips;
-use super::layout::{Freedom, Plan, Request, Start};
+use super::layout::{Freedom, Layout, MeshPlan, Request};
 use super::polish::polish;
 use super::random::SplitMix64;
 use super::sdf::{SizeFunction, turned_off_seams};
@@ -49,7 +49,7 @@ const LEAST_ANGLE: f64 = 20.0;
 /// Counts that do not go together, a relaxation that finds no rest, or no attempt with acceptable angles.
 pub(super) fn generate(request: &Request, seed: u64) -> Result<Mesh, MeshError> {
     let plan = request.plan()?;
-    let mut best: Option<(f64, Start, Vec<[u32; 3]>)> = None;
+    let mut best: Option<(f64, Layout, Vec<[u32; 3]>)> = None;
     let mut failure = None;
     for attempt in 0..ATTEMPTS {
         let mut start = plan.start(SplitMix64::new(seed, attempt));
@@ -74,7 +74,7 @@ pub(super) fn generate(request: &Request, seed: u64) -> Result<Mesh, MeshError> 
 }
 
 /// Turns points into a mesh, or refuses bad angles.
-fn finish(angle: f64, start: &Start, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+fn finish(angle: f64, start: &Layout, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
     if angle < LEAST_ANGLE {
         let at = quality::smallest_angle(&start.points, &triangles).at;
         return Err(MeshError::Quality { angle, required: LEAST_ANGLE, x: at.x, y: at.y });
@@ -88,7 +88,7 @@ fn finish(angle: f64, start: &Start, triangles: Vec<[u32; 3]>) -> Result<Mesh, M
 }
 
 /// Triangulates and checks the count, which only holds if all constraints are there and nothing lies outside.
-pub(super) fn triangulate_plan(plan: &Plan, start: &Start) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn triangulate_plan(plan: &MeshPlan, start: &Layout) -> Result<Vec<[u32; 3]>, MeshError> {
     let triangles = triangulate(&start.points, &start.constraints, plan.loops[0]).unwrap_or_default();
     if triangles.len() == plan.triangles {
         Ok(triangles)
@@ -98,7 +98,7 @@ pub(super) fn triangulate_plan(plan: &Plan, start: &Start) -> Result<Vec<[u32; 3
 }
 
 /// Triangulates nodes that have moved since `flips` was up to date: anew, or where that would take long by flips.
-pub(super) fn follow_plan(plan: &Plan, start: &Start, flips: &mut Flips) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn follow_plan(plan: &MeshPlan, start: &Layout, flips: &mut Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     if plan.is_large() && flips.follow(&start.points) {
         return Ok(sorted(flips.triangles().to_vec()));
     }
@@ -107,7 +107,7 @@ pub(super) fn follow_plan(plan: &Plan, start: &Start, flips: &mut Flips) -> Resu
 
 /// Moves the nodes until the springs are at rest (Persson & Strang 2004, section 3, steps 3 to 8); returns the
 /// triangulation so far.
-fn relax(plan: &Plan, start: &mut Start) -> Result<Flips, MeshError> {
+fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     if plan.free == 0 && plan.seam_nodes == 0 {
         return Ok(Flips::default());
     }
@@ -197,7 +197,7 @@ impl Bars {
 ///
 /// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars
 /// meet.
-fn step(plan: &Plan, start: &mut Start, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
+fn step(plan: &MeshPlan, start: &mut Layout, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
     let (ring, seams) = (plan.size.ring, plan.seams);
     let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(*m)).sum();
     let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };

@@ -42,7 +42,7 @@ pub(super) enum Freedom {
 
 /// Numbers and sizes that fit together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plan {
+pub(super) struct MeshPlan {
     pub size: SizeFunction,
     /// nodes on the inner and on the outer loop
     pub loops: [usize; 2],
@@ -60,7 +60,7 @@ pub(super) struct Plan {
 
 /// Where the relaxation starts.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
+pub(super) struct Layout {
     pub points: Vec<DVec2>,
     pub freedom: Vec<Freedom>,
     /// edges of the loops, then of the seams
@@ -74,7 +74,7 @@ impl Request {
     ///
     /// # Errors
     /// Counts that do not go together.
-    pub fn plan(&self) -> Result<Plan, MeshError> {
+    pub fn plan(&self) -> Result<MeshPlan, MeshError> {
         let boundary = match self.boundary_nodes {
             Some(count) => count.max(self.least_boundary()),
             None => self.derived_boundary(),
@@ -97,7 +97,7 @@ impl Request {
             return Err(MeshError::NoInterior { nodes, boundary_nodes, seam_nodes: on_seams });
         }
         let free = self.nodes - boundary - on_seams;
-        Ok(Plan { size, loops, seams: self.seams, hub, seam_nodes, free, triangles: self.triangles(boundary) })
+        Ok(MeshPlan { size, loops, seams: self.seams, hub, seam_nodes, free, triangles: self.triangles(boundary) })
     }
 
     /// Radius at which the seams of a disc are one edge length apart; 0 where they leave room for other nodes at the
@@ -185,7 +185,7 @@ impl Request {
     }
 }
 
-impl Plan {
+impl MeshPlan {
     /// Whether it has many nodes.
     pub fn is_large(&self) -> bool {
         self.free > MANY
@@ -198,8 +198,8 @@ impl Plan {
     }
 
     /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
-    pub fn start(&self, mut random: SplitMix64) -> Start {
-        let mut start = Start { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
+    pub fn start(&self, mut random: SplitMix64) -> Layout {
+        let mut start = Layout { points: Vec::new(), freedom: Vec::new(), constraints: Vec::new(), loop_edges: 0 };
         let ring = self.size.ring;
         let firsts = [0, self.loops[0]];
         self.add_loop(ring.inner, self.loops[0], &mut start);
@@ -211,7 +211,7 @@ impl Plan {
     }
 
     /// Nodes of a loop; every seam's angle gets one, the rest are spread evenly between the seams.
-    fn add_loop(&self, radius: f64, count: usize, start: &mut Start) {
+    fn add_loop(&self, radius: f64, count: usize, start: &mut Layout) {
         let first = start.points.len();
         let arcs = self.seams.max(1);
         for arc in 0..arcs {
@@ -226,7 +226,7 @@ impl Plan {
     }
 
     /// Nodes along the seams, equally spaced as measured in wanted edge lengths.
-    fn add_seams(&self, firsts: [usize; 2], start: &mut Start) {
+    fn add_seams(&self, firsts: [usize; 2], start: &mut Layout) {
         if self.seams == 0 {
             return;
         }
@@ -259,7 +259,7 @@ impl Plan {
     /// Where they draw nodes at random and drop some, a spiral that turns by the golden angle (Vogel 1979) with radii
     /// from the integral of the density gives the exact number, and starts so evenly that few iterations are left to
     /// do.
-    fn add_interior(&self, random: &mut SplitMix64, start: &mut Start) {
+    fn add_interior(&self, random: &mut SplitMix64, start: &mut Layout) {
         let Ring { inner, outer } = self.size.ring;
         let base = self.hub.max(inner);
         let low = if base > 0.0 { base + HALF_ROW * self.size.at(base) } else { 0.0 };

@@ -3,6 +3,7 @@
 //! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
 //! `nodes[7]`. The engine renumbers for itself (`scene::numbering`).
 
+pub(crate) mod adjacency;
 pub mod annulus;
 pub mod chain;
 mod check;
@@ -17,7 +18,7 @@ mod layout;
 mod loops;
 mod polish;
 pub mod quality;
-mod random;
+pub(crate) mod random;
 pub mod read;
 pub mod rectangle;
 pub mod sdf;

@@ -6,9 +6,10 @@
 //! (constrained) Delaunay triangulation maximises it.
 
 use super::MeshError;
+use super::adjacency::Adjacency;
 use super::distmesh::follow_plan;
 use super::flips::Flips;
-use super::layout::{Freedom, Plan, Start};
+use super::layout::{Freedom, Layout, MeshPlan};
 use super::quality::smallest_angle_of;
 use glam::DVec2;
 
@@ -22,14 +23,15 @@ const SEARCH: [f64; 2] = [0.2, 0.002];
 const MOVES: usize = 200;
 
 /// Improves the mesh in place and returns its triangles; `flips` is its triangulation before the nodes moved last.
-pub(super) fn polish(plan: &Plan, start: &mut Start, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn polish(plan: &MeshPlan, start: &mut Layout, mut flips: Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     let mut triangles = follow_plan(plan, start, &mut flips)?;
     for _ in 0..ROUNDS {
         let nodes = nodes_of_sharp(&start.points, &triangles);
-        let stars = Stars::new(start.points.len(), &triangles);
+        let corners = triangles.iter().zip(0..).flat_map(|(corners, t)| corners.map(|node| (node, t)));
+        let stars = Adjacency::new(start.points.len(), corners);
         let mut moved = false;
         for node in nodes {
-            moved |= improve(plan, start, &triangles, stars.of(node), node);
+            moved |= improve(plan, start, &triangles, stars.row(node), node);
         }
         if !moved {
             break;
@@ -49,7 +51,7 @@ fn nodes_of_sharp(points: &[DVec2], triangles: &[[u32; 3]]) -> Vec<u32> {
 }
 
 /// Searches along eight directions (a ray's two on a seam) with halving steps; true if the node moved.
-fn improve(plan: &Plan, start: &mut Start, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
+fn improve(plan: &MeshPlan, start: &mut Layout, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
     let here = start.points[node as usize];
     let diagonal = DVec2::new(std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2);
     let directions = match start.freedom[node as usize] {
@@ -82,35 +84,4 @@ fn improve(plan: &Plan, start: &mut Start, triangles: &[[u32; 3]], star: &[u32],
         start.points[node as usize] = best;
     }
     gained
-}
-
-/// Triangles around each node.
-struct Stars {
-    first: Vec<u32>,
-    triangles: Vec<u32>,
-}
-
-impl Stars {
-    fn new(nodes: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut first = vec![0_u32; nodes + 1];
-        for &node in triangles.iter().flatten() {
-            first[node as usize + 1] += 1;
-        }
-        for i in 0..nodes {
-            first[i + 1] += first[i];
-        }
-        let mut next = first.clone();
-        let mut list = vec![0; 3 * triangles.len()];
-        for (t, corners) in triangles.iter().enumerate() {
-            for &node in corners {
-                list[next[node as usize] as usize] = t as u32;
-                next[node as usize] += 1;
-            }
-        }
-        Self { first, triangles: list }
-    }
-
-    fn of(&self, node: u32) -> &[u32] {
-        &self.triangles[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
-    }
 }

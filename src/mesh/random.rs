@@ -1,4 +1,4 @@
-//! A small pseudo-random generator whose numbers never change between versions, so that a seed keeps its mesh.
+//! Pseudo-random numbers that never change between versions, so that a seed keeps its mesh and results keep their bits.
 
 /// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators", figure 1).
 #[derive(Clone, Debug)]
@@ -23,5 +23,30 @@ impl SplitMix64 {
     pub fn signed(&mut self) -> f64 {
         // The upper 53 bits fill a double's mantissa exactly.
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// [-] A fixed number in [-1, 1) for every index: a multiplicative hash (Fibonacci hashing, Knuth 1973, section 6.4).
+/// Test vectors made of it have a part of every mode.
+pub(crate) fn pseudo_random(i: usize) -> f64 {
+    let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
+    2.0 * (hash as f64 / (1u64 << 53) as f64) - 1.0
+}
+
+/// The linear congruential generator of Knuth's MMIX (1999), from one fixed seed. The choice between Cholesky and
+/// conjugate gradients follows its numbers, and so do the bits of results.
+pub(crate) struct Lcg(u64);
+
+impl Default for Lcg {
+    fn default() -> Self {
+        Lcg(0x9E37_79B9_7F4A_7C15)
+    }
+}
+
+impl Lcg {
+    /// [-] evenly spread in [-0.5, 1.5)
+    pub fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 0.5) as f32
     }
 }

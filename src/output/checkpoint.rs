@@ -15,10 +15,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::files::FilesMark;
-use super::mark::open_plain;
+use super::file_prefix::open_plain;
+use super::files::FilesProgress;
 use super::process::Cost;
-use super::recorder::RecorderMark;
+use super::recorder::RecorderState;
 use super::resume::ResumeError;
 use crate::case::fingerprint::Fingerprint;
 use crate::drive::Snapshot;
@@ -42,9 +42,9 @@ pub struct Checkpoint {
     /// the run
     pub snapshot: Snapshot,
     /// what is to be recorded next
-    pub recorder: RecorderMark,
+    pub recorder: RecorderState,
     /// how far the results have come
-    pub files: FilesMark,
+    pub files: FilesProgress,
     /// what the run has cost so far
     pub spent: Cost,
 }

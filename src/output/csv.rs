@@ -5,8 +5,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::file_prefix::{FilePrefix, PrefixCounter};
 use super::lock::{Lock, lock};
-use super::mark::{Mark, Tally};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 
@@ -23,7 +23,7 @@ pub struct CsvFile {
     buffer: Vec<u8>,
     last_write: Instant,
     /// what is with the system
-    written: Tally,
+    written: PrefixCounter,
 }
 
 impl CsvFile {
@@ -39,7 +39,7 @@ impl CsvFile {
             return Err(fault(io::Error::new(io::ErrorKind::ResourceBusy, "another run is writing it")));
         }
         file.set_len(0).map_err(fault)?;
-        let mut made = Self::around(path, file, Tally::default());
+        let mut made = Self::around(path, file, PrefixCounter::default());
         made.line(|out| write!(out, "{header}"))?;
         made.flush()?;
         Ok(made)
@@ -49,7 +49,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// When another run holds its lock, or it cannot be opened or cut.
-    pub fn reopen(path: &Path, mark: Mark) -> Result<Self, ResumeError> {
+    pub fn reopen(path: &Path, mark: FilePrefix) -> Result<Self, ResumeError> {
         let fault = |source| ResumeError::system(path, source);
         let mut file = OpenOptions::new().write(true).open(path).map_err(fault)?;
         if lock(&file) == Lock::Elsewhere {
@@ -57,10 +57,10 @@ impl CsvFile {
         }
         file.set_len(mark.bytes).map_err(fault)?;
         file.seek(SeekFrom::Start(mark.bytes)).map_err(fault)?;
-        Ok(Self::around(path, file, Tally::after(mark)))
+        Ok(Self::around(path, file, PrefixCounter::after(mark)))
     }
 
-    fn around(path: &Path, file: File, written: Tally) -> Self {
+    fn around(path: &Path, file: File, written: PrefixCounter) -> Self {
         let buffer = Vec::with_capacity(BLOCK);
         Self { path: path.to_owned(), file, buffer, last_write: Instant::now(), written }
     }
@@ -105,7 +105,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn sync(&mut self) -> Result<Mark, ObserveError> {
+    pub fn sync(&mut self) -> Result<FilePrefix, ObserveError> {
         self.flush()?;
         self.file.sync_data().map_err(|e| write_fault(&self.path, e))?;
         Ok(self.written.mark())

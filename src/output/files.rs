@@ -9,11 +9,11 @@ use super::atomic::{Durability, part_path, replace};
 use super::checkpoint::Checkpoint;
 use super::csv::write_fault;
 use super::encode::VtuFormat;
+use super::file_prefix::FilePrefix;
 use super::folder::{CHECKPOINT, SUMMARY};
 use super::frame::{Fields, Frame};
 use super::frame_files::FrameFiles;
 use super::history::{History, HistoryRow};
-use super::mark::Mark;
 use super::probes::{Probe, Probes};
 use super::pvd::{Collection, CollectionMark};
 use super::resume::ResumeError;
@@ -31,7 +31,7 @@ pub const PROBES: &str = "probes.csv";
 pub struct FilesSpec<'a> {
     /// folder of the results
     pub folder: PathBuf,
-    /// stem of the .pvd and the frames, see [`super::names::file_stem`]
+    /// stem of the .pvd and the frames, see [`super::sanitize::file_stem`]
     pub stem: String,
     /// [m] positions displacements count from
     pub reference: &'a [[f64; 3]],
@@ -49,13 +49,13 @@ pub struct FilesSpec<'a> {
 
 /// How far the results had come when a checkpoint was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FilesMark {
+pub struct FilesProgress {
     /// frames in the collection
     pub collection: CollectionMark,
     /// rows of the history
-    pub history: Mark,
+    pub history: FilePrefix,
     /// rows of the probes, if there are any
-    pub probes: Option<Mark>,
+    pub probes: Option<FilePrefix>,
 }
 
 /// The open files of a run.
@@ -98,7 +98,7 @@ impl ResultFiles {
     ///
     /// # Errors
     /// When the files do not hold what they held, are in use, or cannot be opened or changed.
-    pub fn reopen(spec: &FilesSpec<'_>, mark: &FilesMark) -> Result<Self, ResumeError> {
+    pub fn reopen(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         let path = |name: &str| spec.folder.join(name);
         let (history, probes, summary) = (path(HISTORY), path(PROBES), path(SUMMARY));
         mark.history.check(&history)?;
@@ -132,7 +132,7 @@ impl ResultFiles {
             self.collection.write(Durability::Synced)?;
         }
         self.frames_kept = self.collection.frames();
-        checkpoint.files = FilesMark { collection: self.collection.mark(), history, probes };
+        checkpoint.files = FilesProgress { collection: self.collection.mark(), history, probes };
         let path = &self.checkpoint;
         checkpoint.encode(&mut self.encoded).map_err(|e| write_fault(path, e))?;
         replace(path, &self.encoded, Durability::Synced).map_err(|e| write_fault(path, e))

@@ -8,7 +8,7 @@ use super::atomic::part_path;
 use super::files::{FRAMES, HISTORY, PROBES};
 use super::frame_files::frames_in;
 use super::lock::{Lock, lock};
-use super::names::file_stem;
+use super::sanitize::file_stem;
 
 /// How a run ended, for programs.
 pub const SUMMARY: &str = "summary.json";

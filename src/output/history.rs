@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::csv::CsvFile;
-use super::mark::Mark;
+use super::file_prefix::FilePrefix;
 use super::resume::ResumeError;
 use crate::drive::observer::{LedgerRow, ObserveError};
 
@@ -66,7 +66,7 @@ impl History {
     ///
     /// # Errors
     /// When another run holds it or it cannot be opened.
-    pub fn reopen(path: &Path, mark: Mark) -> Result<Self, ResumeError> {
+    pub fn reopen(path: &Path, mark: FilePrefix) -> Result<Self, ResumeError> {
         Ok(Self { file: CsvFile::reopen(path, mark)? })
     }
 

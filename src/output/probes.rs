@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::Path;
 
 use super::csv::CsvFile;
+use super::file_prefix::FilePrefix;
 use super::frame::Frame;
-use super::mark::Mark;
-use super::names::csv_field;
 use super::resume::ResumeError;
+use super::sanitize::csv_field;
 use crate::drive::observer::ObserveError;
 
 /// The header line; other programs rely on it.
@@ -43,7 +43,7 @@ impl Probes {
     ///
     /// # Errors
     /// When another run holds it or it cannot be opened.
-    pub fn reopen(path: &Path, probes: &[Probe], mark: Mark) -> Result<Self, ResumeError> {
+    pub fn reopen(path: &Path, probes: &[Probe], mark: FilePrefix) -> Result<Self, ResumeError> {
         Ok(Self { file: CsvFile::reopen(path, mark)?, probes: quoted(probes) })
     }
 

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
-use super::mark::{Mark, Tally, open_plain};
-use super::names::xml_attribute;
+use super::file_prefix::{FilePrefix, PrefixCounter, open_plain};
 use super::resume::ResumeError;
+use super::sanitize::xml_attribute;
 use crate::drive::observer::ObserveError;
 
 /// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame
@@ -32,7 +32,7 @@ pub struct CollectionMark {
     /// number of frames
     pub frames: u64,
     /// the lines down to the last frame's
-    pub text: Mark,
+    pub text: FilePrefix,
 }
 
 /// A growing collection of frames.
@@ -41,7 +41,7 @@ pub struct Collection {
     path: PathBuf,
     /// the whole file but for its last lines
     text: String,
-    tally: Tally,
+    tally: PrefixCounter,
     frames: u64,
     shown: u64,
     last_write: Instant,
@@ -50,7 +50,7 @@ pub struct Collection {
 impl Collection {
     /// An empty collection; nothing is written yet.
     pub fn new(path: &Path) -> Self {
-        let mut tally = Tally::default();
+        let mut tally = PrefixCounter::default();
         tally.add(HEAD.as_bytes());
         let (path, text) = (path.to_owned(), HEAD.to_owned());
         Self { path, text, tally, frames: 0, shown: 0, last_write: Instant::now() }
@@ -66,7 +66,7 @@ impl Collection {
             let mut bytes = Vec::new();
             let file = open_plain(path)?;
             file.take(mark.text.bytes).read_to_end(&mut bytes).map_err(|e| ResumeError::system(path, e))?;
-            found.tally = Tally::default();
+            found.tally = PrefixCounter::default();
             found.tally.add(&bytes);
             mark.text.agrees(found.tally.mark(), path)?;
             let not_text = |_| ResumeError::Changed { path: path.display().to_string(), bytes: mark.text.bytes };
@@ -106,7 +106,7 @@ impl Collection {
             self.frames -= 1;
         }
         self.shown = self.shown.min(self.frames);
-        self.tally = Tally::default();
+        self.tally = PrefixCounter::default();
         self.tally.add(self.text.as_bytes());
         self.frames
     }

@@ -3,27 +3,27 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
+use super::checkpoint_schedule::CheckpointSchedule;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
 use super::history::HistoryRow;
-use super::keeper::Keeper;
 use super::request::{check, files_spec};
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::ResultWriter;
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
-    Coming, LedgerRow, ObserveError, Observer, Occasion, Passing, Point, Resumable, StepView,
+    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-pub use super::keeper::CheckpointSpec;
+pub use super::checkpoint_schedule::CheckpointSpec;
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 
 /// What a recorder is to record next; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RecorderMark {
+pub struct RecorderState {
     /// number of the next frame time
     next_frame: u64,
     /// [s] time of the newest frame
@@ -39,7 +39,7 @@ pub struct RecorderMark {
 /// Frames show t = 0, every multiple of `frames_every`, and the end. One that lies within 1e-9 of a step from the
 /// step's end is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and
 /// tensions evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
-/// [credible](StepView::credible) are taken away again, and the last state that is becomes the last frame.
+/// [credible](AcceptedStep::credible) are taken away again, and the last state that is becomes the last frame.
 pub struct Recorder<'a> {
     picture: &'a dyn Picture,
     fields: Fields,
@@ -54,7 +54,7 @@ pub struct Recorder<'a> {
     between: State,
     forces: Forces,
     writer: ResultWriter,
-    keeper: Option<Keeper>,
+    keeper: Option<CheckpointSchedule>,
     /// what came before the newest states, where these are not credible
     last_good: Option<LastGood>,
     failed: bool,
@@ -75,7 +75,7 @@ impl<'a> Recorder<'a> {
     pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let writer = ResultWriter::start(&files_spec(picture, spec))?;
-        let mark = RecorderMark { history_every: spec.history_every, ..RecorderMark::default() };
+        let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
         Ok(Self::around(picture, spec, writer, mark))
     }
 
@@ -93,8 +93,8 @@ impl<'a> Recorder<'a> {
         Ok(Self::around(picture, spec, writer, checkpoint.recorder))
     }
 
-    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderMark) -> Self {
-        let RecorderMark { next_frame, shown, waiting, history_every } = mark;
+    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
+        let RecorderState { next_frame, shown, waiting, history_every } = mark;
         Self {
             picture,
             fields: spec.fields,
@@ -121,7 +121,7 @@ impl<'a> Recorder<'a> {
     /// Also keeps `checkpoint.bin`; a recorder does not unless it is told what the case is.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
-        Self { keeper: Some(Keeper::new(spec)), ..self }
+        Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }
     }
 
     fn show(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
@@ -153,10 +153,10 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn show_between(&mut self, step: &StepView<'_>, moment: Moment) -> Result<(), ObserveError> {
+    fn show_between(&mut self, [start, end]: [&Point; 2], moment: Moment) -> Result<(), ObserveError> {
         // Taken out and put back, because `show` needs the rest of `self`.
         let (mut state, mut forces) = (std::mem::take(&mut self.between), std::mem::take(&mut self.forces));
-        interpolate(step.from.state.as_ref(), step.to.state.as_ref(), moment.fraction, &mut state);
+        interpolate(start.state.as_ref(), end.state.as_ref(), moment.fraction, &mut state);
         // k * every itself, without the rounding of getting there from the step's start.
         state.t = moment.time;
         if self.fields.force || self.fields.reaction {
@@ -198,21 +198,29 @@ impl Observer for Recorder<'_> {
         self.show(state, &at.forces)
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let (from, to) = (step.from.state.t, step.to.state.as_ref());
+    /// The end of a step of which there is a frame or a checkpoint, and both ends of one within which there is a frame.
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        let (mut rows, checkpoint) = (self.rows, Wants::end_if(self.keeps_at(step.t)));
+        rows.skip(step.from);
+        Wants { states: self.schedule.states(step).max(checkpoint.states), strain: rows.due(step.step, step.t) }
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         if step.credible {
             self.last_good = None;
-        } else if self.last_good.is_none() {
-            self.last_good = Some(LastGood { point: step.from.clone(), shown: self.shown });
+        } else if let (None, Some(start)) = (&self.last_good, step.start) {
+            self.last_good = Some(LastGood { point: start.clone(), shown: self.shown });
         }
-        while let Some(due) = self.schedule.next_in(from, to.t) {
-            match due {
-                Due::End => self.show(to, &step.to.forces)?,
-                Due::Between(moment) => self.show_between(&step, moment)?,
+        while let Some(due) = self.schedule.next_in(step.from, step.t) {
+            match (due, step.start, step.end) {
+                (Due::End, _, Some(end)) => self.show(end.state.as_ref(), &end.forces)?,
+                (Due::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
+                // Not without a state that was asked for.
+                _ => {}
             }
         }
         let row = HistoryRow {
-            t: to.t,
+            t: step.t,
             step: step.step,
             ledger: step.ledger,
             newton_iterations: step.newton_iterations,
@@ -220,33 +228,7 @@ impl Observer for Recorder<'_> {
             ..HistoryRow::default()
         };
         let picture = self.picture;
-        self.row(row, || (picture.max_speed(to), picture.max_strain(to)))
-    }
-
-    /// As far as the end of a step of which there is a frame or a checkpoint, or to the beginning of one within which
-    /// there is a frame.
-    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
-        let (n, mut rows) = (self.schedule.reach(from, coming.iter().map(|step| step.t)), self.rows);
-        for (step, made) in coming[..n].iter_mut().zip(1..) {
-            step.stretch_wanted |= rows.due(step.step, step.t);
-            if self.keeps_at(step.t) {
-                return made;
-            }
-        }
-        n
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.last_good = None;
-        if let Some(end) = step.at {
-            while let Some(due) = self.schedule.next_in(step.from, step.t) {
-                if due == Due::End {
-                    self.show(end.state.as_ref(), &end.forces)?;
-                }
-            }
-        }
-        let row = HistoryRow { t: step.t, step: step.step, ledger: step.ledger, ..HistoryRow::default() };
-        self.row(row, || (step.passed.max_speed(), step.passed.max_strain()))
+        self.row(row, || (step.max_speed(picture), step.max_strain(picture)))
     }
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
@@ -263,7 +245,7 @@ impl Observer for Recorder<'_> {
             return Ok(());
         }
         let Self { shown, waiting, history_every, .. } = *self;
-        let mark = RecorderMark { next_frame: self.schedule.position(), shown, waiting, history_every };
+        let mark = RecorderState { next_frame: self.schedule.position(), shown, waiting, history_every };
         match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),

@@ -1,6 +1,7 @@
 //! When frames are due: at k times the interval, whatever the steps are.
 
 use crate::case::spec::RowEvery;
+use crate::drive::observer::{States, UpcomingStep};
 
 /// [-] of a step; a frame this close to the end of a step shows that end itself
 const COINCIDENT: f64 = 1e-9;
@@ -47,18 +48,13 @@ impl Schedule {
         self.next
     }
 
-    /// How many steps that follow each other from `from` [s] and end at these times can be made before a state is
-    /// needed: up to the first at whose end there is a frame, or to before the first within which there is one.
-    pub fn reach(mut self, mut from: f64, ends: impl IntoIterator<Item = f64>) -> usize {
-        let mut steps = 0;
-        for to in ends {
-            match self.next_in(from, to) {
-                Some(Due::Between(_)) => return steps,
-                Some(Due::End) => return steps + 1,
-                None => (steps, from) = (steps + 1, to),
-            }
+    /// The states that the next frame needs of a step before which it is not due: both ends if it lies within the step.
+    pub fn states(mut self, step: UpcomingStep) -> States {
+        match self.next_in(step.from, step.t) {
+            Some(Due::Between(_)) => States::BothEnds,
+            Some(Due::End) => States::End,
+            None => States::None,
         }
-        steps
     }
 
     /// The next frame in the step from `from` to `to` [s], if there is one left.
@@ -180,13 +176,19 @@ mod tests {
         }
     }
 
-    /// Steps are counted up to a frame at a step's end, or to before one within a step.
+    /// A frame within a step needs the states at both of its ends, one at its end that state alone.
     #[test]
-    fn steps_up_to_a_frame() {
-        let ends = [0.25, 0.5, 0.75, 1.0, 1.25];
-        let reach = |every: Option<f64>| Schedule::new(every, 0.0).reach(0.0, ends);
-        assert_eq!([0.1, 0.25, 0.6, 1.0, 1.1, 2.0].map(|every| reach(Some(every))), [0, 1, 2, 4, 4, 5]);
-        assert_eq!((reach(None), Schedule::new(Some(0.1), 0.0).reach(0.0, [])), (5, 0));
+    fn states_that_frames_need() {
+        let step = |k: u64| UpcomingStep { step: k + 1, from: 0.25 * k as f64, t: 0.25 * (k + 1) as f64 };
+        // The first step of which a state is needed, and which.
+        let first = |every: Option<f64>| {
+            let needed = (0..5).map(|k| Schedule::new(every, 0.0).states(step(k)));
+            needed.enumerate().find(|(_, states)| *states != States::None)
+        };
+        let found = [0.1, 0.25, 0.6, 1.0, 1.1, 2.0].map(|every| first(Some(every)));
+        let (both, end) = (|k| Some((k, States::BothEnds)), |k| Some((k, States::End)));
+        assert_eq!(found, [both(0), end(0), both(2), end(3), both(4), None]);
+        assert_eq!(first(None), None);
     }
 
     /// A run that starts later has its next frame after that time, and none twice.

@@ -10,8 +10,8 @@ use std::io::Write;
 
 use super::cells::{CellTable, Width};
 use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
-use super::names::xml_attribute;
-use super::parts::{Appended, Part};
+use super::sanitize::xml_attribute;
+use super::vectored_write::{Appended, Segment};
 
 /// What never changes: how many points there are and which of them make the cells.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +139,7 @@ impl VtuWriter {
     /// When an array has the wrong length, or `out` refuses.
     pub fn write(&mut self, picture: &Snapshot<'_>, out: &mut impl Write) -> Result<(), VtuError> {
         self.body.truncate(self.fixed_len);
-        let mut appended = Appended::from(Part::Body(0..self.fixed_len));
+        let mut appended = Appended::from(Segment::Body(0..self.fixed_len));
         self.begin(picture.time)?;
         self.head.push_str("<PointData>\n");
         for array in picture.point_data {
@@ -217,8 +217,8 @@ impl VtuWriter {
                 "Float32"
             }
         };
-        to.push(Part::Body(begin..self.body.len()));
-        as_they_are.into_iter().for_each(|bytes| to.push(Part::Numbers(bytes)));
+        to.push(Segment::Body(begin..self.body.len()));
+        as_they_are.into_iter().for_each(|bytes| to.push(Segment::Numbers(bytes)));
         let name = xml_attribute(array.name);
         let _ = writeln!(
             self.head,

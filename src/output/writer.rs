@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
-use super::files::{FilesMark, FilesSpec, ResultFiles};
+use super::files::{FilesProgress, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
 use super::history::HistoryRow;
 use super::resume::ResumeError;
@@ -80,7 +80,7 @@ impl ResultWriter {
     ///
     /// # Errors
     /// When the files cannot be taken up, or the system gives no thread.
-    pub fn resume(spec: &FilesSpec<'_>, mark: &FilesMark) -> Result<Self, ResumeError> {
+    pub fn resume(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
     }
 

@@ -237,5 +237,5 @@ pub fn svg(chart: &Chart) -> Result<String, PlotError> {
 /// # Errors
 /// Those of [`svg`].
 pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
-    super::draw::grid(charts, columns)
+    super::layout::grid(charts, columns)
 }

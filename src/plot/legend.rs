@@ -1,8 +1,8 @@
 //! The legend: a column to the right of the charts, so that it covers no line.
 
 use super::PlotError;
+use super::canvas::{Anchor, LETTERS, Look, Pen, Spot, width_of};
 use super::chart::{Marker, Size, Stroke};
-use super::pen::{Anchor, LETTERS, Look, Pen, Spot, width_of};
 
 /// [px] from one entry to the next
 const ROW: f64 = 22.0;

@@ -2,22 +2,22 @@
 //!
 //! [`chart`] draws and knows nothing of runs; [`results`] reads a result folder back; [`view`] makes charts of it.
 
+mod canvas;
 pub mod chart;
 mod curve;
-mod draw;
+mod decimate;
 mod energy;
 mod error;
-mod first_frame;
 mod label;
+mod layout;
 mod legend;
-mod motion;
-mod pen;
+mod margin_panel;
+mod reference_positions;
 pub mod results;
 mod ruler;
 mod select;
-mod strip;
 mod table;
-mod trim;
+mod trajectory;
 pub mod view;
 
 pub use error::PlotError;

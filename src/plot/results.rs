@@ -1,13 +1,13 @@
 //! A finished run, read back from its folder.
 
 use super::PlotError;
-use super::first_frame::reference_positions;
+use super::reference_positions::reference_positions;
 use super::table::rows;
 use crate::drive::Status;
 use crate::drive::observer::LedgerRow;
 use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 use crate::output::{history, probes};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -143,7 +143,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
 }
 
 fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotError> {
-    let ledger = |row: &super::table::Row<'_>| {
+    let ledger = |row: &super::table::CsvRow<'_>| {
         let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
         Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
     };

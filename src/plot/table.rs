@@ -1,49 +1,60 @@
-//! Comma-separated files of known columns, read strictly (RFC 4180), with the line of every fault.
+//! Comma-separated files of known columns, read by `csv`, with the line of every fault.
 
 use super::PlotError;
 use std::path::Path;
 use std::str::FromStr;
 
 /// A row and the line it begins on.
-pub(super) struct Row<'a> {
+pub(super) struct CsvRow<'a> {
     path: &'a Path,
-    line: usize,
-    cells: Vec<String>,
+    line: u64,
+    cells: csv::StringRecord,
 }
 
 /// All rows of a file below its header.
 ///
 /// # Errors
-/// Another header, a row of another length, or a quote that does not end.
-pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<Row<'a>>, PlotError> {
+/// Another header, a row of another length, or a file that was cut off.
+pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<CsvRow<'a>>, PlotError> {
+    let fault = |line: Option<u64>, what: String| PlotError::BadFile {
+        path: path.to_owned(),
+        line: line.map(|line| line as usize),
+        what,
+    };
     let columns = header.split(',').count();
-    let mut reader = Reader { rest: text, line: 1 };
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
     let mut rows = Vec::new();
-    loop {
-        let line = reader.line;
-        let fault = |what: String| PlotError::BadFile { path: path.to_owned(), line: Some(line), what };
-        let Some(cells) = reader.record().map_err(|what| fault(what.to_owned()))? else { break };
+    let mut last_line = None;
+    for record in reader.records() {
+        let cells = record.map_err(|error| fault(error.position().map(csv::Position::line), error.to_string()))?;
+        let line = cells.position().map_or(1, csv::Position::line);
+        last_line = Some(line);
         if line == 1 {
-            if cells.join(",") != header {
-                return Err(fault(format!("expected the header \"{header}\"")));
+            if cells.iter().ne(header.split(',')) {
+                return Err(fault(last_line, format!("expected the header \"{header}\"")));
             }
-        } else if cells.len() == columns {
-            rows.push(Row { path, line, cells });
         } else {
-            return Err(fault(format!("{} values where {columns} are expected", cells.len())));
+            rows.push(CsvRow { path, line, cells });
         }
     }
-    if reader.line == 1 {
-        let what = format!("is empty; expected the header \"{header}\"");
-        return Err(PlotError::BadFile { path: path.to_owned(), line: None, what });
+    // The program writes whole lines only; a torn last one is what a full disk or a power cut leaves.
+    if last_line.is_none() {
+        return Err(fault(None, format!("is empty; expected the header \"{header}\"")));
+    } else if !text.matches('"').count().is_multiple_of(2) {
+        return Err(fault(last_line, "a quote that does not end".to_owned()));
+    } else if !text.ends_with('\n') {
+        return Err(fault(last_line, "the line does not end; the file was cut off".to_owned()));
     }
-    Ok(rows)
+    match rows.iter().find(|row| row.cells.len() != columns) {
+        Some(row) => Err(fault(Some(row.line), format!("{} values where {columns} are expected", row.cells.len()))),
+        None => Ok(rows),
+    }
 }
 
-impl Row<'_> {
+impl CsvRow<'_> {
     /// A cell as text.
     pub(super) fn text(&self, column: usize) -> &str {
-        self.cells.get(column).map_or("", String::as_str)
+        self.cells.get(column).unwrap_or("")
     }
 
     /// A cell as a number; NaN and inf are numbers a diverged run writes.
@@ -54,7 +65,7 @@ impl Row<'_> {
         let text = self.text(column);
         text.parse().map_err(|_| PlotError::BadFile {
             path: self.path.to_owned(),
-            line: Some(self.line),
+            line: Some(self.line as usize),
             what: format!("value {} is \"{text}\", not a number as expected there", column + 1),
         })
     }
@@ -72,47 +83,13 @@ impl Row<'_> {
     }
 }
 
-struct Reader<'a> {
-    rest: &'a str,
-    /// of the next record, counted from 1
-    line: usize,
-}
-
-impl Reader<'_> {
-    /// The next record; nothing at the end.
-    fn record(&mut self) -> Result<Option<Vec<String>>, &'static str> {
-        if self.rest.is_empty() {
-            return Ok(None);
-        }
-        let (mut cells, mut cell, mut quoted) = (Vec::new(), String::new(), false);
-        let mut letters = self.rest.char_indices().peekable();
-        while let Some((at, letter)) = letters.next() {
-            self.line += usize::from(letter == '\n');
-            match letter {
-                '"' if quoted && letters.next_if(|(_, next)| *next == '"').is_some() => cell.push('"'),
-                '"' => quoted = !quoted,
-                ',' if !quoted => cells.push(std::mem::take(&mut cell)),
-                '\r' if !quoted && letters.peek().is_some_and(|(_, next)| *next == '\n') => {}
-                '\n' if !quoted => {
-                    cells.push(cell);
-                    self.rest = self.rest.get(at + 1..).unwrap_or("");
-                    return Ok(Some(cells));
-                }
-                other => cell.push(other),
-            }
-        }
-        // The program writes whole lines only; a torn last one is what a full disk or a power cut leaves.
-        Err(if quoted { "a quote that does not end" } else { "the line does not end; the file was cut off" })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Vec<Vec<String>>, String> {
         let rows = rows(Path::new("a.csv"), text, "t,name").map_err(|e| e.to_string())?;
-        Ok(rows.into_iter().map(|r| r.cells).collect())
+        Ok(rows.iter().map(|r| r.cells.iter().map(str::to_owned).collect()).collect())
     }
 
     /// Quoted cells come back as they were, with commas, quotes and line ends in them.

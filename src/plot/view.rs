@@ -2,7 +2,7 @@
 
 use super::chart::{Chart, svg_grid};
 use super::results::Run;
-use super::{PlotError, energy, motion};
+use super::{PlotError, energy, trajectory};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -82,8 +82,8 @@ impl View {
 /// Probes or nodes that are not there, or no time left to look at.
 pub fn charts(runs: &[Run], view: &View, kind: Kind) -> Result<Vec<Chart>, PlotError> {
     match kind {
-        Kind::Displacement => Ok(vec![motion::displacement(runs, view)?]),
-        Kind::Phase => Ok(vec![motion::phase(runs, view)?]),
+        Kind::Displacement => Ok(vec![trajectory::displacement(runs, view)?]),
+        Kind::Phase => Ok(vec![trajectory::phase(runs, view)?]),
         Kind::Energy => energy::charts(runs, view),
     }
 }

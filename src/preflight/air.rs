@@ -1,4 +1,4 @@
-//! Air that cannot do what is expected of it.
+//! Air loads that cannot act as expected.
 
 use std::fmt;
 
@@ -9,18 +9,18 @@ use crate::mesh::components::components;
 use crate::model::spec::{NetworkSpec, PressureKind};
 use crate::warning::{Warning, WarningCode};
 
-/// [-] Sine of the angle between wind and triangle below which the wind lies in its plane: a pressure that goes with
-/// the square of the normal velocity is then below 1e-8 of that of a triangle across the wind.
+/// [-] Sine of the angle between wind and triangle below which the wind is in its plane: a pressure proportional to the
+/// square of the normal velocity is then below 1e-8 of the full one.
 const IN_PLANE: f64 = 1e-4;
 
-/// [-] Share of the wind's velocity that a row of its table adds to the directions of earlier rows for it to count as
-/// another one.
+/// [-] Share of a wind velocity outside the directions of earlier rows of its table from which on it counts as another
+/// direction.
 const ANOTHER: f64 = 1e-6;
 
 /// Triangles on which the air cannot act, because the wind relative to them lies in their plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InPlane {
-    /// the first of them
+    /// the first triangle
     pub first: u32,
     /// [-] their number
     pub triangles: usize,
@@ -28,8 +28,8 @@ pub struct InPlane {
     pub of: usize,
 }
 
-/// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, at all times
-/// of its table. A sheet that one triangle pushes out of the plane moves.
+/// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, for all rows
+/// of the wind table. A sheet starts to move if one triangle can push it out of the plane.
 pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
     let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| DVec3::from_array(*w)));
     let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(DVec3::ZERO, |v| DVec3::from_array(*v));
@@ -46,7 +46,7 @@ pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
     Some(InPlane { first, triangles, of: spec.mesh.triangles.len() })
 }
 
-/// Sheets: triangles that share nodes, directly or over others.
+/// Connected components of triangles that share nodes.
 struct Sheets<'a> {
     triangles: &'a [[u32; 3]],
     /// by node: the smallest node of its sheet
@@ -65,7 +65,7 @@ impl<'a> Sheets<'a> {
         self.of_node.get(*node as usize).copied()
     }
 
-    /// Of the sheets with none of some triangles and nodes: the first triangle, and their number of triangles.
+    /// Sheets without any of the given triangles and nodes: the first triangle, and their number of triangles.
     fn without(&self, triangles: impl Iterator<Item = u32>, nodes: impl Iterator<Item = u32>) -> Option<(u32, usize)> {
         let by_node = nodes.filter_map(|node| self.of_node.get(node as usize).copied());
         let mut out = vec![false; self.of_node.len()];
@@ -83,7 +83,7 @@ fn along([a, b, c]: [DVec3; 3], wind: DVec3) -> bool {
     normal.dot(wind).abs() <= IN_PLANE * wind.length()
 }
 
-/// Winds whose directions span those of all: one to three, or a single zero of a calm.
+/// Winds whose directions span all directions of the table: one to three, or a single zero for calm air.
 fn directions(winds: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
     let mut kept: Vec<DVec3> = Vec::new();
     let mut basis: Vec<DVec3> = Vec::new();
@@ -115,7 +115,7 @@ impl From<InPlane> for Warning {
     }
 }
 
-/// A sheet in the air that no support holds.
+/// A sheet in the air without a support.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Closing {
     /// its first triangle
@@ -124,8 +124,8 @@ pub struct Closing {
     pub triangles: usize,
 }
 
-/// Finds sheets of triangles none of whose nodes is held: they hang on lines, or on nothing. A pressure along the
-/// normals of one of their triangles keeps a sheet open.
+/// Finds sheets without a supported node: they hang on lines or are free. A pressure along the normals of one of their
+/// triangles keeps a sheet open.
 pub fn closing(spec: &NetworkSpec) -> Option<Closing> {
     spec.air.as_ref()?;
     let inside = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);
@@ -152,10 +152,10 @@ impl From<Closing> for Warning {
     }
 }
 
-/// [-] Pressure over dynamic pressure from which on a free stream cannot have it: blunt bodies reach 1.4.
+/// [-] Pressure over dynamic pressure above which a free stream cannot provide it: blunt bodies reach 1.4.
 const MOST: f64 = 1.5;
 
-/// A pressure beyond what the flow has.
+/// A pressure beyond that of the flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excess {
     /// [Pa] pressure on cloth across the wind
@@ -168,7 +168,7 @@ pub struct Excess {
     pub coefficient: bool,
 }
 
-/// What a law does in a free stream.
+/// A pressure law in a free stream.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream {
     /// [Pa s/m] viscous coefficient

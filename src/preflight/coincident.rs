@@ -1,4 +1,4 @@
-//! Nodes at the same place that no spring joins: a seam that was not merged.
+//! Nodes at the same place that no spring joins: probably a seam that was not merged.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,11 +10,11 @@ use crate::figures::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::{Warning, WarningCode};
 
-/// [-] Distance over the extent of the mesh within which two nodes are taken for one.
+/// [-] Distance over the extent of the mesh within which two nodes coincide.
 const WITHIN: f64 = 1e-6;
 
-/// [-] Nodes that a node is compared with: those that follow it along the line of the search. Of a million nodes about
-/// one follows within the distance.
+/// [-] Number of following nodes in sorted order that a node is compared with. In a mesh of a million nodes about one
+/// follows within the distance.
 const LOOKS: usize = 64;
 
 /// Direction of the search, along which neither regular nets nor flat sheets have many nodes at the same place.
@@ -27,15 +27,14 @@ pub struct Coincident {
     pub first: [u32; 2],
     /// [-] number of pairs of neighbours
     pub pairs: usize,
-    /// [m] the distance within which they were taken for one
+    /// [m] distance within which nodes coincide
     pub within: f64,
 }
 
 /// Finds nodes within 1e-6 of the extent of each other that no spring joins. Pairs that supports hold completely do not
 /// count.
 ///
-/// Nodes are sorted along a line in a direction of no meaning, and each is compared with those that follow it there:
-/// O(n log n).
+/// Nodes are sorted along a fixed direction, and each is compared with those that follow: O(n log n).
 pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
     let nodes: Vec<DVec3> = spec.mesh.nodes.iter().map(|x| DVec3::from_array(*x)).collect();
     let low = nodes.iter().copied().reduce(DVec3::min)?;
@@ -46,7 +45,7 @@ pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
     let held = |node: u32| spec.fixed.get(node as usize) == Some(&[true; 3]);
     let mut pairs = BTreeSet::new();
     for (i, &(along, a)) in order.iter().enumerate() {
-        // The component of a distance along a unit vector is no longer than the distance.
+        // The component along a unit vector is no longer than the distance.
         let close = order.iter().skip(i + 1).take(LOOKS).take_while(|(other, _)| other - along <= within);
         for &(_, b) in close {
             let apart = nodes[a as usize].distance(nodes[b as usize]);

@@ -1,8 +1,8 @@
-//! Damping that brakes the rotation of a body that nothing holds.
+//! Damping that brakes the rotation of an unsupported body.
 //!
-//! A relative dashpot acts on all of v_b - v_a, and Rayleigh's K0 keeps the directions of the mesh as given: both do
-//! work in a rigid rotation, and take angular momentum that nothing outside has taken. Two masses m turning on a spring
-//! with a relative dashpot c lose L = L0 exp(-2 c t/m).
+//! A relative dashpot acts on all of v_b - v_a, and Rayleigh's K0 keeps the directions of the given mesh. Both do work
+//! in a rigid rotation and remove angular momentum without an external moment. Two masses m rotating on a spring with a
+//! relative dashpot c lose L = L0 exp(-2 c t/m).
 
 use std::fmt;
 
@@ -16,9 +16,9 @@ use crate::warning::{Warning, WarningCode};
 pub struct Brakes {
     /// relative dashpots
     pub relative: bool,
-    /// Rayleigh damping with the stiffness
+    /// stiffness-proportional Rayleigh damping
     pub rayleigh_stiffness: bool,
-    /// Rayleigh damping with the mass, which brakes translation too
+    /// mass-proportional Rayleigh damping, which brakes translation too
     pub rayleigh_mass: bool,
 }
 
@@ -31,7 +31,7 @@ pub struct Braked {
     pub brakes: Brakes,
 }
 
-/// Finds parts that nothing holds whose rotation is braked.
+/// Finds unsupported parts whose rotation is braked.
 pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<Braked> {
     let rayleigh = spec.rayleigh.unwrap_or(RayleighSpec { mass: 0.0, stiffness: 0.0 });
     let mut brakes = Brakes { relative: false, rayleigh_stiffness: false, rayleigh_mass: false };

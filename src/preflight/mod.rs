@@ -1,5 +1,5 @@
-//! What is doubtful about a specification, found before anything is computed. One file a topic; every function returns
-//! plain data that says itself in words. All of it is O(n log n) in the number of nodes and elements.
+//! Warnings about a specification, before anything is computed. One file a topic; every function returns plain data
+//! that displays as text. All checks are O(n log n) in the number of nodes and elements.
 
 pub mod air;
 pub mod coincident;

@@ -1,4 +1,4 @@
-//! Parts of a network: nodes that are joined by springs, directly or over others.
+//! Connected parts of a network: nodes joined by springs.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub struct Parts {
     size: Vec<u32>,
 }
 
-/// Pairs of nodes that a spring joins. Forces on triangles join nothing: they are given, and pull nothing together.
+/// Pairs of nodes joined by a spring. Loads on triangles do not connect nodes.
 pub(super) fn joined(spec: &NetworkSpec) -> impl Iterator<Item = [u32; 2]> + '_ {
     let edges = spec.springs.iter().flat_map(|group| &group.edges);
     edges.filter_map(|edge| spec.mesh.edges.get(*edge as usize).copied())
@@ -48,7 +48,7 @@ impl Parts {
     }
 }
 
-/// Parts that no support holds, where others are held.
+/// Unsupported parts in a scene with supports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsupported {
     /// their nodes, ascending

@@ -9,20 +9,20 @@ use crate::figures::figures;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::warning::{Warning, WarningCode};
 
-/// [m] Extent of a cloth from which on millimetres are likely. The largest canopies are some 60 m across, roofs some
-/// 300 m.
+/// [m] Extent of a cloth above which millimetres are likely. The largest canopies are some 60 m across, roofs some 300
+/// m.
 const EXTENT: f64 = 500.0;
 
-/// [kg] Mass of a scene with cloth from which on grams are likely. The heaviest loads under parachutes weigh some 90 t.
+/// [kg] Mass of a scene with cloth above which grams are likely. The heaviest loads under parachutes weigh some 90 t.
 const MASS: f64 = 1e5;
 
-/// [m/s^2] Gravity from which on mm/s^2 are likely. The sun's is 274.
+/// [m/s^2] Gravity above which mm/s^2 are likely. The sun's is 274.
 const GRAVITY: f64 = 300.0;
 
-/// [s] A step from which on it is compared with the motion it passes over.
+/// [s] Step above which the motion in a step is checked.
 const STEP: f64 = 1.0;
 
-/// [-] Share of a pendulum's period from which on a step is long.
+/// [-] Share of a pendulum's period above which a step is long.
 const OF_PERIOD: f64 = 0.25;
 
 /// A number that suggests a wrong unit.
@@ -54,7 +54,7 @@ pub enum Doubt {
     },
 }
 
-/// Doubts about the units of a network; `step` [s] is the fixed step, if there is one.
+/// Warnings about the units of a network; `step` [s] is the fixed step, if there is one.
 pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
     let cloth = !spec.mesh.triangles.is_empty();
     let extent = extent(&spec.mesh.nodes);
@@ -78,7 +78,7 @@ pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
     doubts
 }
 
-/// Doubts about the units of a pendulum; `step` [s] is the fixed step, if there is one.
+/// Warnings about the units of a pendulum; `step` [s] is the fixed step, if there is one.
 pub fn pendulum(spec: &PendulumSpec, step: Option<f64>) -> Vec<Doubt> {
     let period = TAU * (spec.length / spec.gravity).sqrt();
     let gravity = (spec.gravity > GRAVITY).then_some(Doubt::Gravity(spec.gravity));

@@ -1,8 +1,8 @@
-//! A bound on the largest root of M^-1 (c C + k K) from one pass over the elements, without an eigenproblem.
+//! A bound on the largest eigenvalue of M^-1 (c C + k K) from one pass over the elements, without an eigenproblem.
 //!
-//! A positive semidefinite element matrix of b x b blocks lies below b times its block diagonal, so the sum over all
-//! elements lies below the largest root of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by nodes).
-//! An end that is held does not move and does not count in b. On a regular triangular net the bound is the root itself.
+//! A positive semidefinite element matrix of b x b blocks lies below b times its block diagonal. So the sum over all
+//! elements lies below the largest eigenvalue of any node's 3 x 3 block (in the spirit of Irons & Treharne 1971, by
+//! nodes). Fixed ends do not count in b. On a regular triangular net the bound is exact.
 
 use super::network::{Network, by_node, node_state};
 use crate::force::TangentSink;
@@ -10,23 +10,22 @@ use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use glam::{DMat3, DVec3};
 
-/// Room for one block a node, kept between passes.
+/// Buffer of one block per node, reused between passes.
 #[derive(Clone, Debug, Default)]
-pub struct BoundRoom(Vec<Block>);
+pub struct BoundBuffer(Vec<Block>);
 
-/// [-] Where roots of a block nearly meet, as in a net that is the same in all directions, rounding moves them by some
-/// 1e-8 of the largest: what is not above the largest so far by more than this share is the same, and the bound has it
-/// besides.
+/// [-] Relative error of the largest eigenvalue where eigenvalues of a block nearly coincide, as in an isotropic net:
+/// rounding moves them by some 1e-8. Larger values by less than this share count as equal, and the bound includes it.
 const MARGIN: f64 = 1e-7;
 
 /// The symmetric part of a 3 x 3 block: its diagonal, then xy, yz and zx.
 type Block = [f64; 6];
 
 impl Network {
-    /// The bound [1/s^2 or 1/s, as the weights make it] and the degree of freedom whose node sets it; proved where K
-    /// and C are symmetric (what compression takes from K is left out), else a measure that grows as the root does.
-    pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
-        let BoundRoom(blocks) = room;
+    /// The bound [1/s^2 or 1/s, by the weights] and the degree of freedom where it is reached. Proved if K and C are
+    /// symmetric (compressive geometric stiffness is dropped); else a measure that grows with the eigenvalue.
+    pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
+        let BoundBuffer(blocks) = buffer;
         blocks.clear();
         blocks.resize(self.fixed.len(), Block::default());
         let mut sink = Diagonal { blocks, fixed: &self.fixed };
@@ -36,7 +35,7 @@ impl Network {
         let (mut most, mut dof) = (0.0, 0);
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
-            // Far cheaper than the root, which is asked a few times in a net that is much the same everywhere.
+            // Much cheaper than the eigenvalue, which is then needed only a few times in a uniform net.
             if !lies_below(&block, (1.0 + 0.5 * MARGIN) * most) {
                 let largest = largest_root(&block);
                 if largest.is_nan() || largest > most {
@@ -57,8 +56,7 @@ fn scaled([xx, yy, zz, xy, yz, zx]: &Block, inverse: DVec3) -> Block {
     [x * xx, y * yy, z * zz, (x * y).sqrt() * xy, (y * z).sqrt() * yz, (z * x).sqrt() * zx]
 }
 
-/// Whether all roots are below `most`: `most I - A` is positive definite (Sylvester's criterion). Not if some number is
-/// none.
+/// Whether all eigenvalues are below `most`: `most I - A` is positive definite (Sylvester's criterion). False for NaN.
 fn lies_below([xx, yy, zz, xy, yz, zx]: &Block, most: f64) -> bool {
     let [x, y, z] = [most - xx, most - yy, most - zz];
     let minor = x * y - xy * xy;
@@ -79,7 +77,7 @@ fn largest_root([xx, yy, zz, xy, yz, zx]: &Block) -> f64 {
     mean + 2.0 * p * (half.clamp(-1.0, 1.0).acos() / 3.0).cos()
 }
 
-/// Adds up element blocks on the diagonal, each as many times as its element has ends that move.
+/// Sums the diagonal blocks of elements, each times the number of its ends that can move.
 struct Diagonal<'a> {
     blocks: &'a mut [Block],
     fixed: &'a [[bool; 3]],

@@ -1,20 +1,20 @@
 //! Springs that go slack or taut within a step.
 //!
-//! Along a step, g = l - l0 - threshold (and c/k dl/dt more, where a dashpot acts along the spring) is taken for the
-//! cubic through its values and rates at both ends, in Bernstein's form: a spring whose four coefficients have one sign
-//! keeps its law. The others' tension is k max(g, 0), so k times the area above zero is the impulse that a spring which
-//! is slack at the beginning adds, and k times the area below that which a taut one leaves out.
+//! Along a step, g = l - l0 - threshold (plus c/k dl/dt with an axial dashpot) is interpolated by the cubic through its
+//! values and rates at both ends, in Bernstein form. A spring whose four coefficients have one sign keeps its law. The
+//! others' tension is k max(g, 0): k times the area above zero is the impulse added by a spring that is slack at the
+//! start, and k times the area below zero is the impulse missing from a taut one.
 
 use super::network::{Network, SpringBatch, by_node};
 use crate::force::law::slack::clamped;
 use crate::model::state::StateRef;
 use glam::DVec3;
 
-/// Parts that a step is cut in to find areas.
+/// Number of intervals of a step for the areas.
 const PARTS: u32 = 16;
-/// [-] of the smaller area: a stretch of less before a change of sign is the change that the step began with.
+/// [-] Share of the smaller area: a change of sign after less than this is the change the step began with.
 const BEGUN: f64 = 0.01;
-/// Halvings of a part in which a sign changes.
+/// Bisections of an interval in which the sign changes.
 const HALVINGS: u32 = 30;
 
 /// g along a step as a cubic of s in [0, 1], by its Bernstein coefficients [m].
@@ -28,7 +28,7 @@ struct End<'a> {
     v: &'a [DVec3],
 }
 
-/// One spring as the step sees it.
+/// A spring with a one-sided law.
 #[derive(Clone, Copy)]
 struct Line {
     nodes: [u32; 2],
@@ -50,14 +50,14 @@ impl Line {
     fn gap(&self, h: f64, ends: [End<'_>; 2]) -> Gap {
         let [[g0, r0], [g1, r1]] = ends.map(|end| self.gap_at(end));
         let b = [g0, g0 + h * r0 / 3.0, g1 - h * r1 / 3.0, g1];
-        // The rate is a quadratic, 3 (b_{i+1} - b_i)/h; written as a cubic.
+        // The rate is the quadratic 3 (b_{i+1} - b_i)/h, raised to a cubic.
         let q = [0, 1, 2].map(|i| 3.0 * (b[i + 1] - b[i]) * self.lag / h);
         Gap([b[0] + q[0], b[1] + (q[0] + 2.0 * q[1]) / 3.0, b[2] + (2.0 * q[1] + q[2]) / 3.0, b[3] + q[2]])
     }
 }
 
 impl Gap {
-    /// Whether the sign stays for certain.
+    /// Whether the sign is proved constant.
     fn keeps_its_sign(&self) -> bool {
         self.0.iter().all(|b| *b >= 0.0) || self.0.iter().all(|b| *b <= 0.0)
     }
@@ -78,7 +78,7 @@ impl Gap {
         for [s0, s1] in self.ends() {
             let (g0, g1) = (self.at(s0), self.at(s1));
             let whole = 0.5 * (s1 - s0) * (g0 + g1);
-            // Where the sign changes, two triangles.
+            // Two triangles if the sign changes.
             let above = match (g0 > 0.0, g1 > 0.0) {
                 (true, true) => whole,
                 (false, false) => 0.0,
@@ -91,7 +91,7 @@ impl Gap {
         areas
     }
 
-    /// Where the sign changes first, but for a change right at the beginning.
+    /// Where the sign changes first, except for a change right at the start.
     fn first_change(&self, smaller: f64) -> f64 {
         let (mut before, mut found) = (0.0, 1.0);
         for [s0, s1] in self.ends() {
@@ -120,7 +120,7 @@ impl Gap {
     }
 }
 
-/// Lines of a batch that can go slack.
+/// Springs of a batch that can go slack, with their stiffnesses [N/m].
 fn lines(batch: &SpringBatch) -> impl Iterator<Item = (Line, f64)> {
     let law = clamped(batch.data.slack);
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
@@ -133,7 +133,7 @@ fn lines(batch: &SpringBatch) -> impl Iterator<Item = (Line, f64)> {
 }
 
 impl Network {
-    /// Whether some springs go slack.
+    /// Whether springs can go slack.
     pub(super) fn goes_slack(&self) -> bool {
         self.springs.iter().any(|batch| clamped(batch.data.slack).is_some())
     }

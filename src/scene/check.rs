@@ -1,11 +1,12 @@
-//! What a specification must fulfil to be built.
+//! Checks of a specification before a scene is built from it.
 
 use crate::model::spec::{NetworkSpec, PressureKind, Series, Slack, SpringGroup};
 
-/// Why a specification cannot be built. The case reader finds these first, with better words; a library user may not.
+/// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
+/// messages; a library user may not.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum BuildError {
-    /// A list has not one entry a node, or not one a spring of its group.
+    /// A list does not have one entry per node, or per spring of its group.
     #[error("{what}: {found} entries where {expected} are needed")]
     Length {
         /// which list
@@ -36,15 +37,15 @@ pub enum BuildError {
     /// Nothing can move.
     #[error("the scene has no free degree of freedom")]
     NothingFree,
-    /// A number is missing its value.
+    /// A value is not a finite number.
     #[error("{what} {index} is not a finite number")]
     NotFinite {
         /// which list, or which value
         what: &'static str,
-        /// the place in its list; for values of nodes the node
+        /// index in its list; for nodal values the node
         index: usize,
     },
-    /// A table over time without rows, without one value a time, or with times that do not increase.
+    /// A table over time without rows, without one value per time, or with times that do not increase.
     #[error("the table of the {what} {reason}")]
     Table {
         /// what it is a table of
@@ -52,7 +53,7 @@ pub enum BuildError {
         /// what is wrong with it
         reason: &'static str,
     },
-    /// A support that moves.
+    /// A support has a velocity.
     #[error("node {node} is held along {axis} and has a velocity there; what is held stands still")]
     MovingSupport {
         /// user's number
@@ -62,7 +63,7 @@ pub enum BuildError {
     },
 }
 
-/// Refuses a specification that would panic, or compute what means nothing.
+/// Rejects a specification that would panic or compute meaningless results.
 pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
     nodes(spec)?;
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
@@ -86,7 +87,7 @@ fn finite(what: &'static str, values: &[f64]) -> Result<(), BuildError> {
     vectors(what, bytemuck::cast_slice::<_, [f64; 1]>(values))
 }
 
-/// The same for values of several components.
+/// The same for vectors.
 fn vectors<const N: usize>(what: &'static str, values: &[[f64; N]]) -> Result<(), BuildError> {
     match values.iter().position(|value| !value.iter().all(|c| c.is_finite())) {
         None => Ok(()),
@@ -178,7 +179,7 @@ fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
     }
 }
 
-/// Schemes that move nodes by their velocity alone would move a support too.
+/// Schemes that move nodes by their velocity alone would move the support too.
 fn stands_still(spec: &NetworkSpec) -> Result<(), BuildError> {
     for (node, (velocity, fixed)) in (0..).zip(spec.velocity.iter().zip(&spec.fixed)) {
         for ((v, held), axis) in velocity.iter().zip(fixed).zip(['x', 'y', 'z']) {

@@ -15,15 +15,16 @@ mod picture;
 mod suspect;
 mod tangent;
 
-pub use bound::BoundRoom;
+pub use bound::BoundBuffer;
 pub use build::build_network;
 pub use check::BuildError;
 pub use network::Network;
 pub use pendulum::Pendulum;
 
+use crate::assembly::{Abilities, TangentSystem};
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
-use crate::model::system::{Abilities, TangentSystem, TermInfo};
+use crate::model::system::TermInfo;
 
 /// What a failure report points at, in the user's numbering.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,9 +37,9 @@ pub struct Suspect {
     pub term: Option<TermInfo>,
 }
 
-/// What a run needs of a scene beyond forces, tangents and looks.
+/// What a run needs of a scene besides forces, tangents and output.
 pub trait Scene: TangentSystem + Picture {
-    /// What schemes may use.
+    /// The interfaces that schemes use.
     fn abilities(&self) -> Abilities<'_>;
 
     /// [m] the scene's size: half the largest extent of its nodes at t = 0; 0 for a single node.
@@ -47,54 +48,55 @@ pub trait Scene: TangentSystem + Picture {
     /// [m] half the largest extent of the nodes in a state.
     fn extent(&self, at: StateRef<'_>) -> f64;
 
-    /// Whether some force changes its law with the state: springs that go slack.
+    /// Whether some force changes its law with the state: springs that can go slack.
     fn has_branches(&self) -> bool {
         false
     }
 
-    /// `impulse =` what hangs on forces' changes of their law within a step from one state to another, in N s by degree
-    /// of freedom: for each force the smaller of what it would have added if it had kept the law that it begins with,
-    /// or had had the other from the beginning. Returns where, as a share of the step, the force with the largest part
-    /// of it changes first; `None`, and `impulse` means nothing, where none changes.
+    /// Writes into `impulse` [N s] `[n_dof]` the impulse that depends on changes of force laws within a step. For each
+    /// force it is the smaller of two: what the force would have added with the law at the start, or with the other law
+    /// from the start. Returns where the force with the largest impulse changes first, as a share of the step. `None`
+    /// if none changes; `impulse` is then unspecified.
     fn branch_changes(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
         let _ = (step, impulse);
         None
     }
 
-    /// Who is at fault at a degree of freedom of a state.
+    /// The likely cause of a failure at a degree of freedom of a state.
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect;
 
     /// Node (user's number) and axis of a degree of freedom.
     fn name_of(&self, dof: usize) -> (u32, &'static str);
 
-    /// The spring (user's number) that by its stiffness over the masses at its ends is the fastest at a degree of
-    /// freedom's node.
+    /// The spring (user's number) with the largest stiffness over the masses at its ends, at the node of a degree of
+    /// freedom.
     fn fastest_spring(&self, dof: usize) -> Option<u32> {
         let _ = dof;
         None
     }
 
-    /// [N] f = the loads in a state: gravity, pressure, air, without springs and dampers. Allocates.
+    /// Writes into `f` [N] `[n_dof]` the loads in a state: gravity, pressure and air, without springs and dampers.
+    /// Allocates.
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
         let mut forces = self.new_forces();
         self.evaluate(at, &mut forces);
         f.copy_from_slice(&forces.total);
     }
 
-    /// `f =` the force [N] of one of the [terms](crate::model::system::System::terms) alone, fixed degrees of freedom
-    /// included, and says over how many elements it went; `None` where terms cannot be told apart.
+    /// Writes into `f` [N] `[n_dof]` the force of one of the [terms](crate::model::system::System::terms), fixed
+    /// degrees of freedom included. Returns the number of its elements; `None` if the terms are not separate.
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
         let _ = (term, at, f);
         None
     }
 
-    /// y = (c C + k K) p at a state, without a matrix; zero at fixed degrees of freedom.
+    /// y = (c C + k K) p at a state, matrix-free, all `[n_dof]`; zero at fixed degrees of freedom.
     fn tangent_times(&self, at: StateRef<'_>, w: crate::model::system::Weights, p: &[f64], y: &mut [f64]);
 
     /// Upper bound on the largest eigenvalue of M^-1 (c C + k K) at a state, from one pass over the elements, and the
-    /// degree of freedom whose node sets it. Proved for symmetric scenes and weights of at least 0; else a measure that
-    /// grows as it does.
-    fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, room: &mut BoundRoom) -> (f64, usize);
+    /// degree of freedom where it is reached. Proved for symmetric scenes and weights of at least 0; else a measure
+    /// that grows with the eigenvalue.
+    fn rate_bound(&self, at: StateRef<'_>, w: crate::model::system::Weights, buffer: &mut BoundBuffer) -> (f64, usize);
 }
 
 /// The node of a degree of freedom, and the fastest spring at it, in words.

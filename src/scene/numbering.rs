@@ -1,9 +1,10 @@
-//! Internal node numbers: reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring lie
-//! close in memory whatever order the mesh came in.
+//! Internal node numbers by reverse Cuthill-McKee (Cuthill & McKee 1969; George 1971), so that the ends of a spring are
+//! close in memory whatever the numbering of the mesh.
 
+use crate::mesh::adjacency::Adjacency;
 use glam::DVec3;
 
-/// The two directions of a renumbering.
+/// A renumbering and its inverse.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numbering {
     /// user's number of every internal node
@@ -15,12 +16,12 @@ pub struct Numbering {
 impl Numbering {
     /// Numbers `n` nodes along the graph of `edges` (pairs may repeat).
     pub fn reverse_cuthill_mckee(n: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
-        let graph = Adjacency::new(n, edges);
+        let graph = Graph(Adjacency::of_edges(n, edges));
         let mut order: Vec<u32> = Vec::with_capacity(n);
         let mut seen = vec![false; n];
         let mut probe = (vec![false; n], Vec::new());
         let mut by_degree: Vec<u32> = (0..n as u32).collect();
-        by_degree.sort_unstable_by_key(|&i| (graph.of(i).len(), i));
+        by_degree.sort_unstable_by_key(|&i| (graph.degree(i), i));
         for start in by_degree {
             if !seen[start as usize] {
                 let start = graph.far_end(start, &mut probe);
@@ -35,8 +36,7 @@ impl Numbering {
         Numbering { user: order, internal }
     }
 
-    /// Vectors of nodes in the user's order; written one after the other, since what is written is often far away
-    /// (another thread had it last).
+    /// Copies vectors of nodes to the user's order. Writes are sequential, as the destination is often not in cache.
     pub fn to_user(&self, internal: &[DVec3], user: &mut [[f64; 3]]) {
         for (to, &from) in user.iter_mut().zip(&self.internal) {
             *to = internal[from as usize].to_array();
@@ -44,34 +44,12 @@ impl Numbering {
     }
 }
 
-struct Adjacency {
-    start: Vec<u32>,
-    neighbour: Vec<u32>,
-}
+/// Breadth-first orders of a graph's components.
+struct Graph(Adjacency);
 
-impl Adjacency {
-    fn new(n: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
-        let mut start = vec![0u32; n + 1];
-        for [a, b] in edges.clone() {
-            start[a as usize + 1] += 1;
-            start[b as usize + 1] += 1;
-        }
-        for i in 0..n {
-            start[i + 1] += start[i];
-        }
-        let mut next = start.clone();
-        let mut neighbour = vec![0; start[n] as usize];
-        for [a, b] in edges {
-            for (from, to) in [(a, b), (b, a)] {
-                neighbour[next[from as usize] as usize] = to;
-                next[from as usize] += 1;
-            }
-        }
-        Adjacency { start, neighbour }
-    }
-
-    fn of(&self, i: u32) -> &[u32] {
-        &self.neighbour[self.start[i as usize] as usize..self.start[i as usize + 1] as usize]
+impl Graph {
+    fn degree(&self, i: u32) -> usize {
+        self.0.row(i).len()
     }
 
     /// Appends the component of `start` in breadth-first order, neighbours by degree.
@@ -82,17 +60,17 @@ impl Adjacency {
         while let Some(&node) = order.get(at) {
             at += 1;
             let first = order.len();
-            for &next in self.of(node) {
+            for &next in self.0.row(node) {
                 if !std::mem::replace(&mut seen[next as usize], true) {
                     order.push(next);
                 }
             }
-            order[first..].sort_unstable_by_key(|&i| (self.of(i).len(), i));
+            order[first..].sort_unstable_by_key(|&i| (self.degree(i), i));
         }
     }
 
-    /// A node far from `start` in its component: the last of a walk. `probe` is scratch, left as it was but for this
-    /// component.
+    /// A node far from `start` in its component: the last in breadth-first order. `probe` is a buffer; only entries of
+    /// this component change.
     fn far_end(&self, start: u32, (seen, order): &mut (Vec<bool>, Vec<u32>)) -> u32 {
         order.clear();
         self.walk(start, seen, order);

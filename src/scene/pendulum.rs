@@ -4,13 +4,13 @@
 //! m L^2 theta'' = -m g L sin(theta) - c theta'
 //! ```
 
-use super::{BoundRoom, Scene, Suspect};
-use crate::assembly::{Assembler, PatternError};
+use super::{BoundBuffer, Scene, Suspect};
+use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::picture::Picture;
 use crate::model::spec::PendulumSpec;
 use crate::model::state::{State, StateRef};
-use crate::model::system::{Abilities, System, TangentSystem, TermInfo, Weights};
+use crate::model::system::{System, TermInfo, Weights};
 
 /// A pendulum; its one degree of freedom is the angle [rad], its mass the moment of inertia.
 #[derive(Clone, Debug)]
@@ -187,7 +187,7 @@ impl Scene for Pendulum {
         (0, "angle")
     }
 
-    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _room: &mut BoundRoom) -> (f64, usize) {
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, _buffer: &mut BoundBuffer) -> (f64, usize) {
         let stiffness = w.k * self.weight_moment() * at.x[0].cos();
         ((w.c * self.spec.damping + stiffness.max(0.0)) * self.inverse_inertia[0], 0)
     }

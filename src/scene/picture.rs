@@ -1,4 +1,4 @@
-//! A network as a person sees it: back in the user's numbering.
+//! A network for output, in the user's numbering.
 
 use super::network::{Network, by_node, node_state};
 use crate::force::law::axial_dashpot::AxialData;

@@ -1,12 +1,13 @@
-//! Who is at fault: what a failure report says about a node of a network, and its size.
+//! What a failure report says about a node of a network, and the size of a network.
 
 use super::network::{Network, by_node, node_state};
-use super::{BoundRoom, Scene, Suspect};
+use super::{BoundBuffer, Scene, Suspect};
+use crate::assembly::Abilities;
 use crate::force::{ForceTerm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
-use crate::model::system::{Abilities, Weights};
+use crate::model::system::Weights;
 use glam::{DMat3, DVec3};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -39,7 +40,7 @@ impl Scene for Network {
         for term in &self.terms {
             self.pass_of(&**term, node_state(at), &mut f);
             let size = f[node].length();
-            // A force that is not finite is the strongest there is.
+            // A force that is not finite counts as the strongest.
             let size = if size.is_finite() { size } else { f64::INFINITY };
             if size > strongest.0 {
                 strongest = (size, Some(term.info()));
@@ -89,8 +90,8 @@ impl Scene for Network {
         }
     }
 
-    fn rate_bound(&self, at: StateRef<'_>, w: Weights, room: &mut BoundRoom) -> (f64, usize) {
-        self.node_bound(at, w, room)
+    fn rate_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
+        self.node_bound(at, w, buffer)
     }
 
     fn tangent_times(&self, at: StateRef<'_>, w: Weights, p: &[f64], y: &mut [f64]) {
@@ -123,7 +124,7 @@ impl Network {
     }
 }
 
-/// Multiplies emitted blocks with a vector instead of storing them.
+/// Multiplies emitted blocks by a vector instead of storing them: y += A p.
 struct Product<'a> {
     p: &'a [DVec3],
     y: &'a mut [DVec3],

@@ -1,10 +1,10 @@
 //! The tangent of a network: its pattern, W = cm M + cc C + ck K, and what solvers ask of forces besides.
 
 use super::network::{Network, by_node, node_state};
-use crate::assembly::{Assembler, Nodes, PatternError, Recorder};
+use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
-use crate::model::system::{System, TangentSystem, Weights};
+use crate::model::system::{System, Weights};
 use crate::startup::{Phase, timed};
 use glam::DVec3;
 

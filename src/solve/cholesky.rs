@@ -1,16 +1,17 @@
 //! Sparse Cholesky by faer, with LDLT and LBLT for tangents that are not positive definite.
 //!
-//! Springs in compression make K indefinite. LLT then always notices, early; unpivoted LDLT finishes but may lose
-//! digits, so its solution is refined once and checked; what fails the check is factorised with pivoting inside
-//! supernodes (LBLT).
+//! Springs in compression make K indefinite. LLT always detects this, early. Unpivoted LDLT completes but may lose
+//! digits, so its solution is refined once and checked. If the check fails, the matrix is factorised with pivoting
+//! inside supernodes (LBLT).
 
 use super::linear::{
-    Accuracy, Inertia, KEPT_RELATIVE, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution,
+    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, REUSED_RELATIVE, Work, check_finite, check_solution,
+    matrix, symbolic_matrix,
 };
+use super::mixed_precision::SinglePrecisionFactor;
 use super::ordering::{Permutation, fill_reducing};
-use super::single::SingleFactor;
-use super::sparse::{matrix, symbolic_matrix};
 use crate::assembly::Pattern;
+use crate::mesh::random::pseudo_random;
 use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -23,7 +24,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
-/// faer's threads help only inside large supernodes and cost more than they bring below a million nodes.
+/// faer's threads help only in large supernodes and cost more than they save below a million nodes.
 const PAR: Par = Par::Seq;
 /// Largest ||b - W x|| / ||b|| that an unpivoted LDLT may leave after one refinement.
 const LDLT_RESIDUAL: f64 = 1e-9;
@@ -43,11 +44,11 @@ pub struct Cholesky {
     memory: MemBuffer,
     kind: Kind,
     pivoting: Option<Box<Pivoting>>,
-    /// the factor of a W that is kept, made when it is first called for
-    single: Option<Box<SingleFactor>>,
-    /// whether it serves for the W that was factorised last
+    /// the factor of a reused W in single precision, allocated at the first use
+    single: Option<Box<SinglePrecisionFactor>>,
+    /// whether it is accurate enough for the last W
     single_serves: bool,
-    /// what further solves may leave
+    /// accuracy of further solves
     accuracy: Accuracy,
     refinement: Vec<f64>,
     product: Vec<f64>,
@@ -55,7 +56,7 @@ pub struct Cholesky {
     factorizations: u64,
 }
 
-/// What only LBLT needs, made when it is first called for.
+/// Buffers of LBLT, allocated at the first use.
 struct Pivoting {
     subdiagonal: Vec<f64>,
     forward: Vec<u32>,
@@ -107,7 +108,7 @@ impl Cholesky {
             Some(p) => SymmetricOrdering::Custom(PermRef::new_checked(&p.new_to_old, &p.old_to_new, pattern.n())),
             None => SymmetricOrdering::Amd,
         };
-        // Left to itself faer picks the simplicial method at 700 nodes, which is three times slower there.
+        // By default faer uses the simplicial method at 700 nodes, which is three times slower there.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -182,7 +183,7 @@ impl Cholesky {
         }
     }
 
-    /// Solves, refines once, and returns ||b - W x|| / ||b||; keeps b in `refinement`.
+    /// Solves for b `[n]`, refines once, and returns ||b - W x|| / ||b||; the right-hand side stays in `refinement`.
     fn solve_refined(&mut self, values: &[f64], b: &mut [f64]) -> f64 {
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut rhs, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
@@ -209,28 +210,27 @@ impl Cholesky {
 }
 
 impl Cholesky {
-    /// Takes the factor in single precision too, if a solve with it leaves little enough of a right-hand side that is
-    /// rough and always the same.
+    /// Copies the factor to single precision. Returns whether a solve with it is accurate enough for a fixed right-hand
+    /// side of pseudo-random signs.
     fn try_single(&mut self, values: &[f64]) -> bool {
         let single = match &mut self.single {
             Some(single) => single,
-            none => match SingleFactor::new(&self.symbolic) {
+            none => match SinglePrecisionFactor::new(&self.symbolic) {
                 Some(single) => none.insert(Box::new(single)),
                 None => return false,
             },
         };
-        if !single.take(&self.l) {
+        if !single.set_values(&self.l) {
             return false;
         }
         let (mut x, mut product) = (std::mem::take(&mut self.refinement), std::mem::take(&mut self.product));
-        let rough = |i: usize| if i.wrapping_mul(0x9E37_79B9) >> 13 & 1 == 0 { 1.0 } else { -1.0 };
         x.clear();
-        x.extend((0..self.pattern.n()).map(rough));
+        x.extend((0..self.pattern.n()).map(|i| pseudo_random(i).signum()));
         product.resize(x.len(), 0.0);
         single.solve(&mut x);
         self.pattern.multiply(values, &x, &mut product);
-        let left: f64 = product.iter().enumerate().map(|(i, p)| (p - rough(i)).powi(2)).sum();
-        let serves = left <= KEPT_RELATIVE * KEPT_RELATIVE * x.len() as f64;
+        let left: f64 = product.iter().enumerate().map(|(i, p)| (p - pseudo_random(i).signum()).powi(2)).sum();
+        let serves = left <= REUSED_RELATIVE * REUSED_RELATIVE * x.len() as f64;
         (self.refinement, self.product) = (x, product);
         serves
     }

@@ -1,75 +1,73 @@
-//! Conjugate gradients (Hestenes & Stiefel 1952) preconditioned by an incomplete factorisation that needs pivots only
-//! (`pivots`), with Eisenstat's product (1981).
+//! Conjugate gradients (Hestenes & Stiefel 1952), preconditioned by an incomplete factorisation that stores pivots only
+//! (`relaxed_ic0`), with Eisenstat's product (1981).
 //!
-//! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and making it ready
-//! costs about thirteen iterations. The number of iterations grows with the root of stiffness over inertia, h
-//! sqrt(k/m), so it suits small steps. It works on
+//! No factor is stored: it takes about as much memory as W, of which an iteration reads a third, and its setup costs
+//! about thirteen iterations. The number of iterations grows with the root of stiffness over inertia, h sqrt(k/m), so
+//! it suits small steps. It solves
 //!
 //! ```text
 //! (I + L)^-1 (I + J + L + L^T) (I + L^T)^-1 x^ = (I + L)^-1 E^-1 b,      x = E^-T (I + L^T)^-1 x^
 //! ```
-//! in single precision, and its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller
+//! in single precision. Its residual is that of this system: the residual of W x = b in the norm of M^-1. Smaller
 //! residuals than single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
-use super::blocks::NodeBlocks;
+use super::bsr::NodeBlocks;
 use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
 use super::norms::norm;
-use super::pieces::Pieces;
-use super::pivots::RELAXATION;
-use super::strips::{cut, node_of_unknown};
+use super::partitioned_cg::PartitionedSystem;
+use super::relaxed_ic0::RELAXATION;
+use super::twisted_factorization::cut;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
 use std::sync::Arc;
 
-/// [-] relative residual of a solve for which nobody has asked for another
+/// [-] default relative residual of a solve
 const RELATIVE: f64 = 1e-10;
-/// [-] what one round in single precision may leave at least: it has seven digits
+/// [-] least relative residual of a solve in single precision, which has seven digits
 const SINGLE: f64 = 1e-6;
-/// [-] A round that leaves more than this of what it began with is the last: rounding has eaten the rest.
+/// [-] Refinement stops if a round leaves more than this share of the residual: rounding dominates.
 const ROUND: f64 = 0.1;
-/// [-] p . W p over p . p and its largest value, below which its sign is one of rounding
+/// [-] Share of the largest p . W p / p . p below which the sign of p . W p is rounding.
 const ROUNDING: f64 = 1e-5;
-/// [iterations] after which it is judged whether M is nearly singular.
+/// Iterations after which M is checked for being nearly singular.
 const PROBE: u32 = 3;
-/// [-] p . W p over p . p that a run of nodes may have. It is 0.8 to 2 on taut nets, which fill in the pivots serves;
-/// where M is nearly singular (nets with waves some springs long, or six nodes of such waves in a flat net) it is 4.5
-/// to 1e8, and motions that hardly matter drown all others in the residual.
+/// [-] Largest p . W p / p . p of a range of nodes. It is 0.8 to 2 on taut nets, where fill in the pivots helps. Where
+/// M is nearly singular it is 4.5 to 1e8: nets with waves some springs long, or six nodes of such waves in a flat net.
+/// Motions that hardly matter then dominate the residual.
 const LARGEST: f64 = 2.0;
-/// [iterations] in which a solve still goes on to the tighter of its two tolerances: where so few reach it, one
-/// iteration around the solve is enough.
+/// Iterations up to which a solve continues to the tighter of its two tolerances: then one Newton iteration is enough.
 const FEW: u32 = 2;
-/// [iterations] after which a solve is given up: as many as unknowns, which would do in exact arithmetic, within these
-/// bounds.
+/// Maximum iterations of a solve: the number of unknowns, which suffices in exact arithmetic, within these bounds.
 const MOST: [usize; 2] = [200, 20_000];
 
 /// W x = b by conjugate gradients.
 pub struct ConjugateGradients {
     pattern: Arc<Pattern>,
-    pieces: Pieces,
+    system: PartitionedSystem,
     workers: Workers,
-    /// what a solve may leave
+    /// accuracy of further solves
     accuracy: Accuracy,
-    /// b and the residual of refinement, made when first called for
+    /// b and the residual of refinement, allocated at the first use
     refined: Option<[Vec<f64>; 2]>,
-    /// the most of them in a solve
+    /// maximum iterations of a solve
     most: u32,
-    /// of the present solve
+    /// iterations of the current solve
     iterations: u32,
-    /// of all solves
-    all: u64,
+    /// iterations of all solves
+    total_iterations: u64,
     indefinite: u64,
 }
 
-/// A right-hand side in r.
-struct Taken {
-    /// largest entry of the right-hand side, over which it is taken
+/// Scales of a right-hand side that is stored in r.
+struct RightHandSide {
+    /// its largest scaled entry, by which r is divided
     scale: f64,
     /// r . r
     first: f64,
 }
 
-impl Taken {
-    /// [-] size of the right-hand side in the norm of residuals
+impl RightHandSide {
+    /// [-] its norm, in that of the residuals
     fn size(&self) -> f64 {
         self.scale * self.first.sqrt()
     }
@@ -82,7 +80,7 @@ impl std::fmt::Debug for ConjugateGradients {
 }
 
 impl ConjugateGradients {
-    /// Finds the blocks of a pattern, which the threads share.
+    /// Finds the blocks of a pattern and divides them among threads.
     ///
     /// # Errors
     /// A pattern that is not symmetric, or has too many entries.
@@ -94,41 +92,51 @@ impl ConjugateGradients {
             let reason = "more entries than 32 bits can number in blocks".to_owned();
             return Err(LinearError::Analysis { unknowns: pattern.n(), reason });
         }
-        let strips = cut(&pattern, &node_of_unknown(&pattern));
-        let pieces = Pieces::new(&pattern, strips, workers.clone());
+        let subdomains = cut(&pattern, &pattern.node_of_unknown());
+        let system = PartitionedSystem::new(&pattern, subdomains, workers.clone());
         let [least, most] = MOST;
         let most = (pattern.n() + least).min(most) as u32;
-        let (accuracy, iterations, all, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
+        let (accuracy, iterations, total_iterations, indefinite) = (Accuracy::to(RELATIVE), 0, 0, 0);
         let (refined, workers) = (None, workers.clone());
-        Ok(ConjugateGradients { pattern, pieces, workers, accuracy, refined, most, iterations, all, indefinite })
+        Ok(ConjugateGradients {
+            pattern,
+            system,
+            workers,
+            accuracy,
+            refined,
+            most,
+            iterations,
+            total_iterations,
+            indefinite,
+        })
     }
 
-    /// Solves for a right-hand side that is the same everywhere and has a part of every motion, to a relative residual,
-    /// in `most` iterations or not at all, and returns how many were made.
+    /// Solves for a fixed pseudo-random right-hand side to the relative residual `relative` [-] in at most `most`
+    /// iterations. Returns the number of iterations.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
-    pub(super) fn rehearse(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
+    pub(super) fn trial_solve(&mut self, relative: f64, most: u32) -> Result<u32, LinearError> {
         let own = std::mem::replace(&mut self.most, most);
         self.iterations = 0;
-        let first = self.pieces.rehearse();
+        let first = self.system.set_trial_right_hand_side();
         let found = self.iterate(first, Accuracy::to(relative));
         self.most = own;
         found.map(|()| self.iterations)
     }
 
-    /// Whether pivots with fill serve W: residuals tell what is left of a solution.
-    fn served(&mut self) -> bool {
+    /// Whether pivots with fill suit W: then residuals measure the error of a solution.
+    fn relaxation_serves(&mut self) -> bool {
         let indefinite = self.indefinite;
-        let found = self.rehearse(0.0, PROBE);
-        // A nearly singular M makes rounding look like an indefinite W.
+        let found = self.trial_solve(0.0, PROBE);
+        // With a nearly singular M rounding looks like an indefinite W.
         self.indefinite = indefinite;
-        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.pieces.runs_within(LARGEST)
+        matches!(found, Ok(_) | Err(LinearError::Stalled { .. })) && self.system.runs_within(LARGEST)
     }
 
-    /// Iterates until x^ is found, with the right-hand side and its square in r.
+    /// Iterates from x^ = 0 with the right-hand side in r; `first` is r . r.
     fn iterate(&mut self, first: f64, Accuracy { relative, enough, .. }: Accuracy) -> Result<(), LinearError> {
-        self.pieces.begin();
+        self.system.begin();
         let mut square = first;
         let left = |square: f64| (square / first).sqrt();
         let stalled = |iterations, square| LinearError::Stalled { iterations, residual: left(square), asked: relative };
@@ -138,8 +146,8 @@ impl ConjugateGradients {
                 return Err(stalled(self.iterations, square));
             }
             self.iterations += 1;
-            self.all += 1;
-            let curvature = self.pieces.product(beta);
+            self.total_iterations += 1;
+            let curvature = self.system.product(beta);
             if !curvature.along.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -153,7 +161,7 @@ impl ConjugateGradients {
             }
             let alpha = square / curvature.along;
             let before = square;
-            square = self.pieces.advance(alpha as f32);
+            square = self.system.advance(alpha as f32);
             if !square.is_finite() {
                 return Err(LinearError::Singular { unknown: None });
             }
@@ -162,23 +170,27 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// Replaces b by an approximation of W^-1 b, which leaves of it what single precision can reach or what is asked
-    /// for.
+    /// Replaces b `[n]` by an approximation of W^-1 b, as accurate as asked for and as single precision allows.
     fn round(&mut self, b: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
-        let Taken { scale, first } = self.take(b)?;
+        let RightHandSide { scale, first } = self.set_right_hand_side(b)?;
         let possible = Accuracy { relative: asked.relative.max(SINGLE), enough: asked.enough.max(SINGLE), ..asked };
         self.iterate(first, possible)?;
-        self.pieces.finish(scale, b);
+        self.system.finish(scale, b);
         Ok(())
     }
 
     /// r <- (I + L)^-1 E^-1 b over the scale of b.
-    fn take(&mut self, b: &[f64]) -> Result<Taken, LinearError> {
-        let [scale, first] = self.pieces.take(b);
-        if first.is_finite() { Ok(Taken { scale, first }) } else { Err(LinearError::Singular { unknown: None }) }
+    fn set_right_hand_side(&mut self, b: &[f64]) -> Result<RightHandSide, LinearError> {
+        let [scale, first] = self.system.set_right_hand_side(b);
+        if first.is_finite() {
+            Ok(RightHandSide { scale, first })
+        } else {
+            Err(LinearError::Singular { unknown: None })
+        }
     }
 
-    /// Solves for what is left of the right-hand side in double precision, until that is no more than was asked for.
+    /// Iterative refinement: solves for the residual in double precision until it is small enough; `x` `[n]` is b
+    /// before.
     fn refine(&mut self, values: &[f64], x: &mut [f64], asked: Accuracy) -> Result<(), LinearError> {
         let n = x.len();
         let [mut b, mut r] = self.refined.take().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
@@ -200,7 +212,7 @@ impl ConjugateGradients {
         Accuracy { relative: asked, checked, .. }: Accuracy,
         [x, r]: [&mut [f64]; 2],
     ) -> Result<(), LinearError> {
-        let first = self.take(b)?.size();
+        let first = self.set_right_hand_side(b)?.size();
         let size = if checked { norm(b) } else { 0.0 };
         let mut left = 1.0;
         while first > 0.0 && left > asked {
@@ -217,10 +229,10 @@ impl ConjugateGradients {
             for (r, b) in r.iter_mut().zip(b) {
                 *r = b - *r;
             }
-            // No number where x has left the range of numbers.
-            let mut now = self.take(r).map_or(f64::NAN, |taken| taken.size()) / first;
+            // NaN if x has overflowed.
+            let mut now = self.set_right_hand_side(r).map_or(f64::NAN, |taken| taken.size()) / first;
             if checked {
-                // M is that of a rounded W, and its norm may not see what the rounding has taken from W.
+                // M belongs to a rounded W, and its norm may not see what rounding has changed.
                 now = now.max(norm(r) / size);
             }
             if now > asked && now > ROUND * left || now.is_nan() {
@@ -233,11 +245,11 @@ impl ConjugateGradients {
 }
 
 impl LinearSolver for ConjugateGradients {
-    /// Makes the blocks ready. Whether W is definite shows only in a solve.
+    /// Sets up the preconditioner. Whether W is positive definite shows only in a solve.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
         check_finite(&self.pattern, values, &self.workers)?;
-        let served = self.pieces.fill(values, RELAXATION) && self.served();
-        if served || self.pieces.fill(values, 0.0) {
+        let served = self.system.set_values(values, RELAXATION) && self.relaxation_serves();
+        if served || self.system.set_values(values, 0.0) {
             return Ok(Inertia::Unknown);
         }
         self.indefinite += 1;
@@ -260,7 +272,7 @@ impl LinearSolver for ConjugateGradients {
     }
 
     fn work(&self) -> Work {
-        Work { factorizations: 0, iterations: self.all }
+        Work { factorizations: 0, iterations: self.total_iterations }
     }
 
     fn stats(&self) -> LinearStats {

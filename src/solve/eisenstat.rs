@@ -1,23 +1,22 @@
-//! The operations of conjugate gradients on W and its preconditioner M: triangular solves over the nodes, forwards and
-//! backwards, and Eisenstat's product made of them.
+//! Triangular solves with L over the nodes, forward and backward, and Eisenstat's product made of them.
 
-use super::blocks::NodeBlocks;
+use super::bsr::NodeBlocks;
 use glam::{DVec3, Mat3A, Vec3A};
 use prefetch_index::prefetch_index;
 
-/// Blocks of L that a sweep asks the memory for in advance, about as many as it goes through until they come:
-/// processors that fetch ahead by themselves were seen to fail at pieces of this size. In the caches it costs nothing.
+/// Prefetch distance in blocks of L, about as many as are processed until memory answers. Hardware prefetching was seen
+/// to fail at this access pattern. In cache it costs nothing.
 const AHEAD: usize = 192;
 
 impl NodeBlocks {
-    /// v = E^-1 b, with b by unknown.
+    /// v = E^-1 b; `b` by unknown, `v` `[n_own]`.
     pub fn gather(&self, b: impl Fn(usize) -> f32, v: &mut [Vec3A]) {
         for (g, (v, inverse_root)) in v.iter_mut().zip(&self.inverse_root).take(self.nodes()).enumerate() {
-            *v = *inverse_root * self.places(g, &b);
+            *v = *inverse_root * self.node_vector(g, &b);
         }
     }
 
-    /// b = s Y^-1 E^-T v, with Y^-1 the scale of every unknown, and of b those of the strip.
+    /// b = s Y^-1 E^-T v. `scale` is Y^-1 of every unknown `[n]`, `b` has the unknowns of the subdomain.
     pub fn scatter(&self, v: &[Vec3A], (s, scale): (f64, &[f64]), b: &mut [f64]) {
         let first = self.unknowns()[0].start;
         for (g, (v, inverse_root)) in v.iter().zip(&self.inverse_root).take(self.nodes()).enumerate() {
@@ -44,14 +43,14 @@ impl NodeBlocks {
         }
     }
 
-    /// Asks for as much as most nodes' columns of L have, two cache lines; beyond its ends, for nothing.
+    /// Prefetches two cache lines, the size of most columns of L. Indices out of range are ignored.
     #[inline(always)]
     fn fetch(&self, block: usize) {
         prefetch_index(&self.below, block);
         prefetch_index(&self.below, block.wrapping_add(2));
     }
 
-    /// v <- v - (column g of L) v_g, on the way forth; returns v_g.
+    /// v <- v - (column g of L) v_g, in the forward sweep; returns v_g.
     #[inline(always)]
     fn take_below(&self, g: usize, v: &mut [Vec3A]) -> Vec3A {
         let (y, column) = (v[g], self.column(g));
@@ -62,7 +61,7 @@ impl NodeBlocks {
         y
     }
 
-    /// Row g of L^T v, on the way back.
+    /// Row g of L^T v, in the backward sweep.
     #[inline(always)]
     fn above(&self, g: usize, v: &[Vec3A]) -> Vec3A {
         let column = self.column(g);
@@ -84,7 +83,7 @@ impl NodeBlocks {
     /// ```text
     /// q = (I + L)^-1 A (I + L^T)^-1 p = t + (I + L)^-1 (L^T t + J t),      t = (I + L^T)^-1 p,      L^T t = p - t
     /// ```
-    /// It makes t, and L^T t + J t in q.
+    /// The backward sweep computes t, and L^T t + J t in q.
     pub fn back(&self, z: &[Vec3A], beta: f32, sweep: Sweep<'_>) {
         let Sweep { p, t, q } = sweep;
         for g in (0..self.nodes()).rev() {
@@ -95,7 +94,7 @@ impl NodeBlocks {
         }
     }
 
-    /// The other half.
+    /// The forward sweep of the product.
     pub fn forth(&self, sweep: Sweep<'_>) -> Curvature {
         let Sweep { p, t, q } = sweep;
         let (mut along, mut squares) = (DVec3::ZERO, DVec3::ZERO);
@@ -108,7 +107,7 @@ impl NodeBlocks {
     }
 }
 
-/// What a product tells of its direction p.
+/// Inner products of a direction p.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Curvature {
     /// p . q
@@ -117,11 +116,11 @@ pub(super) struct Curvature {
     pub squares: f64,
 }
 
-/// Vectors of a product: p of a strip's own nodes, t and q of the seams beside it too.
+/// Vectors of a product: p `[n_own]`; t and q also hold the separator `[n_local]`.
 pub(super) struct Sweep<'a> {
     /// direction
     pub p: &'a mut [Vec3A],
-    /// room
+    /// (I + L^T)^-1 p
     pub t: &'a mut [Vec3A],
     /// the product
     pub q: &'a mut [Vec3A],

@@ -1,8 +1,8 @@
-//! Why an iteration was given up, with its numbers.
+//! Why Newton's iteration failed, with its numbers.
 
 use super::LinearError;
 
-/// Why an iteration was given up.
+/// Why Newton's iteration failed.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum NewtonFailure {
     /// The tolerance was not reached in the allowed iterations.
@@ -39,8 +39,8 @@ pub enum NewtonFailure {
         /// an unknown whose residual is not finite
         worst: usize,
     },
-    /// Rounding of the residual is as large as what moves the scene: no iteration leads on from a guess that it hides,
-    /// or what one ends with is far above all forces.
+    /// Rounding of the residual is as large as the forces: no iteration improves on the first guess, or the final
+    /// residual is far above all forces.
     #[error(
         "the forces of the stiffest springs are rounded by {rounding:.1e} N, and {forces:.1e} N are all that act: rounding hides the motion"
     )]

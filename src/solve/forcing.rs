@@ -1,43 +1,43 @@
 //! How exactly a linear system need be solved within Newton's iteration.
 
-use super::{Accuracy, KEPT_RELATIVE};
+use super::{Accuracy, REUSED_RELATIVE};
 
 /// [-] Share of the residual that the first solve may leave.
 const FIRST: f64 = 1e-3;
 /// [-] Share of the squared reduction of the residual that the next solve may leave.
 const GAMMA: f64 = 0.9;
-/// [-] A solve need not go below this share of the tolerance on the residual.
+/// [-] A solve need not leave less than this share of the tolerance on the residual.
 const ENOUGH: f64 = 0.1;
 
-/// [-] No solve may leave more.
+/// [-] Largest share that any solve may leave.
 const LOOSEST: f64 = 0.1;
 
 fn enough(residual: f64, tolerance: f64) -> f64 {
     ENOUGH * tolerance / residual
 }
 
-/// What a solve with a kept matrix may leave of a residual [N], on the way to a tolerance [N].
-pub(super) fn kept(residual: f64, tolerance: f64) -> Accuracy {
+/// Accuracy of a solve with a reused matrix, for a residual [N] and the tolerance on it [N].
+pub(super) fn reused(residual: f64, tolerance: f64) -> Accuracy {
     let enough = enough(residual, tolerance).min(LOOSEST);
-    Accuracy { relative: KEPT_RELATIVE.max(enough), enough, checked: false }
+    Accuracy { relative: REUSED_RELATIVE.max(enough), enough, checked: false }
 }
 
-/// The same where the residual is rounding and the solution has to show whether the iteration has arrived.
+/// The same if the residual is rounding and the solution decides whether the iteration has converged.
 pub(super) fn settling(residual: f64, tolerance: f64) -> Accuracy {
-    Accuracy::to(enough(residual, tolerance).clamp(f64::EPSILON, KEPT_RELATIVE)).checked()
+    Accuracy::to(enough(residual, tolerance).clamp(f64::EPSILON, REUSED_RELATIVE)).checked()
 }
 
-/// The forcing terms of Eisenstat & Walker (1996, choice 2), and no more than the tolerance asks for (Kelley 1995, Eq.
-/// 6.20). Their safeguard, by which a term is not far below a large one before it, is not needed: terms here are small
-/// from the first on.
+/// The forcing terms of Eisenstat & Walker (1996, choice 2), no smaller than the tolerance requires (Kelley 1995, Eq.
+/// 6.20). Their safeguard against a term far below a large previous one is not needed: terms here are small from the
+/// first on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Forcing {
-    /// [N] the last residual; nothing before the first
+    /// [N] the previous residual; `None` before the first
     last: Option<f64>,
 }
 
 impl Forcing {
-    /// [-] The share of a residual [N] that the next solve may leave, on the way to a tolerance [N].
+    /// [-] Share of the residual [N] that the next solve may leave, for a tolerance [N] on the residual.
     pub fn next(&mut self, residual: f64, tolerance: f64) -> f64 {
         let wanted = match self.last {
             None => FIRST,

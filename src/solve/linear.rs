@@ -1,9 +1,11 @@
-//! What Newton needs of a linear solver, and which one a matrix gets.
+//! The interface of linear solvers, and which solver a matrix gets.
 
-pub use super::weighed::Prediction;
-use super::{Cholesky, ConjugateGradients, Lu, Weighed};
+use super::cost_model::COSTS;
+pub use super::cost_model::Prediction;
+use super::{AutoSolver, Cholesky, ConjugateGradients, Lu};
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
 
 /// Which solver to use.
@@ -15,101 +17,83 @@ pub enum LinearChoice {
     Auto,
     /// Cholesky; refused for a non-symmetric W.
     Cholesky,
-    /// LU, of a symmetric W too.
+    /// LU, also for a symmetric W.
     Lu,
     /// Conjugate gradients; refused for a non-symmetric W.
     Cg,
 }
 
-/// What a solver is and what it holds.
+/// Name and sizes of a solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearStats {
     /// `cholesky`, `lu` or `cg`
     pub name: &'static str,
-    /// entries stored of W
+    /// stored entries of W
     pub matrix_nonzeros: usize,
-    /// entries stored of the factor, where the library tells
+    /// stored entries of the factor, if known
     pub factor_nonzeros: Option<usize>,
-    /// floating point operations of one factorisation, where the library tells the factor's shape
+    /// multiplications and additions of a factorisation, if known
     pub factor_operations: Option<f64>,
-    /// matrices that were found not to be positive definite
+    /// number of matrices that were not positive definite
     pub indefinite: u64,
-    /// what the choice was made from, where there was one
+    /// the comparison behind an automatic choice, if one was made
     pub prediction: Option<Prediction>,
 }
 
-/// [flop] a stored entry of a factor in a solve, and an unknown in an iteration's forces and products of vectors
-pub(super) const SOLVE_FLOPS: f64 = 4.0;
-const ITERATION_FLOPS: f64 = 350.0;
-/// How many operations of a solve in single precision take the time of one of a factorisation: a solve goes through the
-/// factor at the speed of memory, a factorisation works on dense blocks.
-pub(super) const SOLVE_SLOWNESS: f64 = 1.6;
-/// [flop] a multiplication and addition in the dense blocks of a factorisation, and an entry of its factor besides
-pub(super) const DENSE_OPERATION: f64 = 0.25;
-pub(super) const FACTOR: f64 = 68.0;
-/// [flop] an entry of W in an assembly
-pub(super) const ASSEMBLY_FLOPS: f64 = 50.0;
-
 impl LinearStats {
-    /// [-] cost of an assembly and a factorisation in iterations on a factor that is there, by counted operations.
+    /// [-] Cost of an assembly and a factorisation in Newton iterations on an existing factor, by counted operations.
     pub fn factor_cost(&self, unknowns: usize) -> f64 {
-        let entries = self.factor_nonzeros.unwrap_or(self.matrix_nonzeros) as f64;
-        let operations = self.factor_operations.unwrap_or(0.0);
-        // Small factors take the time of their operations; in large ones dense blocks make most of these cheap.
-        let factoring = (2.0 * operations).min(DENSE_OPERATION * operations + FACTOR * entries);
-        let making = factoring + ASSEMBLY_FLOPS * self.matrix_nonzeros as f64;
-        making / (SOLVE_SLOWNESS * SOLVE_FLOPS * entries + ITERATION_FLOPS * unknowns as f64)
+        COSTS.factor_cost(self, unknowns)
     }
 }
 
-/// What a solve may leave of its right-hand side.
+/// Accuracy of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// [-] share that it may leave
+    /// [-] largest relative residual
     pub relative: f64,
-    /// [-] share below which nothing is gained; as long as iterations are few it is worth going on to it
+    /// [-] relative residual that is small enough for the iteration around the solve; reached if few iterations suffice
     pub enough: f64,
-    /// whether the residual b - W x is computed in double precision, and its Euclidean norm must be that small as well
+    /// whether the Euclidean norm of b - W x, in double precision, must be that small as well
     pub checked: bool,
 }
 
 impl Accuracy {
-    /// No less and no more than this [-].
+    /// The relative residual `relative` [-].
     pub fn to(relative: f64) -> Self {
         Accuracy { relative, enough: relative, checked: false }
     }
 
-    /// The same, shown in double precision.
+    /// The same, verified in double precision.
     pub fn checked(self) -> Self {
         Accuracy { checked: true, ..self }
     }
 
-    /// Whether a factor in single precision that leaves [`KEPT_RELATIVE`] serves.
+    /// Whether a factor in single precision, which leaves up to [`REUSED_RELATIVE`], is accurate enough.
     pub(super) fn allows_single(self) -> bool {
-        self.relative >= KEPT_RELATIVE && !self.checked
+        self.relative >= REUSED_RELATIVE && !self.checked
     }
 
-    /// That of a solve with a kept matrix.
-    pub fn kept() -> Self {
-        Accuracy::to(KEPT_RELATIVE)
+    /// Of a solve with a reused matrix.
+    pub fn of_reused() -> Self {
+        Accuracy::to(REUSED_RELATIVE)
     }
 }
 
-/// [-] Share of its right-hand side that a solve with a kept matrix may leave: what the iteration around it makes of
-/// the old matrix is not better.
-pub const KEPT_RELATIVE: f64 = 1e-3;
+/// [-] Relative residual of a solve with a reused matrix. The Newton iteration with an old matrix converges no faster.
+pub const REUSED_RELATIVE: f64 = 1e-3;
 
-/// What is expected of a matrix that is kept.
+/// Expected use of a reused matrix.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Expected {
-    /// [-] useful iterations that it will serve, over the root of what it costs in iterations
+    /// [-] useful Newton iterations it will serve, over the square root of its cost in iterations
     pub reuse: f64,
-    /// [-] iterations of conjugate gradients in an average solve; 0 as long as none was seen
+    /// [-] iterations of conjugate gradients in an average solve; 0 before any was seen
     pub cg_iterations: f64,
 }
 
 impl Default for Expected {
-    /// Before any matrix was seen.
+    /// Before any matrix was used.
     fn default() -> Self {
         Expected { reuse: 6.0, cg_iterations: 0.0 }
     }
@@ -130,24 +114,24 @@ pub enum LinearError {
         /// an unknown without pivot, if the factorisation tells
         unknown: Option<usize>,
     },
-    /// Cholesky was asked for a non-symmetric matrix.
+    /// Cholesky was chosen for a non-symmetric matrix.
     #[error(
         "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cholesky\" cannot solve \
          with the exact one; use \"linear\": \"auto\", which keeps a symmetric part where that serves"
     )]
     NotSymmetric,
-    /// Conjugate gradients or Cholesky were asked for where there are no blocks of nodes.
+    /// Conjugate gradients or Cholesky were chosen for a system without node blocks.
     #[error(
         "\"cholesky\" and \"cg\" work on the symmetric blocks of a network's nodes, and this system has none; use \"linear\": \"auto\""
     )]
     NotByNodes,
-    /// Conjugate gradients were asked for true Newton iterations with a non-symmetric matrix.
+    /// Conjugate gradients were chosen with strategy `full` for a non-symmetric matrix.
     #[error(
         "this scene's tangent is not symmetric (air, follower pressure or axial dashpots), so \"cg\" can only solve with its symmetric part, \
          which the strategy \"full\" does not use; use \"strategy\": \"auto\", or \"linear\": \"lu\""
     )]
     FullNotSymmetric,
-    /// LU was asked for together with a factor that is kept.
+    /// LU was chosen with a strategy that reuses a factor.
     #[error(
         "\"lu\" factorises the exact tangent in every iteration, and the strategies \"modified\" and \"quasi\" keep a symmetric one; use \
          \"linear\": \"auto\", or \"strategy\": \"full\" or \"auto\""
@@ -159,7 +143,7 @@ pub enum LinearError {
         /// iterations made
         iterations: u32,
     },
-    /// Conjugate gradients did not come to the residual they were asked for.
+    /// Conjugate gradients did not reach the requested residual.
     #[error(
         "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
          the step is long for so stiff a scene, or its stiffnesses are too far apart for single precision; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
@@ -169,7 +153,7 @@ pub enum LinearError {
         iterations: u32,
         /// [-] residual over that at the start
         residual: f64,
-        /// [-] what it had to reach
+        /// [-] requested relative residual
         asked: f64,
     },
     /// The analysis ran out of memory or index range.
@@ -177,12 +161,12 @@ pub enum LinearError {
     Analysis {
         /// size
         unknowns: usize,
-        /// what the library said
+        /// reason given by the library
         reason: String,
     },
 }
 
-/// Work of a solver since it was made.
+/// Work of a solver since its construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// factorisations
@@ -191,26 +175,26 @@ pub struct Work {
     pub iterations: u64,
 }
 
-/// What a factorisation tells of W.
+/// What a factorisation shows about W.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
     /// W is positive definite
     Definite,
     /// W has eigenvalues that are not positive
     Indefinite,
-    /// the factorisation does not tell
+    /// unknown after this factorisation
     Unknown,
 }
 
-/// Factorises W on a fixed pattern and solves with it. The analysis is done at construction, once.
+/// Factorises W on a fixed pattern and solves with it. The symbolic analysis is done once, at construction.
 pub trait LinearSolver: Send {
-    /// Factorises the values of W (in the order of the pattern).
+    /// Factorises W; `values` [nonzeros] in the order of the pattern.
     ///
     /// # Errors
     /// Values that are not finite, or a singular W.
     fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError>;
 
-    /// The same, but an indefinite W is only told, not factorised: for those who want a descent direction or none.
+    /// The same, but an indefinite W is reported and not factorised: for callers that need a descent direction.
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -218,7 +202,7 @@ pub trait LinearSolver: Send {
         self.factor(values)
     }
 
-    /// The same for a W that is kept for many solves, each of which may leave [`KEPT_RELATIVE`] of its right-hand side.
+    /// The same for a W that is reused over many solves, each with relative residual [`REUSED_RELATIVE`].
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -226,8 +210,8 @@ pub trait LinearSolver: Send {
         self.factor_definite(values)
     }
 
-    /// Decides how it would serve such a W, which [`LinearSolver::stats`] tells then, and factorises nothing:
-    /// [`Inertia::Unknown`], or that it is indefinite.
+    /// Chooses how to solve with such a W without factorising it; [`LinearSolver::stats`] then has the choice. Returns
+    /// [`Inertia::Unknown`], or [`Inertia::Indefinite`] if W is.
     ///
     /// # Errors
     /// As [`LinearSolver::factor`].
@@ -236,38 +220,38 @@ pub trait LinearSolver: Send {
         Ok(Inertia::Unknown)
     }
 
-    /// Replaces the right-hand side `b` by W^-1 b; `values` are those of the last `factor`. An error of conjugate
-    /// gradients leaves `b`.
+    /// Replaces `b` `[n]` by W^-1 b; `values` are those of the last factorisation. An error of conjugate gradients
+    /// leaves `b` unchanged.
     ///
     /// # Errors
     /// A solution that is not finite, or wrong beyond repair: W is singular to working precision. Conjugate gradients:
     /// W is indefinite, or too badly conditioned.
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
-    /// What further solves may leave; direct solvers leave what rounding does.
+    /// Sets the accuracy of further solves; direct solvers ignore it.
     fn ask(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
     }
 
-    /// What the next matrix that is kept will probably be used for.
+    /// Sets the expected use of the next reused matrix.
     fn anticipate(&mut self, expected: Expected) {
         let _ = expected;
     }
 
-    /// Whether it would serve the last matrix otherwise, had it expected this.
+    /// Whether another solver would have been chosen for the last matrix with this expected use.
     fn prefers_another(&self, expected: Expected) -> bool {
         let _ = expected;
         false
     }
 
-    /// What it has done so far.
+    /// Work since construction.
     fn work(&self) -> Work;
 
-    /// What the solver is and holds.
+    /// Name and sizes.
     fn stats(&self) -> LinearStats;
 }
 
-/// The solver for a pattern, which may use these threads.
+/// The solver for a pattern; it may use the threads of `workers`.
 ///
 /// # Errors
 /// When the choice does not fit the pattern or the analysis fails.
@@ -284,17 +268,17 @@ pub fn solver_for(
     }
 }
 
-/// The solver for a symmetric W that is kept over many solves.
+/// The solver for a symmetric W that is reused over many solves.
 ///
 /// # Errors
 /// As [`solver_for`].
-pub fn kept_solver_for(
+pub fn reusing_solver_for(
     pattern: Arc<Pattern>,
     choice: LinearChoice,
     workers: &Workers,
 ) -> Result<Box<dyn LinearSolver>, LinearError> {
     match choice {
-        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(Weighed::new(pattern, workers)?)),
+        LinearChoice::Auto if pattern.symmetric => Ok(Box::new(AutoSolver::new(pattern, workers)?)),
         _ => solver_for(pattern, choice, workers),
     }
 }
@@ -315,4 +299,14 @@ pub(super) fn check_solution(x: &[f64], workers: &Workers) -> Result<(), LinearE
         None => Ok(()),
         unknown => Err(LinearError::Singular { unknown }),
     }
+}
+
+/// The pattern as faer's factorisations read it.
+pub(super) fn symbolic_matrix(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
+    SymbolicSparseColMatRef::new_checked(pattern.n(), pattern.n(), &pattern.col_ptr, None, &pattern.row_idx)
+}
+
+/// The same with `values` [nonzeros].
+pub(super) fn matrix<'a>(pattern: &'a Pattern, values: &'a [f64]) -> SparseColMatRef<'a, u32, f64> {
+    SparseColMatRef::new(symbolic_matrix(pattern), values)
 }

@@ -1,8 +1,10 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
-use super::linear::{Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
-use super::sparse::{matrix, symbolic_matrix};
+use super::linear::{
+    Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution, matrix, symbolic_matrix,
+};
 use crate::assembly::Pattern;
+use crate::mesh::adjacency::row_starts;
 use crate::model::workers::ALONE;
 use crate::startup::{Phase, timed};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -44,13 +46,7 @@ fn mirror(pattern: &Pattern) -> (Pattern, Vec<u32>, Vec<f64>) {
         }
     }
     entries.sort_unstable();
-    let mut col_ptr = vec![0; pattern.n() + 1];
-    for &(j, _, _) in &entries {
-        col_ptr[j as usize + 1] += 1;
-    }
-    for j in 0..pattern.n() {
-        col_ptr[j + 1] += col_ptr[j];
-    }
+    let col_ptr = row_starts(pattern.n(), entries.iter().map(|&(j, ..)| j));
     let row_idx = entries.iter().map(|&(_, i, _)| i).collect();
     let slots: Vec<u32> = entries.iter().map(|&(_, _, s)| s).collect();
     let values = vec![0.0; slots.len()];

@@ -1,32 +1,31 @@
 //! Linear solvers behind one small trait, and Newton's iteration on top of them.
 
-mod blocks;
+mod bsr;
 mod cholesky;
 mod conjugate;
+mod cost_model;
 mod eisenstat;
 mod failure;
 mod forcing;
 mod linear;
 mod lu;
+mod mixed_precision;
 pub mod newton;
 pub(crate) mod norms;
 mod ordering;
-mod pieces;
-mod pivots;
+mod partitioned_cg;
 mod problem;
-pub mod quasi;
+pub mod quasi_newton;
+mod relaxed_ic0;
 mod search;
-mod single;
-mod sparse;
-mod strips;
-mod weighed;
+mod twisted_factorization;
 
 pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
+pub use cost_model::AutoSolver;
 pub use linear::{
-    Accuracy, Expected, Inertia, KEPT_RELATIVE, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, Work,
-    kept_solver_for, solver_for,
+    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, REUSED_RELATIVE,
+    Work, reusing_solver_for, solver_for,
 };
 pub use lu::Lu;
 pub use ordering::{Elimination, Permutation, fill_reducing};
-pub use weighed::Weighed;

@@ -1,36 +1,36 @@
-//! Newton's iteration for F(z) = 0, made to converge from far away. Knows nothing of time or schemes.
+//! Newton's iteration for F(z) = 0, globalised by line searches. Knows nothing of time or schemes.
 //!
-//! Where F is the gradient of a potential (a symmetric tangent), the iteration goes downhill in it: an indefinite
-//! tangent is replaced by its convex part, and the search along the direction d follows F.d, the slope of the
-//! potential. Else the residual must fall, or the same tangent must ask for a clearly smaller correction; where both
-//! only crawl, the convex direction and its slope take over until full steps are possible again.
+//! If F is the gradient of a potential (a symmetric tangent), the iteration descends in the potential. An indefinite
+//! tangent is replaced by its convex part, and the line search along the direction d follows the slope F.d. Otherwise
+//! the residual must fall, or the same tangent must predict a clearly smaller correction. If both make little progress,
+//! the convex direction and its slope are used until full steps are possible again.
 
 pub use super::failure::NewtonFailure;
 use super::forcing::{self, Forcing};
 use super::norms::{dot, excess, norm};
 pub use super::problem::{Curvature, NonlinearProblem, Scales};
-use super::quasi::{self, Frozen, Pairs};
+use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
 /// How often the tangent is factorised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As [`Strategy::Quasi`] where a factorisation costs many iterations on an old factor; else, and where that does
-    /// not lead to the end of a step, as [`Strategy::Full`].
+    /// As [`Strategy::Quasi`] if a factorisation costs many iterations on an old factor. Otherwise, and if that does
+    /// not converge, as [`Strategy::Full`].
     #[default]
     Auto,
     /// The exact tangent in every iteration.
     Full,
-    /// A symmetric tangent of an earlier iterate, as long as it serves.
+    /// A symmetric tangent of an earlier iterate, reused as long as it converges fast enough.
     Modified,
-    /// The same, corrected by the iteration's own last steps.
+    /// The same with L-BFGS corrections from the last steps of the iteration.
     Quasi,
 }
 
 impl Strategy {
-    /// Whether a factor of so many unknowns is kept that costs so many iterations on one that is there; 0: there is
-    /// none to keep.
+    /// Whether a factor is reused. `factor_cost` [-] is the cost of a factorisation in iterations on an existing
+    /// factor; 0 if the scene has no factor to reuse. `unknowns` is the size of the matrix.
     pub fn keeps(self, factor_cost: f64, unknowns: usize) -> bool {
         match self {
             Strategy::Full => false,
@@ -45,7 +45,7 @@ impl Strategy {
 pub struct NewtonSpec {
     /// [-] tolerance on residual and increment, relative to their scales
     pub relative: f64,
-    /// iterations after which a step is refused, on the exact tangent; a kept factor has as many before
+    /// maximum number of iterations on the exact tangent, and before that on a reused factor
     pub max_iterations: u32,
     /// how often the tangent is factorised
     pub strategy: Strategy,
@@ -66,39 +66,41 @@ pub struct NewtonReport {
     pub residual: f64,
 }
 
-/// A direction whose accepted share is below this crawls: the residual's norm is a bad guide there.
+/// A step that is shortened below this share of Newton's makes little progress: the residual's norm is a poor merit
+/// function there.
 const CRAWL: f64 = 0.125;
 
-/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are kept: that of chains.
-/// Those of 700 to 10,000 nodes take 0.6 to 0.75 of the time then.
+/// [-] Cost of a symmetric factorisation, in iterations without one, from which on factors are reused: that of chains.
+/// With reuse, nets of 700 to 10,000 nodes take 0.6 to 0.75 of the time.
 const WORTH_KEEPING: f64 = 0.7;
-/// [-] The same for few unknowns: that of nets of 24. They take 0.15 to 0.77 of the time then; short chains and smaller
-/// nets would gain little, and keep the digits of the exact tangent, which finds motions that are small beside the
-/// rounding of forces.
+/// [-] The same for few unknowns: that of nets of 24 nodes, which take 0.15 to 0.77 of the time. Short chains and
+/// smaller nets would gain little. Without reuse they keep the digits of the exact tangent, which resolves motions that
+/// are small beside the rounding of forces.
 const WORTH_KEEPING_SMALL: f64 = 1.0;
 const FEW: usize = 1000;
 
-/// [-] Residual over the forces of the step up to which it is accepted where all of it is rounding. Above, the residual
-/// alone tells nothing of soft springs beside stiff ones: the next correction must be small as well.
+/// [-] A residual of pure rounding is accepted up to this share of the step's forces. Above it, the residual alone says
+/// nothing about soft springs beside stiff ones: the next correction must be small as well.
 const TRUSTED: f64 = 1e-5;
-/// [-] A correction that rounding keeps from shrinking further may be this share of the step's motion.
+/// [-] A correction that rounding keeps from shrinking is accepted up to this share of the step's motion.
 const SETTLED: f64 = 1e-4;
-/// [-] A correction above this share of the one before has stopped shrinking.
+/// [-] A correction above this share of the previous one has stopped shrinking.
 const SHRINKS: f64 = 0.5;
 
-/// [-] Rounding of the residual, over the forces of the step, from which on it may hide their motion where no iteration
-/// leads on. What is rounded acts along stiff springs, so iterations may find the motion across them far above it.
+/// [-] Rounding of the residual over the step's forces from which on it may hide the motion if no iteration makes
+/// progress. Rounding acts along stiff springs, so iterations may resolve the motion across them far above this limit.
 const HIDING: f64 = 1e-3;
-/// [-] Residual that is rounding alone, over the forces of the step and the residual of the first guess, from which on
-/// nothing is found across stiff springs either: on a chain the motion was right up to 1e3 and wrong from 6e6 on.
+/// [-] Residual of pure rounding, over the step's forces and the residual of the first guess, from which on motion
+/// across stiff springs is lost too. On a chain the motion was right up to 1e3 and wrong from 6e6 on.
 const HIDDEN: f64 = 1e5;
 
-/// How long a problem without a potential is led by the convex tangent after the exact one crawled.
+/// For how many steps a problem without a potential uses the convex tangent after the exact one made too little
+/// progress.
 #[derive(Clone, Copy, Debug, Default)]
 struct Caution {
-    /// full steps still to be made with the convex tangent
+    /// full steps left with the convex tangent
     left: u32,
-    /// how many it will be the next time: twice as many as the last
+    /// number of them the next time: twice as many as the last
     next: u32,
 }
 
@@ -109,26 +111,25 @@ impl Caution {
     }
 }
 
-/// Whether an iteration has come to its end.
+/// Whether the iteration has converged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Arrival {
+pub(super) enum Convergence {
     /// Residual and increment are small.
-    Arrived,
-    /// They are not.
-    OnTheWay,
-    /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction has to
-    /// tell.
-    Hidden,
+    Converged,
+    /// At least one is not.
+    NotConverged,
+    /// The residual is rounding of stiff springs, which may hide the motion of soft ones: the next correction decides.
+    Rounding,
 }
 
-/// What the corrections tell of an iterate whose residual is rounding.
+/// What the corrections show about an iterate whose residual is rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Settled {
     /// They are small, or as small as rounding allows: this is the solution.
     Yes,
     /// They still shrink.
     NotYet,
-    /// They have stopped to shrink and are not small.
+    /// They have stopped shrinking and are not small.
     Never,
 }
 
@@ -145,16 +146,16 @@ impl Default for Settling {
     }
 }
 
-/// What became of a direction.
+/// Outcome of a search along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// This share of it was taken.
+    /// This share of the direction was taken.
     Taken(f64),
-    /// No share of it leads on.
+    /// No step along it reduces the merit function.
     Stuck,
-    /// It was not needed.
+    /// The iterate had converged.
     NotNeeded,
-    /// Rounding hides where to go.
+    /// Rounding hides the solution.
     Hidden,
 }
 
@@ -165,21 +166,21 @@ pub struct Newton {
     pub(super) r: Vec<f64>,
     pub(super) floor: Vec<f64>,
     pub(super) dz: Vec<f64>,
-    /// a point on the way along `dz`, its residual, and the correction asked for there
+    /// trial point along `dz`, its residual, and the correction predicted there `[n]`
     pub(super) trial: Vec<f64>,
     pub(super) r_trial: Vec<f64>,
     pub(super) correction: Vec<f64>,
-    pub(super) pairs: Pairs,
-    /// the first guess, to which an iteration that led nowhere returns
+    pub(super) pairs: SecantPairs,
+    /// the first guess, restored if an iteration fails `[n]`
     guess: Vec<f64>,
-    /// iterations on a kept factor
+    /// iterations on a reused factor
     pub(super) spent: u32,
 }
 
-/// What an iteration is to reach.
+/// Convergence criteria of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
-    /// [N] of the residual
+    /// [N] tolerance on the residual
     pub tolerance: f64,
     pub scales: Scales,
 }
@@ -196,9 +197,9 @@ impl Newton {
     pub fn new(spec: NewtonSpec, n: usize) -> Self {
         let zero = || vec![0.0; n];
         let pairs = match spec.strategy {
-            Strategy::Full => Pairs::default(),
-            Strategy::Modified => Pairs::new(n, 0),
-            Strategy::Auto | Strategy::Quasi => Pairs::for_unknowns(n),
+            Strategy::Full => SecantPairs::default(),
+            Strategy::Modified => SecantPairs::new(n, 0),
+            Strategy::Auto | Strategy::Quasi => SecantPairs::for_unknowns(n),
         };
         let (r, r_trial, floor, dz, trial, correction, guess) =
             (zero(), zero(), zero(), zero(), zero(), zero(), zero());
@@ -209,30 +210,30 @@ impl Newton {
         self.spec.max_iterations
     }
 
-    /// Whether residual and increment at `z` are small; `next` is the accepted share of the last direction times the
-    /// reduction of the residual.
-    pub(super) fn arrival(&self, z: &[f64], goal: Goal, next: f64) -> Arrival {
+    /// Whether residual and increment at `z` are small. `next` [-] predicts the next increment over the last: the
+    /// accepted share of the direction times the reduction of the residual.
+    pub(super) fn convergence(&self, z: &[f64], goal: Goal, next: f64) -> Convergence {
         let next_increment = next * norm(&self.dz);
         let excess = self.excess();
         let small = excess <= goal.tolerance && (next_increment <= self.small(z, goal) || excess == 0.0);
         match small {
-            false => Arrival::OnTheWay,
-            true if self.is_trusted(norm(&self.r), goal) => Arrival::Arrived,
-            true => Arrival::Hidden,
+            false => Convergence::NotConverged,
+            true if self.is_trusted(norm(&self.r), goal) => Convergence::Converged,
+            true => Convergence::Rounding,
         }
     }
 
-    /// Whether a residual [N] that is rounding is small enough to tell of all motions.
+    /// Whether a residual [N] of pure rounding is small enough to determine all motions.
     fn is_trusted(&self, residual: f64, goal: Goal) -> bool {
         residual <= goal.tolerance.max(TRUSTED * goal.scales.residual)
     }
 
-    /// [m] An increment at `z` that is small.
+    /// [m] Tolerance on the increment at `z`.
     fn small(&self, z: &[f64], goal: Goal) -> f64 {
         (self.spec.relative * goal.scales.increment.max(norm(z))).max(goal.scales.increment_floor)
     }
 
-    /// What the correction in `self.dz` tells of `z`.
+    /// Judges `z` by the correction in `self.dz`.
     pub(super) fn settled(&self, z: &[f64], goal: Goal, settling: &mut Settling) -> Settled {
         let increment = norm(&self.dz);
         let shrinks = increment <= SHRINKS * std::mem::replace(&mut settling.last, increment);
@@ -247,11 +248,11 @@ impl Newton {
         }
     }
 
-    /// Iterates from `z` until residual and increment are both small. On success the problem's last evaluated residual
-    /// is the one at the returned `z`.
+    /// Iterates from `z` `[n]` until residual and increment are both small. On success the problem's last evaluated
+    /// residual is the one at the returned `z`.
     ///
-    /// The increment test looks ahead: the next increment is about the last one times the reduction of the residual. So
-    /// a linear problem takes one iteration, and a residual that merely stalls does not pass.
+    /// The increment test predicts the next increment from the last one times the reduction of the residual. So a
+    /// linear problem takes one iteration, and a residual that stalls does not pass.
     ///
     /// # Errors
     /// When the tolerances are not reached; `z` is then worthless.
@@ -260,7 +261,7 @@ impl Newton {
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         scales: Scales,
-        frozen: &mut Frozen,
+        frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         let tolerance = self.spec.relative * scales.residual;
         let goal = Goal { tolerance, scales };
@@ -273,7 +274,7 @@ impl Newton {
         if !residual.is_finite() || !rounding.is_finite() {
             return Err(NewtonFailure::NotFinite { worst: self.worst() });
         }
-        // The rounding of stiff springs may hide all that moves soft ones, so a guess is not taken for it alone.
+        // The rounding of stiff springs may hide all motion of soft ones, so a guess is not accepted on rounding alone.
         let rounding_only = self.excess() == 0.0;
         if rounding_only && residual <= tolerance {
             return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
@@ -285,14 +286,14 @@ impl Newton {
         };
         let iterations = match self.iterate(problem, z, goal, frozen) {
             Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
-            // A solver that failed has shown nothing.
+            // A failed linear solve says nothing about rounding.
             Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, goal) => {
                 return Err(failure);
             }
             Err(failure) if rounding_only => {
                 let iterations = failure.iterations();
                 if self.is_trusted(residual, goal) || !hides(rounding, HIDING, forces, problem) {
-                    // The guess will do.
+                    // Accept the first guess.
                     self.return_to_guess(problem, z);
                     return Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) });
                 }
@@ -303,18 +304,18 @@ impl Newton {
         Err(NewtonFailure::Hidden { iterations, rounding, forces, worst: self.worst() })
     }
 
-    /// The iterations: on the frozen factor, then, from the same guess, on the exact tangent.
+    /// Iterates on the frozen factor and, if that fails, from the same guess on the exact tangent.
     fn iterate(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
         goal: Goal,
-        frozen: &mut Frozen,
+        frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         if problem.keeps() && !frozen.rests() {
-            match quasi::solve(self, problem, z, goal, frozen) {
+            match quasi_newton::solve(self, problem, z, goal, frozen) {
                 Ok(Some(report)) => return Ok(report),
-                // A solver that fails on the frozen tangent says nothing of the exact one.
+                // A failed solve with the frozen tangent says nothing about the exact one.
                 Ok(None)
                 | Err(LinearError::Stalled { .. } | LinearError::Singular { .. } | LinearError::Indefinite { .. }) => {}
                 Err(error) => {
@@ -330,10 +331,10 @@ impl Newton {
         let Goal { tolerance, .. } = goal;
         let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
         let mut residual = norm(&self.r);
-        let (mut arrival, mut settling) = (Arrival::OnTheWay, Settling::default());
+        let (mut convergence, mut settling) = (Convergence::NotConverged, Settling::default());
         for made in 1..=self.spec.max_iterations {
             let (before, iterations) = (residual, self.spent + made);
-            let hidden = (arrival == Arrival::Hidden).then_some(&mut settling);
+            let hidden = (convergence == Convergence::Rounding).then_some(&mut settling);
             let step = match hidden {
                 Some(settling) => {
                     problem.ask(forcing::settling(residual, tolerance));
@@ -355,8 +356,8 @@ impl Newton {
                 }
             };
             residual = norm(&self.r);
-            arrival = self.arrival(z, goal, lambda * (residual / before));
-            if arrival == Arrival::Arrived {
+            convergence = self.convergence(z, goal, lambda * (residual / before));
+            if convergence == Convergence::Converged {
                 return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
             }
         }
@@ -369,7 +370,7 @@ impl Newton {
         problem.residual(z, &mut self.r, &mut self.floor);
     }
 
-    /// One direction and the search along it; moves `z` and `self.r`.
+    /// One direction and the line search along it; updates `z` and `self.r`.
     fn step(
         &mut self,
         problem: &mut dyn NonlinearProblem,
@@ -401,7 +402,7 @@ impl Newton {
         Ok(taken(lambda))
     }
 
-    /// The next correction where the residual is rounding, and the way along it where it is not small.
+    /// The next correction if the residual is rounding, and a line search along it if it is not small.
     fn settle(
         &mut self,
         problem: &mut dyn NonlinearProblem,
@@ -426,7 +427,7 @@ impl Newton {
         })
     }
 
-    /// A direction down the potential: from the convex tangent where the exact one gives none.
+    /// A descent direction of the potential, from the convex tangent if the exact one gives none.
     fn downhill_direction(&mut self, problem: &mut dyn NonlinearProblem) -> Result<(), LinearError> {
         if !self.direction(problem, Curvature::Exact)? {
             self.direction(problem, Curvature::Convex)?;
@@ -434,7 +435,7 @@ impl Newton {
         Ok(())
     }
 
-    /// dz = -W^-1 r; whether it leads downhill.
+    /// dz = -W^-1 r. Returns whether it is a descent direction.
     fn direction(&mut self, problem: &mut dyn NonlinearProblem, curvature: Curvature) -> Result<bool, LinearError> {
         if problem.linearise(curvature)? == Inertia::Indefinite && problem.conservative() {
             return Ok(false);
@@ -449,7 +450,7 @@ impl Newton {
         Ok(dot(&self.r, &self.dz) < 0.0)
     }
 
-    /// [N] norm of what the residual has beyond rounding.
+    /// [N] norm of the residual beyond rounding.
     fn excess(&self) -> f64 {
         excess(&self.r, &self.floor)
     }

@@ -1,4 +1,4 @@
-//! Products and norms of residuals, with sums in fixed lanes.
+//! Inner products and norms, summed in fixed lanes.
 
 use crate::model::lanes::{LANES, Lanes};
 use multiversion::multiversion;
@@ -23,8 +23,8 @@ pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
     lanes.total() + rest.iter().zip(other).map(|(v, w)| v * w).sum::<f64>()
 }
 
-/// Norm of the parts of `r` beyond their floors: a stiff corner of a scene, whose residual cannot be small, then hides
-/// nothing of a soft one.
+/// Norm of the entries of `r` beyond their rounding floors. So a stiff corner of a scene, whose residual cannot be
+/// small, hides nothing of a soft one.
 #[multiversion(targets("x86_64+avx+avx2"))]
 pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
     let mut lanes = Lanes::default();
@@ -42,6 +42,6 @@ pub(super) fn excess(r: &[f64], floor: &[f64]) -> f64 {
 #[inline(always)]
 fn beyond(r: f64, floor: f64) -> f64 {
     let excess = r.abs() - floor;
-    // Not `max`: what is not a number must stay so.
+    // Not `max`, so that NaN stays NaN.
     if excess <= 0.0 { 0.0 } else { excess }
 }

@@ -1,27 +1,28 @@
 //! Fill-reducing ordering of the unknowns.
 //!
 //! The graph of the *nodes* is ordered, not that of the degrees of freedom: it is nine times smaller and keeps the
-//! three of a node together, which supernodes want. Up to [`AMD_LIMIT`] nodes by approximate minimum degree (Amestoy,
-//! Davis & Duff 1996, from faer), above by nested dissection (George 1973) along the node coordinates: the separator is
-//! the part of one half that touches the other, and hubs are eliminated last. The elimination tree is then postordered
-//! (Liu 1990), because faer takes a given permutation as it is.
+//! three unknowns of a node together, as supernodes need. Up to [`AMD_LIMIT`] nodes the order is approximate minimum
+//! degree (Amestoy, Davis & Duff 1996, from faer). Above, it is nested dissection (George 1973) along the node
+//! coordinates; the separator is the part of one half that touches the other, and nodes with very many neighbours come
+//! last. The elimination tree is then postordered (Liu 1990), because faer uses a given permutation as it is.
 
 use crate::assembly::Pattern;
+use crate::mesh::adjacency::Adjacency;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-/// Nodes up to which minimum degree is as good as dissection, and quicker to make.
+/// Nodes up to which minimum degree is as good as dissection and faster.
 const AMD_LIMIT: usize = 2000;
-/// Nodes a dissected part may keep undivided.
+/// Maximum number of nodes of a part that is not divided further.
 const LEAF: usize = 24;
-/// A node with more neighbours than this times the root of the number of nodes, and than [`FEW`], is kept out of the
-/// dissection and eliminated last (the rule of Amestoy, Davis & Duff 2004, Algorithm 837): wherever a hub of lines
-/// lies, all its neighbours on the other side would be a separator.
+/// A node is dense if it has more neighbours than this times the root of the number of nodes, and more than [`FEW`].
+/// Dense nodes are left out of the dissection and eliminated last (the rule of Amestoy, Davis & Duff 2004, Algorithm
+/// 837). Otherwise all neighbours of a hub of lines on the other side of a cut would be in the separator.
 const DENSE: f64 = 10.0;
-/// [-] neighbours that no node is called dense for
+/// [-] neighbours up to which no node is dense
 const FEW: usize = 64;
-/// How much smaller the other half's separator must be to be taken instead.
+/// The separator in the other half is taken if it is smaller by this factor.
 const MUCH_SMALLER: usize = 2;
 const NONE: u32 = u32::MAX;
 
@@ -39,13 +40,14 @@ pub struct Permutation {
 pub struct Elimination {
     /// the ordering
     pub order: Permutation,
-    /// entries of L, as if every node had three unknowns; supernodes store some more
+    /// entries of L if every node had three unknowns; supernodes store some more
     pub nonzeros: f64,
     /// multiplications and additions of the factorisation
     pub operations: f64,
 }
 
-/// Orders the unknowns of a pattern. `None` when the library reports a failure; the caller then uses its own default.
+/// Orders the unknowns of a pattern. `None` if the library reports a failure; the caller then uses the library's
+/// default.
 pub fn fill_reducing(pattern: &Pattern) -> Option<Elimination> {
     let graph = Graph::new(pattern);
     let order = if graph.len() <= AMD_LIMIT { graph.minimum_degree()? } else { graph.dissect(&pattern.position) };
@@ -67,20 +69,12 @@ fn invert(order: &[u32]) -> Vec<u32> {
 }
 
 /// Adjacency of the nodes that have unknowns, both directions, without loops.
-struct Graph {
-    start: Vec<u32>,
-    neighbour: Vec<u32>,
-}
+struct Graph(Adjacency);
 
 impl Graph {
     fn new(pattern: &Pattern) -> Self {
         let n = pattern.node_start.len() - 1;
-        let node_of: Vec<u32> = (0..n as u32)
-            .flat_map(|g| {
-                let width = pattern.node_start[g as usize + 1] - pattern.node_start[g as usize];
-                std::iter::repeat_n(g, width as usize)
-            })
-            .collect();
+        let node_of = pattern.node_of_unknown();
         let mut pairs = Vec::new();
         for g in 0..n as u32 {
             let mut last = NONE;
@@ -94,29 +88,22 @@ impl Graph {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let mut start = vec![0; n + 1];
-        for &(g, _) in &pairs {
-            start[g as usize + 1] += 1;
-        }
-        for g in 0..n {
-            start[g + 1] += start[g];
-        }
-        Graph { start, neighbour: pairs.into_iter().map(|(_, other)| other).collect() }
+        Graph(Adjacency::new(n, pairs.iter().copied()))
     }
 
     fn len(&self) -> usize {
-        self.start.len() - 1
+        self.0.len()
     }
 
     fn neighbours(&self, g: u32) -> &[u32] {
-        &self.neighbour[self.start[g as usize] as usize..self.start[g as usize + 1] as usize]
+        self.0.row(g)
     }
 
     fn minimum_degree(&self) -> Option<Vec<u32>> {
         let n = self.len();
-        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.start, None, &self.neighbour);
+        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.0.start, None, &self.0.items);
         let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
-        let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, self.neighbour.len())).ok()?;
+        let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, self.0.items.len())).ok()?;
         amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory)).ok()?;
         Some(order)
     }
@@ -152,11 +139,11 @@ impl Graph {
         nodes
     }
 
-    /// Two halves and what keeps them apart: the nodes of the first that touch the second, or the other way round where
+    /// Two halves and their separator: the nodes of the first part that touch the second, or the other way round if
     /// those are far fewer.
     fn cut(&self, (first, second): (&[u32], &[u32]), marks: &mut Marks) -> [Vec<u32>; 3] {
         let (left, separator) = self.apart(first, second, marks);
-        // No set of nodes is smaller than this one by that much.
+        // No separator can be smaller by that factor.
         if separator.len() <= MUCH_SMALLER {
             return [left, second.to_vec(), separator];
         }
@@ -168,7 +155,7 @@ impl Graph {
         }
     }
 
-    /// The nodes of a part that do not touch another part, and those that do.
+    /// The nodes of a part that do not touch the other part, and those that do.
     fn apart(&self, part: &[u32], other: &[u32], marks: &mut Marks) -> (Vec<u32>, Vec<u32>) {
         marks.last += 1;
         for &g in other {
@@ -200,7 +187,7 @@ impl Graph {
         rows.into_iter().map(column).fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]])
     }
 
-    /// The same elimination in the order of a depth-first walk of the elimination tree, and its entries and operations.
+    /// The same elimination in depth-first order of the elimination tree, with its entries and operations.
     fn postorder(&self, order: &[u32]) -> (Vec<u32>, [f64; 2]) {
         let n = order.len();
         let new = invert(order);
@@ -238,7 +225,7 @@ impl Graph {
     }
 }
 
-/// Which nodes belong to the part that was marked last.
+/// Marks the nodes of a part: those whose mark is `last`.
 struct Marks {
     of: Vec<u32>,
     last: u32,

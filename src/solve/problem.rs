@@ -1,4 +1,4 @@
-//! What Newton's iteration asks of a problem.
+//! The problem that Newton's iteration solves.
 
 use super::{Accuracy, Expected, Inertia, LinearError};
 
@@ -9,26 +9,26 @@ pub struct Scales {
     pub residual: f64,
     /// [m] size of the unknown
     pub increment: f64,
-    /// [m] what rounding alone leaves of an increment
+    /// [m] increment that rounding alone can leave
     pub increment_floor: f64,
 }
 
-/// Which tangent a direction is taken from.
+/// Which tangent gives a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
     /// dF/dz
     Exact,
-    /// dF/dz without what makes it indefinite
+    /// dF/dz without the parts that make it indefinite
     Convex,
 }
 
 /// F(z) = 0, its tangent and a solver for it.
 pub trait NonlinearProblem {
-    /// Writes the residual r = F(z) and, one by one, what rounding alone can leave of it.
+    /// Writes the residual r = F(z) [N] and the rounding error each entry may have; both `[n]`.
     fn residual(&mut self, z: &[f64], r: &mut [f64], floor: &mut [f64]);
 
-    /// Called after the residual at a first guess `z`: replaces a guess that went too far by a more cautious one and
-    /// says so; `false` keeps it.
+    /// Called after the residual at a first guess `z` `[n]`. Replaces a guess that goes too far by a more cautious one
+    /// and returns `true`; `false` keeps it.
     fn retreat(&mut self, z: &mut [f64]) -> bool {
         let _ = z;
         false
@@ -39,16 +39,15 @@ pub trait NonlinearProblem {
         false
     }
 
-    /// Factorises the tangent dF/dz where the residual was last evaluated. An exact tangent of a conservative problem
-    /// that is indefinite need not be factorised: no direction is taken from it.
+    /// Factorises the tangent dF/dz at the last evaluated residual. An indefinite exact tangent of a conservative
+    /// problem need not be factorised: it gives no direction.
     ///
     /// # Errors
     /// A tangent that is not finite or singular.
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
-    /// Factorises a symmetric positive definite approximation of the tangent where the residual was last evaluated, to
-    /// be used for many solves; `false` if there is none to be had. `expected` is what it will be used for
-    /// ([`super::LinearSolver::anticipate`]).
+    /// Factorises a symmetric positive definite approximation of the tangent at the last evaluated residual, for many
+    /// solves. Returns `false` if there is none. `expected` is its expected use ([`super::LinearSolver::anticipate`]).
     ///
     /// # Errors
     /// A tangent that is not finite.
@@ -57,42 +56,42 @@ pub trait NonlinearProblem {
         Ok(false)
     }
 
-    /// Whether the factor of the last [`NonlinearProblem::freeze`] would be of another kind, had this been expected.
+    /// Whether [`NonlinearProblem::freeze`] would have chosen another solver for this expected use.
     fn prefers_another(&self, expected: Expected) -> bool {
         let _ = expected;
         false
     }
 
-    /// Iterations of conjugate gradients so far.
+    /// Iterations of conjugate gradients since the start of the run.
     fn cg_iterations(&self) -> u64 {
         0
     }
 
-    /// From now on [`NonlinearProblem::solve`] is with the factor of the last [`NonlinearProblem::freeze`], of an
-    /// earlier problem too.
+    /// Makes [`NonlinearProblem::solve`] use the factor of the last [`NonlinearProblem::freeze`], which may be from an
+    /// earlier step.
     fn take_frozen(&mut self) {}
 
-    /// Whether there is a matrix to be kept over many solves.
+    /// Whether factors are reused over many solves.
     fn keeps(&self) -> bool {
         false
     }
 
-    /// What further solves may leave of their right-hand sides; solvers that are exact take no notice.
+    /// Sets the accuracy of further solves; direct solvers ignore it.
     fn ask(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
     }
 
-    /// [N] Force that would stop the motion within the step: what moves on its own needs no other.
+    /// [N] Force that would stop the motion within the step: the scale of a scene that moves without forces.
     fn stopping_force(&mut self) -> f64 {
         0.0
     }
 
-    /// [-] cost of a factorisation in iterations on a factor that is there, by counted operations.
+    /// [-] Cost of a factorisation in iterations on an existing factor, by counted operations.
     fn factor_cost(&self) -> f64 {
         0.0
     }
 
-    /// Replaces b by (dF/dz)^-1 b.
+    /// Replaces b `[n]` by (dF/dz)^-1 b.
     ///
     /// # Errors
     /// A solution that is not finite, or a tangent that only now shows not to be positive definite.

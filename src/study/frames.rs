@@ -3,7 +3,7 @@
 //! Frames are what `solve` would write: the state at every multiple of the interval and at the end, a frame between two
 //! steps being their cubic Hermite interpolation.
 
-use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Point, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::model::state::State;
 use crate::output::hermite::interpolate;
 use crate::output::schedule::{Due, Schedule, tolerance};
@@ -170,31 +170,23 @@ impl<'a> Sampler<'a> {
 }
 
 impl Observer for Sampler<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let (from, to) = (&step.from.state, &step.to.state);
-        while let Some(due) = self.schedule.next_in(from.t, to.t) {
-            match due {
-                Due::End => self.visit(to),
-                Due::Between(at) => {
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        Wants { states: self.schedule.states(step), strain: false }
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        while let Some(due) = self.schedule.next_in(step.from, step.t) {
+            match (due, step.start, step.end) {
+                (Due::End, _, Some(end)) => self.visit(&end.state),
+                (Due::Between(at), Some(start), Some(end)) => {
                     let mut between = std::mem::take(&mut self.between);
-                    interpolate(from.as_ref(), to.as_ref(), at.fraction, &mut between);
+                    interpolate(start.state.as_ref(), end.state.as_ref(), at.fraction, &mut between);
                     self.visit(&between);
                     self.between = between;
                 }
+                // Not without a state that was asked for.
+                _ => {}
             }
-        }
-        Ok(())
-    }
-
-    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
-        self.schedule.reach(from, coming.iter().map(|step| step.t))
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        if let Some(end) = step.at
-            && self.schedule.next_in(step.from, step.t).is_some()
-        {
-            self.visit(&end.state);
         }
         Ok(())
     }

@@ -4,7 +4,7 @@
 //! Implicit methods: from a fraction of the period of what moves most, halved until the fastest motion is resolved.
 //! Steps are the interval of the frames over, or times, numbers 2^a 5^b, so that they are round and meet the frames.
 
-use crate::analysis::critical::Spectrum;
+use crate::analysis::spectrum::Spectrum;
 use crate::integrate::registry::{Family, MethodChoice};
 
 /// Share of the critical step that the largest explicit step takes at most.

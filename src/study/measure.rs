@@ -9,7 +9,7 @@ use super::frames::{Frames, Motion, Sampler};
 use super::row::{Job, Measured, Pace, RowStatus};
 use super::store::{Store, Unfinished};
 use crate::drive::observer::{
-    Coming, LedgerRow, ObserveError, Observer, Occasion, Passing, Point, Resumable, StepView,
+    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::drive::{Outcome, RunError, Status};
 use crate::figures::figures;
@@ -198,16 +198,12 @@ impl Observer for Attendant<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        self.sampler.wants(step)
+    }
+
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.sampler.accepted(step)
-    }
-
-    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
-        self.sampler.stride(from, coming)
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.sampler.passed(step)
     }
 
     fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {

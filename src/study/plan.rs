@@ -13,14 +13,15 @@ use super::ladder::Scales;
 use super::reference::{Account, Reference, Workshop};
 use super::row::{Job, Pace, label};
 use super::wishes::Wishes;
-use crate::analysis::critical::{Effort, Spectrum};
+use crate::analysis::critical::Effort;
+use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::schema::Method;
 use crate::drive::clock::Step;
 use crate::integrate::registry::{MethodChoice, methods};
 use crate::model::stop::Stop;
-use crate::output::names::file_stem;
+use crate::output::sanitize::file_stem;
 
 /// Number of the layout of a plan and of the files of its runs.
 pub const FORMAT: u32 = 3;

@@ -17,9 +17,10 @@ use serde::{Deserialize, Serialize};
 use super::bench::{Bench, Try, reference_tolerance};
 use super::error::StudyError;
 use super::frames::{Distance, Frames, Motion, Sampler};
-use crate::analysis::critical::{Effort, Spectrum};
+use crate::analysis::critical::Effort;
+use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
-use crate::drive::observer::{ObserveError, Observer, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer};
 use crate::drive::{Outcome, Status};
 use crate::figures::figures;
 use crate::integrate::Counters;
@@ -124,7 +125,7 @@ struct Limit<'a> {
 }
 
 impl Observer for Limit<'_> {
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 || self.user.load(Ordering::Relaxed) {
             self.stop.store(true, Ordering::Relaxed);

@@ -3,7 +3,7 @@
 use crate::common::run::{asset, case_of, changed, run};
 use canopy_fem::case::Case;
 use canopy_fem::case::spec::Problem;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::registry::{Family, methods};
@@ -47,8 +47,8 @@ impl Observer for Times {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.all.push(step.to.state.t);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.all.push(step.t);
         Ok(())
     }
 
@@ -219,7 +219,7 @@ fn stiff_scenes_hold_explicit_steps_near_their_limit() {
         assert_eq!(outcome.status, Status::Completed, "{method}: {:?}", outcome.failure);
         let problem = case.problem();
         let scene = build_scene(problem.system.clone(), 1).expect("the case is good");
-        let rates = canopy_fem::analysis::critical::Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
+        let rates = canopy_fem::analysis::spectrum::Spectrum::of(&*scene, scene.initial_state().as_ref()).rates();
         let critical = canopy_fem::analysis::limit::critical_step(&problem.method, rates);
         let mean = 0.05 / (times.all.len() - 1) as f64;
         assert!(

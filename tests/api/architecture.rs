@@ -80,7 +80,17 @@ fn layers_name_only_what_is_below_them() {
         ("solve", &["crate::plot", "crate::force", "crate::integrate", "crate::scene", "crate::drive", "crate::case"]),
         (
             "model",
-            &["crate::plot", "crate::integrate", "crate::solve", "crate::drive", "crate::case", "crate::cli", "faer::"],
+            &[
+                "crate::plot",
+                "crate::force",
+                "crate::assembly",
+                "crate::integrate",
+                "crate::solve",
+                "crate::drive",
+                "crate::case",
+                "crate::cli",
+                "faer::",
+            ],
         ),
         (
             "mesh",

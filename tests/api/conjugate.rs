@@ -3,17 +3,17 @@
 
 use crate::common::run::{Run, apart, asset, changed, run, run_with};
 use crate::common::{Random, spring_group, square};
-use canopy_fem::assembly::Pattern;
+use canopy_fem::assembly::{Pattern, TangentSystem};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
-use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
+use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, reusing_solver_for, solver_for};
 use std::sync::Arc;
 
 /// A square sheet of plain springs; every fifth node is held in one or two directions.
@@ -114,7 +114,7 @@ fn an_indefinite_matrix_is_noticed() {
         assert!(matches!(outcome, Err(LinearError::Indefinite { .. })), "scale {scale}: {outcome:?}");
         assert_eq!(x, b, "scale {scale}");
         assert_eq!(solver.stats().indefinite, 1, "scale {scale}");
-        let mut weighed = kept_solver_for(pattern, LinearChoice::Auto, &ALONE).expect("symmetric");
+        let mut weighed = reusing_solver_for(pattern, LinearChoice::Auto, &ALONE).expect("symmetric");
         assert_eq!(weighed.prepare(&values), Ok(Inertia::Indefinite), "scale {scale}");
     }
 }
@@ -182,7 +182,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
         }
         other => panic!("{other:?}"),
     }
-    let mut weighed = kept_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
+    let mut weighed = reusing_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
     assert_eq!(weighed.prepare(&values), Ok(Inertia::Definite));
     let mut x = b.clone();
     weighed.solve(&values, &mut x).expect("definite");

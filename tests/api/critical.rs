@@ -3,7 +3,8 @@
 use crate::common::Random;
 use crate::common::polynomials::{size, stability_polynomial};
 use crate::common::run::case_of;
-use canopy_fem::analysis::critical::{Confidence, CriticalStep, Spectrum};
+use canopy_fem::analysis::critical::{Confidence, CriticalStep};
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::integrate::Counters;
@@ -12,7 +13,7 @@ use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::system::Weights;
-use canopy_fem::scene::{BoundRoom, Scene};
+use canopy_fem::scene::{BoundBuffer, Scene};
 use canopy_fem::simulation::build_scene;
 use faer::{Mat, Scale, Side};
 use serde_json::{Value, json};
@@ -201,7 +202,7 @@ fn random_nets_have_certified_intervals_about_the_dense_value() {
         let scene = scene(&network(random_net(seed, side, strain)));
         let w = dense_frequency(&*scene);
         let weights = Weights { m: 0.0, c: 0.0, k: 1.0 };
-        let (bound, _) = scene.rate_bound(scene.initial_state().as_ref(), weights, &mut BoundRoom::default());
+        let (bound, _) = scene.rate_bound(scene.initial_state().as_ref(), weights, &mut BoundBuffer::default());
         assert!(bound >= w * w * (1.0 - 1e-12), "net {seed}: {bound} is no bound on {}", w * w);
         assert!(bound <= 4.0 * w * w, "net {seed}: {bound} is far from {}", w * w);
         for (name, wh) in [("velocity-verlet", 2.0), ("euler-cromer", 2.0), ("rk4", 8f64.sqrt())] {

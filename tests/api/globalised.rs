@@ -3,11 +3,12 @@
 
 use crate::common::run::{asset, case_of, changed, run};
 use crate::common::{patch, spring_group};
+use canopy_fem::assembly::TangentSystem;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::Slack;
-use canopy_fem::model::system::{System, TangentSystem};
+use canopy_fem::model::system::System;
 use canopy_fem::scene::build_network;
 use serde_json::json;
 

@@ -2,11 +2,11 @@
 //! non-symmetric; and the fill-reducing ordering.
 
 use crate::common::{Random, patch, spring_group, square};
-use canopy_fem::assembly::{Assembler, Pattern};
+use canopy_fem::assembly::{Assembler, Pattern, TangentSystem};
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};
 use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, fill_reducing, solver_for};

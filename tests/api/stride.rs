@@ -3,7 +3,7 @@
 
 use crate::common::run::{case_of, changed};
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{Coming, ObserveError, Observer, Passing, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::methods;
 use canopy_fem::output::frame::Fields;
@@ -24,20 +24,18 @@ struct Witness {
 }
 
 impl Observer for Witness {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.alone += 1;
-        assert_eq!(self.alone + self.in_strides, step.step);
-        Ok(())
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        if self.lets { Wants::ACCOUNT } else { Wants::default() }
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        if self.lets { coming.len() } else { 0 }
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.in_strides += 1;
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        if step.summary.is_some() {
+            self.in_strides += 1
+        } else {
+            self.alone += 1
+        }
         assert_eq!(self.alone + self.in_strides, step.step);
-        assert!(step.at.is_none_or(|at| at.state.t == step.t));
+        assert!(step.end.is_none_or(|end| end.state.t == step.t));
         Ok(())
     }
 }

@@ -6,12 +6,12 @@ mod scenes;
 mod tiles;
 
 use crate::common::Random;
-use canopy_fem::assembly::Assembler;
+use canopy_fem::assembly::{Assembler, TangentSystem};
 use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::forces::Role;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
-use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::system::{System, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
 use scenes::scenes;
 

@@ -11,7 +11,7 @@ use crate::claim::Claim;
 use crate::common::run::case_of;
 use crate::linearised::Linearised;
 use crate::signal::Signal;
-use canopy_fem::analysis::critical::Spectrum;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::simulation::build_scene;
 use glam::{DMat3, DVec3};

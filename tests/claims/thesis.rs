@@ -2,8 +2,8 @@
 
 use crate::claim::Claim;
 use crate::common::run::{asset, changed, follow, follow_on};
-use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::drive::{Outcome, Status};
 use canopy_fem::simulation::build_scene;

@@ -7,7 +7,7 @@
 use crate::claim::Claim;
 use crate::common::run::{asset, changed};
 use canopy_fem::case::Case;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Status};
 use canopy_fem::integrate::registry::{Family, MethodInfo, methods};
 use canopy_fem::model::state::State;
@@ -33,8 +33,8 @@ impl Observer for Frames {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let (from, to) = (&step.from.state, &step.to.state);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        let [from, to] = step.ends().expect("wanted").map(|point| &point.state);
         while let Some(&t) = self.times.get(self.found.len()).filter(|t| **t <= to.t * (1.0 + 1e-14)) {
             let mut between = from.clone();
             interpolate(from.as_ref(), to.as_ref(), ((t - from.t) / (to.t - from.t)).min(1.0), &mut between);

@@ -2,7 +2,7 @@
 
 use canopy_fem::case::Case;
 use canopy_fem::drive::Outcome;
-use canopy_fem::drive::observer::{ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use canopy_fem::model::state::State;
 use canopy_fem::simulation::{self, FollowSpec, Seen, bind, build_scene};
 use std::path::{Path, PathBuf};
@@ -89,7 +89,7 @@ struct Last {
 }
 
 impl Observer for Last {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.most_iterations = self.most_iterations.max(step.newton_iterations);
         Ok(())
     }

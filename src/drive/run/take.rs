@@ -2,7 +2,7 @@
 
 use super::super::clock::Tick;
 use super::super::failure::{Scenery, Wreck};
-use super::super::observer::{LedgerRow, Observer, StepView};
+use super::super::observer::{AcceptedStep, LedgerRow, Observer};
 use super::super::outcome::{RunSpec, Status};
 use super::super::pace::Pace;
 use super::super::watch::{Sight, Trouble, Watched, power_of};
@@ -68,11 +68,14 @@ impl Run<'_> {
         std::mem::swap(&mut self.from, &mut self.to);
         self.row = row;
         self.steps += 1;
-        let view = StepView {
+        let view = AcceptedStep {
             step: self.steps,
-            from: &self.to,
-            to: &self.from,
+            from: self.to.state.t,
+            t: self.from.state.t,
             ledger: row,
+            start: Some(&self.to),
+            end: Some(&self.from),
+            summary: None,
             newton_iterations: report.newton_iterations,
             residual: report.residual,
             credible,

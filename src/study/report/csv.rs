@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::output::names::csv_field;
+use crate::output::sanitize::csv_field;
 use crate::study::answers::{Answers, Pick, StiffnessPoint};
 use crate::study::error::StudyError;
 use crate::study::row::{Pace, Row};

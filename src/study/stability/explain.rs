@@ -3,7 +3,8 @@
 use super::measure::{Bench, E_FOLDS};
 use super::verdict::STAYS;
 use super::{Kind, KnownBy, Row, Start, Verdict};
-use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::analysis::critical::{CriticalStep, Effort};
+use crate::analysis::spectrum::Spectrum;
 use crate::figures::figures;
 use crate::integrate::registry::Family;
 use crate::model::state::State;

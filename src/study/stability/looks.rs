@@ -1,9 +1,9 @@
 //! Where a scene was stiffest and softest on the way of a run.
 
-use crate::analysis::rates::step_by_bounds;
-use crate::drive::observer::StepView;
+use crate::analysis::critical::step_by_bounds;
+use crate::drive::observer::AcceptedStep;
 use crate::model::state::{State, StateRef};
-use crate::scene::{BoundRoom, Scene};
+use crate::scene::{BoundBuffer, Scene};
 
 /// Looks at the scene in a run.
 const LOOKS: u64 = 64;
@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-7;
 pub(super) struct Looks<'a> {
     scene: &'a dyn Scene,
     every: u64,
-    room: BoundRoom,
+    room: BoundBuffer,
     /// [s] least and largest measure, and where
     seen: [(f64, State); 2],
 }
@@ -26,7 +26,7 @@ impl<'a> Looks<'a> {
         let start = scene.initial_state();
         let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
         // Odd, so that a motion that alternates is seen on both sides.
-        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundRoom::default(), seen }
+        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundBuffer::default(), seen }
     }
 
     pub fn look(&mut self, at: StateRef<'_>) {
@@ -42,9 +42,9 @@ impl<'a> Looks<'a> {
         }
     }
 
-    pub fn stepped(&mut self, step: &StepView<'_>) {
-        if step.step.is_multiple_of(self.every) {
-            self.look(step.to.state.as_ref());
+    pub fn stepped(&mut self, step: &AcceptedStep<'_>) {
+        if let Some(end) = step.end.filter(|_| step.step.is_multiple_of(self.every)) {
+            self.look(end.state.as_ref());
         }
     }
 

@@ -10,16 +10,17 @@ use super::row::RunRow;
 use super::start::Start;
 use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
-use crate::analysis::critical::{CriticalStep, Spectrum};
+use crate::analysis::critical::CriticalStep;
+use crate::analysis::critical::step_by_bounds;
 use crate::analysis::limit::{growth, swing};
-use crate::analysis::rates::step_by_bounds;
+use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
 use crate::drive::{self, Explain, Failure, Outcome, RunSpec, Status};
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::scene::{BoundRoom, Scene};
+use crate::scene::{BoundBuffer, Scene};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -62,7 +63,7 @@ pub(super) fn reference(spec: &StabilitySpec<'_>, spectrum: &mut Spectrum<'_>) -
     let usable = |step: &f64| *step > 0.0 && step.is_finite();
     let verlet = MethodChoice::with_defaults("velocity-verlet").ok();
     let verlet = verlet.map(|method| spectrum.critical_step(&method).step);
-    let bound = step_by_bounds(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundRoom::default());
+    let bound = step_by_bounds(spec.scene, spec.scene.initial_state().as_ref(), &mut BoundBuffer::default());
     verlet.filter(usable).or(Some(bound).filter(usable)).unwrap_or(spec.end / 1000.0)
 }
 

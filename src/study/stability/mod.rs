@@ -30,7 +30,8 @@ pub use row::{AsGiven, Row, RunRow, Stability, Status};
 pub use start::Start;
 pub use verdict::Verdict;
 
-use crate::analysis::critical::{CriticalStep, Effort, Spectrum};
+use crate::analysis::critical::{CriticalStep, Effort};
+use crate::analysis::spectrum::Spectrum;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;

@@ -7,9 +7,10 @@
 //! motions are left out of its panel. Methods without a region are named in the legend, with what was measured of them.
 
 use super::{KnownBy, Row, Stability, Status};
-use crate::analysis::critical::{Spectrum, has_limit};
+use crate::analysis::critical::has_limit;
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::Rates;
+use crate::analysis::spectrum::Spectrum;
 use crate::figures::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
@@ -41,7 +42,7 @@ pub(super) fn regions(shown: &Scenery<'_>) -> Result<Option<String>, PlotError> 
     let state = shown.scene.initial_state();
     // Whoever has asked for the end does not wait for another search.
     let interrupted = shown.study.methods.iter().any(|row| row.status == Status::Interrupted);
-    let motions = if interrupted { Vec::new() } else { Spectrum::of(shown.scene, state.as_ref()).outer_motions() };
+    let motions = if interrupted { Vec::new() } else { Spectrum::of(shown.scene, state.as_ref()).outer_modes() };
     let rows = || shown.methods.iter().zip(&shown.study.methods).filter(|(_, row)| row.status != Status::Refused);
     let mut charts: Vec<Chart> =
         rows().filter(|(method, _)| has_limit(method)).map(|(method, row)| panel(method, row, &motions)).collect();

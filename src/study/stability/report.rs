@@ -3,7 +3,7 @@
 use super::row::AGREES;
 use super::{AsGiven, KnownBy, Row, Stability, Status};
 use crate::figures::figures;
-use crate::output::names::csv_field;
+use crate::output::sanitize::csv_field;
 use std::fmt::Write;
 
 /// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no

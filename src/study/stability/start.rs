@@ -5,20 +5,20 @@
 //! small motion  its equilibrium x with f(x, v = 0) = 0
 //! both          every free coordinate moved by up to 1e-8 of the scene's size
 //! ```
-//! The displacement gives every motion something to grow from, also in a scene at rest, and is rough so that none is
+//! The displacement gives every motion something to grow from, also in a scene at rest, and is pseudo_random so that none is
 //! left out. Near its limit a step (or a stage within it) may reach far beyond the motion there is: from the start as
 //! given it may leave the range in which a scene's forces are linear although the scene's own motion never does. Such a
 //! scene is measured from small motion, where the limit of the linear scene shows.
 
 use super::StabilitySpec;
 use super::measure::PASSES;
-use crate::analysis::rough;
 use crate::drive::clock::Step;
-use crate::drive::observer::{ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use crate::drive::{self, Explain, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::mesh::random::pseudo_random;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
@@ -68,7 +68,7 @@ pub(super) fn seeded(scene: &dyn Scene, mut state: State) -> State {
         .zip(free)
         .enumerate()
         .filter(|(_, (_, free))| *free)
-        .for_each(|(i, (x, _))| *x += far * rough(i));
+        .for_each(|(i, (x, _))| *x += far * pseudo_random(i));
     state
 }
 
@@ -90,30 +90,30 @@ pub(super) fn small_motion(spec: &StabilitySpec<'_>, reference: f64, stop: &Atom
     tangent.is_same(spec.scene, rest.as_ref()).then(|| seeded(spec.scene, rest))
 }
 
-/// K and C, as they act on one rough vector.
+/// K and C, as they act on one pseudo_random vector.
 #[derive(Clone)]
 struct Tangent {
-    rough: Vec<f64>,
+    pseudo_random: Vec<f64>,
     products: [Vec<f64>; 2],
 }
 
 impl Tangent {
     fn at(scene: &dyn Scene, at: StateRef<'_>) -> Self {
-        let rough: Vec<f64> = (0..scene.n_dof()).map(rough).collect();
-        let products = Self::products(scene, at, &rough);
-        Tangent { rough, products }
+        let pseudo_random: Vec<f64> = (0..scene.n_dof()).map(pseudo_random).collect();
+        let products = Self::products(scene, at, &pseudo_random);
+        Tangent { pseudo_random, products }
     }
 
-    fn products(scene: &dyn Scene, at: StateRef<'_>, rough: &[f64]) -> [Vec<f64>; 2] {
+    fn products(scene: &dyn Scene, at: StateRef<'_>, pseudo_random: &[f64]) -> [Vec<f64>; 2] {
         [[1.0, 0.0], [0.0, 1.0]].map(|[k, c]| {
-            let mut y = vec![0.0; rough.len()];
-            scene.tangent_times(at, Weights { m: 0.0, c, k }, rough, &mut y);
+            let mut y = vec![0.0; pseudo_random.len()];
+            scene.tangent_times(at, Weights { m: 0.0, c, k }, pseudo_random, &mut y);
             y
         })
     }
 
     fn is_same(&self, scene: &dyn Scene, at: StateRef<'_>) -> bool {
-        let now = Self::products(scene, at, &self.rough);
+        let now = Self::products(scene, at, &self.pseudo_random);
         self.products.iter().zip(&now).all(|(was, is)| {
             let largest = was.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
             was.iter().zip(is).all(|(was, is)| (was - is).abs() <= SAME * largest)
@@ -156,9 +156,11 @@ struct Follower<'a> {
 }
 
 impl Observer for Follower<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         let look = step.step.is_multiple_of(self.every);
-        if self.stop.load(Ordering::Relaxed) || look && !self.tangent.is_same(self.scene, step.to.state.as_ref()) {
+        if self.stop.load(Ordering::Relaxed)
+            || look && !step.end.is_some_and(|end| self.tangent.is_same(self.scene, end.state.as_ref()))
+        {
             self.left.store(true, Ordering::Relaxed);
         }
         Ok(())

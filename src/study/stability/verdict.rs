@@ -21,7 +21,7 @@
 use super::looks::Looks;
 use super::measure::Bench;
 use super::start::{Start, displacement};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use crate::drive::watch::push;
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
@@ -147,8 +147,8 @@ impl<'a> Judge<'a> {
     }
 
     /// [J] Kinetic energy of (x_{n+1} - x_n)/h.
-    fn secant(&mut self, step: &StepView<'_>) -> f64 {
-        let (from, to) = (&step.from.state, &step.to.state);
+    fn secant(&mut self, [start, end]: [&Point; 2]) -> f64 {
+        let (from, to) = (&start.state, &end.state);
         let h = to.t - from.t;
         self.secant.iter_mut().zip(&to.x).zip(&from.x).for_each(|((v, to), from)| *v = (to - from) / h);
         self.scene.kinetic_energy(&self.secant)
@@ -187,7 +187,8 @@ impl Observer for Judge<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        let Some([start, end]) = step.ends() else { return Ok(()) };
         let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
@@ -195,11 +196,10 @@ impl Observer for Judge<'_> {
         if share > BLOWN && self.calm {
             // Before a load has done any work, what the first step makes of it counts as supplied. What grows does not
             // come as a jump.
-            let h = step.to.state.t - step.from.state.t;
-            let times = [step.from.state.t, step.to.state.t];
+            let (h, times) = (step.h(), [step.from, step.t]);
             // On resting masses: on moving ones the air resists what the scheme itself may have made.
-            let rest = vec![0.0; step.from.state.v.len()];
-            let at = |t: f64| StateRef { t, x: &step.from.state.x, v: &rest };
+            let rest = vec![0.0; start.state.v.len()];
+            let at = |t: f64| StateRef { t, x: &start.state.x, v: &rest };
             self.floor = times.into_iter().map(|t| push(self.scene, at(t), h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
@@ -214,7 +214,7 @@ impl Observer for Judge<'_> {
         }
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
-            self.motion += kinetic.max(self.secant(&step));
+            self.motion += kinetic.max(self.secant([start, end]));
             self.late[1] += u64::from(share > self.stays);
             let eighth = usize::from(8 * step.step > 7 * self.steps);
             if let Some((sum, n)) = self.made.get_mut(eighth) {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::sample::{Attempted, Sample, SampleError, work};
 use super::timing::Clock;
 use crate::drive;
-use crate::drive::observer::{Coming, ObserveError, Observer, Passing, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, UpcomingStep, Wants};
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
 
@@ -74,16 +74,11 @@ impl Until<'_> {
 }
 
 impl Observer for Until<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.to.state.t);
-        Ok(())
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.stepped(step.t);
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use super::timing::{Clock, median_seconds};
 use crate::assembly::Assembler;
-use crate::integrate::implicit::{Factor, SolverSpec, kept_factor};
+use crate::integrate::implicit::{Factor, SolverSpec, cached_factor};
 use crate::model::system::Weights;
 use crate::scene::Scene;
 use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
@@ -138,7 +138,7 @@ pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<
     let clock = Clock::default();
     let before = clock.seconds();
     let (mut assembler, mut solver, kept) =
-        match kept_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
+        match cached_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
             Some(Factor { assembler, linear }) => (assembler, linear, true),
             None => {
                 let assembler = scene.assembler().map_err(|e| e.to_string())?;
@@ -216,7 +216,7 @@ fn factorization(solver: &mut dyn LinearSolver, assembler: &Assembler, kept: boo
 /// [s] A solve, and its iterations of conjugate gradients.
 fn solve(solver: &mut dyn LinearSolver, assembler: &Assembler) -> (f64, u64) {
     let mut b = vec![1.0; assembler.pattern.n()];
-    solver.ask(Accuracy::kept());
+    solver.ask(Accuracy::of_reused());
     let (mut solves, before) = (0, solver.work().iterations);
     let seconds = median_seconds(BUDGET, || {
         b.fill(1.0);

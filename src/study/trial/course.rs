@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::timing::Clock;
 use crate::drive::clock::{Step, Tolerance};
-use crate::drive::observer::{ObserveError, Observer, Resumable, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Resumable};
 use crate::drive::{self, Explain, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -122,7 +122,7 @@ impl Observer for Keeper<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         // A clock is read in less time than the smallest step takes, but not in no time.
         if step.step.is_multiple_of(8) || step.step < 8 {
             self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);

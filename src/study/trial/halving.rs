@@ -67,7 +67,7 @@ fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, purse: Purs
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::critical::Spectrum;
+    use crate::analysis::spectrum::Spectrum;
     use crate::case::Case;
     use crate::simulation::build_scene;
     use crate::study::trial::budget::Budget;

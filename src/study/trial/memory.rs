@@ -3,7 +3,7 @@
 use super::cost::TangentCost;
 use super::output::OutputCost;
 use crate::analysis::critical::Effort;
-use crate::analysis::linearised::search_numbers;
+use crate::analysis::modes::search_numbers;
 use crate::integrate::registry::Family;
 use crate::output::process;
 use crate::scene::Scene;

@@ -6,7 +6,7 @@ use super::course::Window;
 use super::timing::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
-use crate::drive::observer::{Coming, ObserveError, Observer, Passing, Resumable, StepView};
+use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Resumable, UpcomingStep, Wants};
 use crate::drive::watch::Watch;
 use crate::drive::{self, Explain, RunError, RunSpec, Snapshot, Status};
 use crate::integrate::Counters;
@@ -228,19 +228,16 @@ impl Observer for Meter<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, view: StepView<'_>) -> Result<(), ObserveError> {
-        self.stepped(view.to.state.t - view.from.state.t);
-        Ok(())
+    /// As a run with these frames wants them, once the first steps have been made.
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        if self.made < COLD {
+            return Wants::default();
+        }
+        Wants { states: Schedule::new(self.frames_every, step.from).states(step), strain: false }
     }
 
-    /// As a run with these frames makes them, once the first steps have been there.
-    fn stride(&self, from: f64, coming: &mut [Coming]) -> usize {
-        let frames = Schedule::new(self.frames_every, from);
-        if self.made < COLD { 0 } else { frames.reach(from, coming.iter().map(|step| step.t)) }
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.t - step.from);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.stepped(step.h());
         Ok(())
     }
 }

@@ -14,7 +14,7 @@ use super::units::Units;
 use super::{Candidate, ForecastSpec};
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable};
 use crate::drive::{self, Explain, Outcome, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
@@ -291,7 +291,7 @@ impl Observer for Attendant<'_> {
         self.sampler.started(at, ledger)
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.sampler.accepted(step)?;
         let distance = self.sampler.distance();
         if self.halfway.frames == 0 && distance.frames >= self.half {

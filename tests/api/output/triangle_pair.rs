@@ -1,6 +1,6 @@
 //! Two triangles whose nodes move along cubics in time, and runs that show them to an observer.
 
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::model::forces::Forces;
 use canopy_fem::model::picture::Picture;
 use canopy_fem::model::state::{State, StateRef};
@@ -118,8 +118,19 @@ pub fn ledger(t: f64) -> LedgerRow {
     }
 }
 
-pub fn view<'a>(from: &'a Point, to: &'a Point, step: u64) -> StepView<'a> {
-    StepView { step, from, to, ledger: ledger(to.state.t), newton_iterations: 3, residual: 1e-9, credible: true }
+pub fn view<'a>(from: &'a Point, to: &'a Point, step: u64) -> AcceptedStep<'a> {
+    AcceptedStep {
+        step,
+        from: from.state.t,
+        t: to.state.t,
+        ledger: ledger(to.state.t),
+        start: Some(from),
+        end: Some(to),
+        newton_iterations: 3,
+        residual: 1e-9,
+        credible: true,
+        ..AcceptedStep::default()
+    }
 }
 
 /// A fixed-step run from t = 0.

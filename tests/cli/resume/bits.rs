@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use canopy_fem::case::Case;
 use canopy_fem::case::fingerprint::Fingerprint;
-use canopy_fem::drive::observer::{Coming, LedgerRow, ObserveError, Observer, Passing, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
@@ -40,18 +40,13 @@ impl Observer for StopAfter<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         self.look(step.step);
         Ok(())
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.iter().position(|step| step.step >= self.step).map_or(coming.len(), |last| last + 1)
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.look(step.step);
-        Ok(())
+    fn wants(&self, step: UpcomingStep) -> Wants {
+        Wants::end_if(step.step >= self.step)
     }
 }
 
@@ -59,12 +54,12 @@ impl Observer for StopAfter<'_> {
 struct Nobody;
 
 impl Observer for Nobody {
-    fn accepted(&mut self, _step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         Ok(())
     }
 
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
+    fn wants(&self, _step: UpcomingStep) -> Wants {
+        Wants::ACCOUNT
     }
 }
 
@@ -302,7 +297,7 @@ struct Copier<'a> {
 }
 
 impl Observer for Copier<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         if step.step == self.step + 1 {
             while checkpoint(self.from).is_none_or(|found| found.snapshot.step < self.step) {
                 std::thread::sleep(Duration::from_millis(1));

@@ -4,13 +4,13 @@
 //! Bytes after a NUL are `--set` assignments, one a line.
 
 use crate::failure::is_true;
-use canopy_fem::analysis::critical::Spectrum;
 use canopy_fem::analysis::limit::critical_step;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
 use canopy_fem::case::{Case, CaseError, Place};
 use canopy_fem::drive::clock::Step;
-use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::simulation::{bind, build_scene};
 use std::path::Path;
@@ -188,8 +188,8 @@ impl Observer for Look<'_> {
         Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.at(step.to);
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        self.at(step.end.expect("wanted"));
         self.stop.store(step.step as f64 >= MOST_ADAPTIVE, Ordering::Relaxed);
         Ok(())
     }

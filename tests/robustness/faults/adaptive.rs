@@ -3,7 +3,7 @@
 
 use super::program::{program, summary};
 use crate::common::run::case_of;
-use canopy_fem::drive::observer::{ObserveError, Observer, Point, StepView};
+use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Outcome};
 use canopy_fem::integrate::registry::{Family, MethodInfo, methods};
 use canopy_fem::simulation::{bind, build_scene};
@@ -32,8 +32,8 @@ struct Probe<'a> {
 }
 
 impl Observer for Probe<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let at: &Point = step.to;
+    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        let at: &Point = step.end.expect("wanted");
         let (x, right) = (at.state.x[self.dof], (self.exact)(at.state.t));
         self.off = self.off.max((x - right).abs());
         self.motion = self.motion.max((right - self.start).abs());

@@ -4,7 +4,8 @@
 use super::program::{program, summary};
 use crate::common::Random;
 use crate::common::run::{case_of, changed, run};
-use canopy_fem::analysis::critical::{Effort, Spectrum};
+use canopy_fem::analysis::critical::Effort;
+use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::model::stop::Stop;

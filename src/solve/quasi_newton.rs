@@ -1,70 +1,69 @@
-//! Newton's iteration on a frozen factor: the tangent of some earlier iterate, made symmetric and positive definite,
-//! corrected by the last few steps themselves (L-BFGS: Nocedal & Wright 2006, algorithm 7.4, with the factor in the
-//! place of H_0).
+//! Newton's iteration on a frozen factor: the tangent of an earlier iterate, made symmetric and positive definite, with
+//! L-BFGS corrections from the last steps (Nocedal & Wright 2006, algorithm 7.4, with the factor in the place of H_0).
 //!
 //! ```text
 //! s_i = z_{i+1} - z_i,   y_i = F(z_{i+1}) - F(z_i),   rho_i = 1/(y_i . s_i)
 //! H_{i+1} = (I - rho s y^T) H_i (I - rho y s^T) + rho s s^T,      dz = -H F
 //! ```
-//! An iteration costs a force pass and a solve, no factorisation. When to factorise anew is a question of rent or buy:
-//! within a step, as soon as the iterations still to be made cost more than a new factor and what it needs itself; from
-//! step to step, as soon as the iterations that an old factor has cost beyond those of a fresh one add up to a
-//! factorisation. All of it is counted, nothing timed.
+//! An iteration costs a force pass and a solve, no factorisation. When to factorise again is a rent-or-buy problem.
+//! Within a step: as soon as the predicted remaining iterations cost more than a new factor and its own iterations.
+//! Between steps: as soon as the extra iterations on an old factor, compared with a new one, add up to a factorisation.
+//! All costs are counted, none are timed.
 
-use super::newton::{Arrival, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
+use super::newton::{Convergence, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
 use super::norms::{dot, norm};
 use super::{Expected, LinearError, forcing, search};
 
-/// Pairs kept.
+/// SecantPairs kept.
 const PAIRS: usize = 8;
 /// Iterations after which the rate of convergence is judged.
 const WINDOW: usize = 4;
-/// Iterations a fresh factor is expected to need, if none was seen yet.
+/// Iterations a new factor is expected to need before any was seen.
 const EXPECTED: u32 = 6;
-/// Factors made within a step before it is left to the exact tangent.
+/// Maximum number of factors in a step, after which the exact tangent takes over.
 const MOST_FACTORS: u32 = 8;
-/// Steps made on the exact tangent at most before a kept factor is tried again.
+/// Maximum number of steps on the exact tangent before a frozen factor is tried again.
 const LONGEST_REST: u32 = 64;
-/// A pair whose y . s is below this share of |y||s| tells more of rounding or of a tangent that is not positive
+/// A pair is dropped if y . s is below this share of |y||s|: it shows rounding or a tangent that is not positive
 /// definite.
 const CURVED: f64 = 1e-8;
 
-/// What is known of the factor that is kept.
+/// What the use of a frozen factor has shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Frozen {
-    /// whether there is one
+pub struct FactorHistory {
+    /// whether there is a factor
     pub made: bool,
-    /// iterations that the step it was made in has needed with it
+    /// iterations of the step it was made in; 0 while it is new
     pub fresh: u32,
-    /// iterations beyond that since
+    /// extra iterations of later steps
     pub excess: u32,
-    /// iterations made with it in all
+    /// total iterations with it
     pub served: u32,
-    /// what is expected of such factors by what was seen of them
+    /// expected use of a factor, learnt from earlier ones
     pub expected: Expected,
-    /// solves by conjugate gradients with this one
+    /// solves by conjugate gradients with it
     pub cg_solves: u32,
     /// their iterations
     pub cg_iterations: u32,
-    /// steps that are still made on the exact tangent, since a kept factor did not lead through the last ones
+    /// steps left on the exact tangent after a frozen factor failed
     pub rest: u32,
-    /// how many that will be the next time
+    /// the number of them after the next failure
     pub next_rest: u32,
 }
 
-impl Frozen {
-    /// There is no factor; what was learnt of earlier ones stays.
+impl FactorHistory {
+    /// Without a factor, but with what was learnt from earlier ones.
     pub fn lost(self) -> Self {
-        Frozen { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
+        FactorHistory { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
     }
 
-    /// The same where steps are of another size: they need other numbers of iterations.
+    /// The same after a change of the step size, which changes the number of iterations.
     pub fn of_another_step(self) -> Self {
         let expected = Expected { cg_iterations: 0.0, ..self.expected };
-        Frozen { expected, ..self.lost() }
+        FactorHistory { expected, ..self.lost() }
     }
 
-    /// What to expect after what this one has shown, which costs so many iterations.
+    /// Expected use of the next factor after what this one has shown. `cost` [-] is the cost of a factor in iterations.
     fn seen(&self, cost: f64) -> Expected {
         let useful = f64::from(self.served.saturating_sub(self.excess).max(1));
         let reuse = 0.5 * (self.expected.reuse + useful / cost.max(1.0).sqrt());
@@ -75,14 +74,13 @@ impl Frozen {
         Expected { reuse, cg_iterations }
     }
 
-    /// A kept factor has not led through a step: the next ones are made on the exact tangent, twice as many as the last
-    /// time.
+    /// The frozen factor failed in a step: the next steps use the exact tangent, twice as many as the last time.
     pub(super) fn gave_up(&mut self) {
         self.rest = self.next_rest.clamp(1, LONGEST_REST);
-        *self = Frozen { next_rest: 2 * self.rest, ..self.lost() };
+        *self = FactorHistory { next_rest: 2 * self.rest, ..self.lost() };
     }
 
-    /// Whether this step is to be made on the exact tangent.
+    /// Whether this step uses the exact tangent.
     pub(super) fn rests(&mut self) -> bool {
         let rests = self.rest > 0;
         self.rest = self.rest.saturating_sub(1);
@@ -90,25 +88,25 @@ impl Frozen {
     }
 }
 
-/// Steps of the iteration and what they did to the residual.
+/// Secant pairs of L-BFGS: steps s and the changes y of the residual.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pairs {
+pub(super) struct SecantPairs {
     s: Vec<Vec<f64>>,
     y: Vec<Vec<f64>>,
     rho: Vec<f64>,
     share: Vec<f64>,
     /// number of the next pair
     next: usize,
-    /// pairs that count
+    /// valid pairs
     held: usize,
-    /// the residual before a step
+    /// residual before a step `[n]`
     before: Vec<f64>,
 }
 
-impl Pairs {
+impl SecantPairs {
     pub(super) fn new(n: usize, pairs: usize) -> Self {
         let vectors = |count: usize| vec![vec![0.0; n]; count];
-        Pairs {
+        SecantPairs {
             s: vectors(pairs),
             y: vectors(pairs),
             rho: vec![0.0; pairs],
@@ -119,7 +117,7 @@ impl Pairs {
         }
     }
 
-    /// Room for the pairs of quasi-Newton steps.
+    /// For `n` unknowns.
     pub(super) fn for_unknowns(n: usize) -> Self {
         Self::new(n, PAIRS)
     }
@@ -128,7 +126,7 @@ impl Pairs {
         (self.next, self.held) = (0, 0);
     }
 
-    /// Takes the step `lambda dz` that led from `self.before` to `after`.
+    /// Adds the step `lambda dz` from the residual `self.before` to `after`; all `[n]`.
     fn push(&mut self, lambda: f64, dz: &[f64], after: &[f64]) {
         let room = self.s.len();
         if room == 0 {
@@ -147,18 +145,18 @@ impl Pairs {
             self.next += 1;
             self.held = (self.held + 1).min(room);
         } else {
-            // It has taken the place of the oldest, if all places were held.
+            // The rejected pair has overwritten the oldest one.
             self.held = self.held.min(room - 1);
         }
     }
 
-    /// The pairs from the newest to the oldest.
+    /// Indices of the pairs, newest first.
     fn newest_first(&self) -> impl DoubleEndedIterator<Item = usize> + use<> {
         let (next, room) = (self.next, self.s.len().max(1));
         (1..=self.held).map(move |back| (next - back) % room)
     }
 
-    /// Replaces g by H g, with `solve` for H_0.
+    /// Replaces g `[n]` by H g; `solve` applies H_0.
     fn apply(
         &mut self,
         g: &mut [f64],
@@ -182,13 +180,14 @@ impl Pairs {
     }
 }
 
-/// Iterates from `z`, whose residual is in `newton.r`. `None`: this way does not lead there, and `z` is worthless.
+/// Iterates from `z` `[n]`, whose residual is in `newton.r`. Returns `None` if it does not converge; `z` is then
+/// undefined.
 pub(super) fn solve(
     newton: &mut Newton,
     problem: &mut dyn NonlinearProblem,
     z: &mut [f64],
     goal: Goal,
-    frozen: &mut Frozen,
+    frozen: &mut FactorHistory,
 ) -> Result<Option<NewtonReport>, LinearError> {
     let mut pairs = std::mem::take(&mut newton.pairs);
     pairs.forget();
@@ -200,24 +199,24 @@ pub(super) fn solve(
 struct Iteration<'a> {
     newton: &'a mut Newton,
     problem: &'a mut dyn NonlinearProblem,
-    pairs: &'a mut Pairs,
+    pairs: &'a mut SecantPairs,
     goal: Goal,
-    frozen: &'a mut Frozen,
+    frozen: &'a mut FactorHistory,
 }
 
-/// How far a step has come on one factor.
-struct Leg {
-    /// iterations on it
+/// Residuals of the iterations on one factor, from which the rate of convergence follows.
+struct ConvergenceRate {
+    /// iterations on this factor
     iterations: u32,
-    /// [N] residuals, the last first
+    /// [N] residuals, newest first
     residuals: [f64; WINDOW + 1],
 }
 
-impl Leg {
+impl ConvergenceRate {
     fn new(residual: f64) -> Self {
         let mut residuals = [f64::NAN; WINDOW + 1];
         residuals[0] = residual;
-        Leg { iterations: 0, residuals }
+        ConvergenceRate { iterations: 0, residuals }
     }
 
     fn went_to(&mut self, residual: f64) {
@@ -226,7 +225,7 @@ impl Leg {
         self.residuals[0] = residual;
     }
 
-    /// Iterations still to be made at the present rate; nothing as long as there is none.
+    /// Predicted iterations to the tolerance [N] at the present rate; `None` as long as it is unknown.
     fn left(&self, tolerance: f64) -> Option<f64> {
         let [now, .., then] = self.residuals;
         if then.is_nan() {
@@ -248,7 +247,7 @@ impl Iteration<'_> {
         self.problem.take_frozen();
         let mut fresh = self.frozen.fresh == 0;
         let (mut residual, mut factors) = (norm(&self.newton.r), 0);
-        let mut leg = Leg::new(residual);
+        let mut rate_seen = ConvergenceRate::new(residual);
         let mut settling = None;
         for iterations in 1..=self.newton.most_iterations() {
             self.newton.spent = iterations;
@@ -259,61 +258,63 @@ impl Iteration<'_> {
             let lambda = match step {
                 Step::Taken(lambda) => lambda,
                 Step::NotNeeded => {
-                    self.learn(leg.iterations + 1, fresh);
+                    self.learn(rate_seen.iterations + 1, fresh);
                     return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
                 }
                 Step::Hidden => return Ok(None),
                 Step::Stuck => {
-                    // No way down: a factor of another place may be to blame.
+                    // No descent: the factor of another state may be the cause.
                     factors += 1;
-                    if leg.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
+                    if rate_seen.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
                         return Ok(None);
                     }
-                    (fresh, leg) = (true, Leg::new(residual));
+                    (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
                     continue;
                 }
             };
             let before = residual;
             residual = norm(&self.newton.r);
-            leg.went_to(residual);
-            match self.newton.arrival(z, self.goal, lambda * residual / before) {
-                Arrival::Arrived => {
-                    self.learn(leg.iterations, fresh);
+            rate_seen.went_to(residual);
+            match self.newton.convergence(z, self.goal, lambda * residual / before) {
+                Convergence::Converged => {
+                    self.learn(rate_seen.iterations, fresh);
                     return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
                 }
-                // An old factor or corrections by differences of rounding would show nothing.
-                Arrival::Hidden if settling.is_none() => {
+                // An old factor or secant pairs of rounded differences would prove nothing.
+                Convergence::Rounding if settling.is_none() => {
                     if !self.refreeze(z)? {
                         return Ok(None);
                     }
-                    (fresh, leg, settling) = (true, Leg::new(residual), Some(Settling::default()));
+                    (fresh, rate_seen, settling) = (true, ConvergenceRate::new(residual), Some(Settling::default()));
                     continue;
                 }
-                Arrival::Hidden => continue,
-                Arrival::OnTheWay => settling = None,
+                Convergence::Rounding => continue,
+                Convergence::NotConverged => settling = None,
             }
             let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
-            if leg.left(self.goal.tolerance).is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed)) {
+            if rate_seen
+                .left(self.goal.tolerance)
+                .is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed))
+            {
                 factors += 1;
                 if factors > MOST_FACTORS || !self.refreeze(z)? {
                     return Ok(None);
                 }
-                (fresh, leg) = (true, Leg::new(residual));
+                (fresh, rate_seen) = (true, ConvergenceRate::new(residual));
             }
         }
         Ok(None)
     }
 
-    /// Whether a factor of another kind, which costs more to make and less to use, would have been chosen, had it been
-    /// known how long this one serves and how many iterations its solves take.
+    /// Whether the other solver would have been chosen, had the number of uses and of iterations a solve been known.
     fn another_would_serve(&self) -> bool {
         let (seen, expected) = (self.frozen.seen(self.problem.factor_cost()), self.frozen.expected);
-        // As long as it is of use no longer than was expected, it is too early to tell how long it will be.
+        // Before it has served as long as expected, its total use is unknown.
         let reuse = seen.reuse.max(expected.reuse);
         self.problem.prefers_another(Expected { reuse, ..seen })
     }
 
-    /// Books what a step has needed.
+    /// Records the iterations of a step.
     fn learn(&mut self, iterations: u32, fresh: bool) {
         self.frozen.served += iterations;
         self.frozen.next_rest /= 2;
@@ -325,19 +326,19 @@ impl Iteration<'_> {
         }
     }
 
-    /// A factor of the tangent where the residual was last evaluated.
+    /// Factorises the tangent at the last evaluated residual.
     fn freeze(&mut self) -> Result<bool, LinearError> {
         self.pairs.forget();
         if self.frozen.made {
             self.frozen.expected = self.frozen.seen(self.problem.factor_cost());
         }
         let made = self.problem.freeze(self.frozen.expected)?;
-        *self.frozen = Frozen { made, ..self.frozen.lost() };
+        *self.frozen = FactorHistory { made, ..self.frozen.lost() };
         Ok(made)
     }
 
     fn refreeze(&mut self, z: &[f64]) -> Result<bool, LinearError> {
-        // A search may have ended elsewhere.
+        // The line search may have ended at another point.
         let Newton { r, floor, .. } = &mut *self.newton;
         self.problem.residual(z, r, floor);
         let made = self.freeze()?;
@@ -345,7 +346,7 @@ impl Iteration<'_> {
         Ok(made)
     }
 
-    /// The next correction where the residual is rounding, and the way along it where it is not small.
+    /// The next correction if the residual is rounding, and a line search along it if it is not small.
     fn settle(&mut self, z: &mut [f64], settling: &mut Settling) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
         self.problem.ask(forcing::settling(norm(r), self.goal.tolerance));
@@ -359,10 +360,10 @@ impl Iteration<'_> {
         })
     }
 
-    /// One direction and the search along it.
+    /// One direction and the line search along it.
     fn step(&mut self, z: &mut [f64]) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.ask(forcing::kept(norm(r), self.goal.tolerance));
+        self.problem.ask(forcing::reused(norm(r), self.goal.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
         let before = self.problem.cg_iterations();
@@ -378,8 +379,8 @@ impl Iteration<'_> {
         Ok(Step::Taken(lambda))
     }
 
-    /// The share of the direction that leads downhill, if any. Without a potential the slope is still that of the
-    /// symmetric part, which leads here; norms of residuals need not fall.
+    /// The share of the direction that descends, if any. Without a potential the slope is that of the symmetric part,
+    /// which still serves; the norm of the residual need not fall.
     fn search(&mut self, z: &mut [f64]) -> Option<f64> {
         if dot(&self.newton.r, &self.newton.dz) >= 0.0 {
             return None;
@@ -395,7 +396,7 @@ mod tests {
     /// A pair that bends the wrong way is not used, nor is what it was written over: H y = s for every pair that is.
     #[test]
     fn a_pair_that_bends_the_wrong_way_is_not_used() {
-        let mut pairs = Pairs::new(3, 2);
+        let mut pairs = SecantPairs::new(3, 2);
         let steps = [
             ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
             ([0.0, 1.0, 0.0], [0.0, 4.0, 0.0]),

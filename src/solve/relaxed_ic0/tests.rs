@@ -3,8 +3,8 @@
 use super::*;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
-use crate::solve::pieces::{Piece, Pieces};
-use crate::solve::strips::strips;
+use crate::solve::partitioned_cg::{PartitionedSystem, SubdomainSystem};
+use crate::solve::twisted_factorization::subdomains;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -65,38 +65,39 @@ fn values(pattern: &Pattern, seed: u64) -> Vec<f64> {
 }
 
 /// Without a cut, and with one whose halves have nodes that are partly held.
-const SEAMS: [Range<usize>; 2] = [NODES..NODES, 4..9];
+const SEPARATORS: [Range<usize>; 2] = [NODES..NODES, 4..9];
 
-fn pieces(seam: &Range<usize>) -> Pieces {
-    Pieces::new(&Arc::new(pattern()), strips(NODES, seam.clone()), Workers::default())
+fn system(separator: &Range<usize>) -> PartitionedSystem {
+    PartitionedSystem::new(&Arc::new(pattern()), subdomains(NODES, separator.clone()), Workers::default())
 }
 
-fn all(pieces: &Pieces) -> [&Piece; 3] {
-    let [first, second] = &pieces.halves;
-    [first, second, &pieces.seam]
+fn all(system: &PartitionedSystem) -> [&SubdomainSystem; 3] {
+    let [first, second] = &system.halves;
+    [first, second, &system.separator]
 }
 
 /// Nodes in the order of their elimination.
-fn order(pieces: &Pieces) -> Vec<usize> {
-    let nodes = |piece: &Piece| (0..piece.blocks.nodes()).map(|g| piece.blocks.strip.node(g)).collect::<Vec<_>>();
-    all(pieces).into_iter().flat_map(nodes).collect()
+fn order(system: &PartitionedSystem) -> Vec<usize> {
+    let nodes =
+        |part: &SubdomainSystem| (0..part.blocks.nodes()).map(|g| part.blocks.subdomain.node(g)).collect::<Vec<_>>();
+    all(system).into_iter().flat_map(nodes).collect()
 }
 
-/// What a strip holds of each of its nodes, by node.
-fn by_node<T: Copy + Default>(pieces: &Pieces, of: impl Fn(&Piece) -> &[T]) -> Vec<T> {
+/// What a subdomain holds of each of its nodes, by node.
+fn by_node<T: Copy + Default>(system: &PartitionedSystem, of: impl Fn(&SubdomainSystem) -> &[T]) -> Vec<T> {
     let mut found = vec![T::default(); NODES];
-    for piece in all(pieces) {
-        (0..piece.blocks.nodes()).for_each(|g| found[piece.blocks.strip.node(g)] = of(piece)[g]);
+    for part in all(system) {
+        (0..part.blocks.nodes()).for_each(|g| found[part.blocks.subdomain.node(g)] = of(part)[g]);
     }
     found
 }
 
 /// Row, column and value of every block of L.
-fn below(pieces: &Pieces) -> Vec<(usize, usize, DMat3)> {
+fn below(system: &PartitionedSystem) -> Vec<(usize, usize, DMat3)> {
     let mut found = Vec::new();
-    for blocks in all(pieces).map(|piece| &piece.blocks) {
+    for blocks in all(system).map(|part| &part.blocks) {
         for (g, k) in (0..blocks.nodes()).flat_map(|g| blocks.column(g).map(move |k| (g, k))) {
-            let (row, column) = (blocks.strip.node(blocks.row[k] as usize), blocks.strip.node(g));
+            let (row, column) = (blocks.subdomain.node(blocks.row[k] as usize), blocks.subdomain.node(g));
             found.push((row, column, blocks.below[k].matrix().as_dmat3()));
         }
     }
@@ -106,26 +107,26 @@ fn below(pieces: &Pieces) -> Vec<(usize, usize, DMat3)> {
 /// E (I + J) E^T and E L E^T are the blocks of W, entry by entry, whatever the pivots.
 #[test]
 fn the_blocks_are_those_of_w() {
-    for seam in SEAMS {
-        let (mut pieces, pattern) = (pieces(&seam), pattern());
+    for separator in SEPARATORS {
+        let (mut system, pattern) = (system(&separator), pattern());
         let mut lost = 0;
         for seed in 1..20 {
             let values = values(&pattern, seed);
-            assert!(pieces.fill(&values, RELAXATION), "seed {seed}");
-            let surplus = by_node(&pieces, |piece| &piece.blocks.surplus);
+            assert!(system.set_values(&values, RELAXATION), "seed {seed}");
+            let surplus = by_node(&system, |part| &part.blocks.surplus);
             lost += surplus.iter().filter(|surplus| surplus.diagonal().max_element() > 0.1).count();
-            let inverse = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+            let inverse = by_node(&system, |part| &part.blocks.inverse_root);
             let root: Vec<DMat3> = inverse.iter().map(|inverse| inverse.as_dmat3().inverse()).collect();
-            let (w, _) = scaled(&pieces, &values);
+            let (w, _) = scaled(&system, &values);
             let own = |g: usize| (g, g, DMat3::IDENTITY + surplus[g].matrix().as_dmat3());
-            let blocks: Vec<_> = below(&pieces).into_iter().chain((0..NODES).map(own)).collect();
+            let blocks: Vec<_> = below(&system).into_iter().chain((0..NODES).map(own)).collect();
             let stored = (0..NODES).map(|g| (g..NODES).filter(|&s| w[s][g] != DMat3::ZERO).count()).sum::<usize>();
             assert_eq!(blocks.len(), stored, "each block once");
             for (row, column, block) in blocks {
                 let off = root[row] * block * root[column].transpose() - w[row][column];
                 assert!(
                     most(off) < 1e-6 * (1.0 + most(root[row]) * most(root[column])),
-                    "seed {seed}, {seam:?}: block {row}, {column} is {off} off"
+                    "seed {seed}, {separator:?}: block {row}, {column} is {off} off"
                 );
             }
         }
@@ -138,8 +139,8 @@ fn most(m: DMat3) -> f64 {
 }
 
 /// W scaled by its diagonal, block by block, with the identity in idle places; and Y^-1, 0 in idle places.
-fn scaled(pieces: &Pieces, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
-    let pattern = &pieces.seam.blocks.pattern;
+fn scaled(system: &PartitionedSystem, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
+    let pattern = &system.separator.blocks.pattern;
     let place = |u: usize| (pattern.dof[u] as usize / 3, pattern.dof[u] as usize % 3);
     let (mut w, mut scale) = (vec![vec![DMat3::ZERO; NODES]; NODES], vec![DMat3::ZERO; NODES]);
     for (g, row) in w.iter_mut().enumerate() {
@@ -147,10 +148,10 @@ fn scaled(pieces: &Pieces, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
     }
     for u in 0..pattern.n() {
         let (g, column) = place(u);
-        scale[g].col_mut(column)[column] = pieces.scale[u];
+        scale[g].col_mut(column)[column] = system.scale[u];
         for (&r, value) in pattern.column(u).iter().zip(&values[pattern.col_ptr[u] as usize..]) {
             let (other, row) = place(r as usize);
-            w[other][g].col_mut(column)[row] = value * pieces.scale[u] * pieces.scale[r as usize];
+            w[other][g].col_mut(column)[row] = value * system.scale[u] * system.scale[r as usize];
             w[g][other].col_mut(row)[column] = w[other][g].col(column)[row];
         }
     }
@@ -160,15 +161,15 @@ fn scaled(pieces: &Pieces, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
 /// The pivots are those of the equation above, in the order of elimination.
 #[test]
 fn the_pivots_are_those_of_the_equation() {
-    for seam in SEAMS {
-        let (mut pieces, pattern) = (pieces(&seam), pattern());
-        let order = order(&pieces);
+    for separator in SEPARATORS {
+        let (mut system, pattern) = (system(&separator), pattern());
+        let order = order(&system);
         let mut filled = 0;
         for seed in 1..20 {
             let values = values(&pattern, seed);
-            assert!(pieces.fill(&values, RELAXATION), "seed {seed}");
-            let (w, scale) = scaled(&pieces, &values);
-            let found = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+            assert!(system.set_values(&values, RELAXATION), "seed {seed}");
+            let (w, scale) = scaled(&system, &values);
+            let found = by_node(&system, |part| &part.blocks.inverse_root);
             let weight = |g: usize| {
                 let entry = |c: usize| if scale[g].col(c)[c] > 0.0 { scale[g].col(c)[c].recip() } else { 0.0 };
                 DMat3::from_diagonal(DVec3::new(entry(0), entry(1), entry(2)))
@@ -188,7 +189,7 @@ fn the_pivots_are_those_of_the_equation() {
                 filled += u32::from(pivot != bare);
                 let root = found[g].as_dmat3().inverse();
                 let off = most(root * root.transpose() - pivot);
-                assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {seam:?}, node {g}: {off:e} off");
+                assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {separator:?}, node {g}: {off:e} off");
                 inverse[g] = pivot.inverse();
             }
         }
@@ -210,11 +211,11 @@ fn pivots_keep_enough() {
 /// Eisenstat's product is the one of its three factors, and the solution's way in and out those of both of its solves.
 #[test]
 fn the_operations_are_those_of_their_factors() {
-    for seam in SEAMS {
-        let (mut pieces, pattern) = (pieces(&seam), pattern());
-        assert!(pieces.fill(&values(&pattern, 1), RELAXATION));
-        let mut order = order(&pieces);
-        let below = below(&pieces);
+    for separator in SEPARATORS {
+        let (mut system, pattern) = (system(&separator), pattern());
+        assert!(system.set_values(&values(&pattern, 1), RELAXATION));
+        let mut order = order(&system);
+        let below = below(&system);
         let forward = |v: &mut [DVec3], order: &[usize]| {
             for &g in order {
                 let column: Vec<_> = below.iter().filter(|(_, column, _)| *column == g).collect();
@@ -228,57 +229,57 @@ fn the_operations_are_those_of_their_factors() {
             }
         };
         let b: Vec<f64> = (0..pattern.n()).map(|u| (u as f64).cos()).collect();
-        let [s, square] = pieces.take(&b);
-        let root = by_node(&pieces, |piece| &piece.blocks.inverse_root);
+        let [s, square] = system.set_right_hand_side(&b);
+        let root = by_node(&system, |part| &part.blocks.inverse_root);
         let mut r = vec![DVec3::ZERO; NODES];
         (0..pattern.n())
-            .for_each(|u| r[pattern.dof[u] as usize / 3][pattern.dof[u] as usize % 3] = b[u] * pieces.scale[u]);
+            .for_each(|u| r[pattern.dof[u] as usize / 3][pattern.dof[u] as usize % 3] = b[u] * system.scale[u]);
         r.iter_mut().zip(&root).for_each(|(r, root)| *r = root.as_dmat3() * *r / s);
         forward(&mut r, &order);
         let near = |what: &str, found: &[Vec3A], expected: &[DVec3]| {
             for (g, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let off = (found.as_dvec3() - *expected).length();
-                assert!(off < 1e-5 * (1.0 + expected.length()), "{what}, {seam:?}, node {g}: {off:e} off");
+                assert!(off < 1e-5 * (1.0 + expected.length()), "{what}, {separator:?}, node {g}: {off:e} off");
             }
         };
-        near("r", &by_node(&pieces, |piece| &piece.r), &r);
+        near("r", &by_node(&system, |part| &part.r), &r);
         let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
         assert!((square - squares).abs() < 1e-5 * squares);
 
-        pieces.begin();
-        pieces.product(0.0);
-        let curvature = pieces.product(0.5);
+        system.begin();
+        system.product(0.0);
+        let curvature = system.product(0.5);
         let p: Vec<DVec3> = r.iter().map(|r| *r * 1.5).collect();
-        near("p <- r + beta p", &by_node(&pieces, |piece| &piece.p), &p);
+        near("p <- r + beta p", &by_node(&system, |part| &part.p), &p);
         let mut u = p.clone();
         backward(&mut u, &order);
-        let surplus = by_node(&pieces, |piece| &piece.blocks.surplus);
+        let surplus = by_node(&system, |part| &part.blocks.surplus);
         let mut q: Vec<DVec3> = (0..NODES).map(|g| u[g] + surplus[g].matrix().as_dmat3() * u[g]).collect();
         for (row, column, block) in &below {
             q[*row] += *block * u[*column];
             q[*column] += block.transpose() * u[*row];
         }
         forward(&mut q, &order);
-        near("q", &by_node(&pieces, |piece| &piece.q), &q);
+        near("q", &by_node(&system, |part| &part.q), &q);
         let along: f64 = p.iter().zip(&q).map(|(p, q)| p.dot(*q)).sum();
         let squares: f64 = p.iter().map(|p| p.length_squared()).sum();
         assert!((curvature.along - along).abs() < 1e-5 * along && (curvature.squares - squares).abs() < 1e-5 * squares);
 
-        let left = pieces.advance(0.25);
+        let left = system.advance(0.25);
         let r: Vec<DVec3> = r.iter().zip(&q).map(|(r, q)| *r - *q * 0.25).collect();
-        near("r -= alpha q", &by_node(&pieces, |piece| &piece.r), &r);
+        near("r -= alpha q", &by_node(&system, |part| &part.r), &r);
         let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
         assert!((left - squares).abs() < 1e-5 * squares);
         let mut x: Vec<DVec3> = p.iter().map(|p| *p * 0.25).collect();
         backward(&mut x, &order);
         let mut found = vec![f64::NAN; pattern.n()];
-        pieces.finish(s, &mut found);
+        system.finish(s, &mut found);
         for (u, found) in found.into_iter().enumerate() {
             let g = pattern.dof[u] as usize / 3;
-            let own = (root[g].as_dmat3().transpose() * x[g])[pattern.dof[u] as usize % 3] * pieces.scale[u] * s;
+            let own = (root[g].as_dmat3().transpose() * x[g])[pattern.dof[u] as usize % 3] * system.scale[u] * s;
             assert!(
-                (found - own).abs() < 1e-5 * x[g].length() * pieces.scale[u] * s + 1e-12,
-                "{seam:?}: {found} at {u}, not {own}"
+                (found - own).abs() < 1e-5 * x[g].length() * system.scale[u] * s + 1e-12,
+                "{separator:?}: {found} at {u}, not {own}"
             );
         }
         order.sort_unstable();
@@ -291,13 +292,13 @@ fn the_operations_are_those_of_their_factors() {
 fn overflow_is_told_and_forgotten() {
     let pattern = pattern();
     let good = values(&pattern, 1);
-    for seam in SEAMS {
+    for separator in SEPARATORS {
         for u in 0..pattern.n() {
-            let mut pieces = pieces(&seam);
+            let mut system = system(&separator);
             let mut bad = good.clone();
             bad[pattern.col_ptr[u] as usize] = 1e-90;
-            assert!(!pieces.fill(&bad, RELAXATION) && pieces.fill(&good, RELAXATION), "unknown {u}");
-            assert!(below(&pieces).iter().all(|(.., block)| block.is_finite()), "unknown {u}");
+            assert!(!system.set_values(&bad, RELAXATION) && system.set_values(&good, RELAXATION), "unknown {u}");
+            assert!(below(&system).iter().all(|(.., block)| block.is_finite()), "unknown {u}");
         }
     }
 }

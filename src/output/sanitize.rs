@@ -13,7 +13,7 @@ const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 /// of Windows (`con`, `nul`, `com1` …) gets a leading `_`. The same name always gives the same stem.
 ///
 /// ```
-/// use canopy_fem::output::names::file_stem;
+/// use canopy_fem::output::sanitize::file_stem;
 /// assert_eq!(file_stem("cloth-k1000"), "cloth-k1000");
 /// assert_eq!(file_stem("../gust 50 m/s"), "_gust_50_m_s");
 /// ```

@@ -1,9 +1,9 @@
 //! When a checkpoint is kept.
 
 use super::checkpoint::Checkpoint;
-use super::files::FilesMark;
+use super::files::FilesProgress;
 use super::process::Stopwatch;
-use super::recorder::RecorderMark;
+use super::recorder::RecorderState;
 use super::schedule::Intervals;
 use crate::case::fingerprint::Fingerprint;
 use crate::drive::observer::{Occasion, Resumable};
@@ -21,16 +21,16 @@ pub struct CheckpointSpec {
 
 /// Keeps checkpoints.
 #[derive(Debug)]
-pub(super) struct Keeper {
+pub(super) struct CheckpointSchedule {
     case: Fingerprint,
     intervals: Option<Intervals>,
     stopwatch: Stopwatch,
 }
 
-impl Keeper {
+impl CheckpointSchedule {
     pub(super) fn new(spec: CheckpointSpec) -> Self {
         let CheckpointSpec { case, every, stopwatch } = spec;
-        Keeper { case, intervals: every.map(Intervals::new), stopwatch }
+        CheckpointSchedule { case, intervals: every.map(Intervals::new), stopwatch }
     }
 
     /// The run begins at `t` [s], of which there is a checkpoint already.
@@ -47,7 +47,7 @@ impl Keeper {
 
     /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for
     /// them; when interrupted in any case.
-    pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderMark) -> Option<Box<Checkpoint>> {
+    pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderState) -> Option<Box<Checkpoint>> {
         let last = run.occasion == Occasion::LastStep;
         let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);
         (asked || run.occasion == Occasion::Interrupted).then(|| {
@@ -56,7 +56,7 @@ impl Keeper {
                 snapshot: run.snapshot(),
                 recorder,
                 // Known to the writing thread, once it has written what was sent so far.
-                files: FilesMark::default(),
+                files: FilesProgress::default(),
                 spent: self.stopwatch.read(),
             })
         })

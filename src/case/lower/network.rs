@@ -50,7 +50,7 @@ pub(super) fn network(
         let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
         initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
     } else {
-        initial::Start::default()
+        initial::InitialState::default()
     };
     let spec = NetworkSpec {
         mesh: geometry.mesh.clone(),

@@ -1,9 +1,9 @@
 //! The strip beside a picture: marks along one axis that have no place on the other.
 
 use super::PlotError;
+use super::canvas::{Anchor, GRID, LETTERS, Look, Pen, Spot};
 use super::chart::{Side, Strip, Stroke};
-use super::draw::Field;
-use super::pen::{Anchor, GRID, LETTERS, Look, Pen, Spot};
+use super::layout::Field;
 use super::ruler::Ruler;
 
 /// [px] From one mark to the next, so that they do not touch.
@@ -16,14 +16,14 @@ const LANES: [usize; 2] = [6, 16];
 const WITHOUT: f64 = 0.6;
 
 /// Where a strip and its marks stand.
-pub(super) struct Place<'a> {
+pub(super) struct PanelLayout<'a> {
     strip: &'a Strip,
     field: Field,
     rest: Field,
     lanes: usize,
 }
 
-impl<'a> Place<'a> {
+impl<'a> PanelLayout<'a> {
     /// The strip takes its part of the room there is.
     pub(super) fn of(strip: &'a Strip, whole: Field) -> Self {
         let length = match strip.side {
@@ -48,7 +48,7 @@ impl<'a> Place<'a> {
                 rest.from.y = field.to.y + GAP;
             }
         }
-        Place { strip, field, rest, lanes }
+        PanelLayout { strip, field, rest, lanes }
     }
 
     /// What is left for the picture.

@@ -8,13 +8,13 @@ const AT_ONCE: usize = 1 << 30;
 
 /// What follows a picture's head, piece by piece.
 pub(super) struct Appended<'a> {
-    parts: Vec<Part<'a>>,
+    parts: Vec<Segment<'a>>,
     /// [byte] of all parts
     len: usize,
 }
 
 /// A piece of it.
-pub(super) enum Part<'a> {
+pub(super) enum Segment<'a> {
     /// of the writer's body
     Body(Range<usize>),
     /// an array, where it is
@@ -23,7 +23,7 @@ pub(super) enum Part<'a> {
 
 impl<'a> Appended<'a> {
     /// Begins with a piece.
-    pub fn from(first: Part<'a>) -> Self {
+    pub fn from(first: Segment<'a>) -> Self {
         let mut made = Appended { parts: Vec::new(), len: 0 };
         made.push(first);
         made
@@ -35,10 +35,10 @@ impl<'a> Appended<'a> {
     }
 
     /// Adds a piece behind the others.
-    pub fn push(&mut self, part: Part<'a>) {
+    pub fn push(&mut self, part: Segment<'a>) {
         self.len += match &part {
-            Part::Body(range) => range.len(),
-            Part::Numbers(bytes) => bytes.len(),
+            Segment::Body(range) => range.len(),
+            Segment::Numbers(bytes) => bytes.len(),
         };
         self.parts.push(part);
     }
@@ -49,8 +49,8 @@ impl<'a> Appended<'a> {
     /// When `out` refuses.
     pub fn write(&self, out: &mut impl Write, body: &[u8], [head, tail]: [&[u8]; 2]) -> io::Result<()> {
         let pieces = self.parts.iter().map(|part| match part {
-            Part::Body(range) => &body[range.clone()],
-            Part::Numbers(bytes) => bytes,
+            Segment::Body(range) => &body[range.clone()],
+            Segment::Numbers(bytes) => bytes,
         });
         write_all(out, std::iter::once(head).chain(pieces).chain([tail]), AT_ONCE)
     }
@@ -112,10 +112,10 @@ mod tests {
     #[test]
     fn whatever_is_taken_at_a_time_all_is_written_in_order() {
         let body: Vec<u8> = (0..40).collect();
-        let mut pieces = Appended::from(Part::Body(0..17));
-        pieces.push(Part::Numbers(&[101, 102, 103]));
-        pieces.push(Part::Body(17..17));
-        pieces.push(Part::Body(17..40));
+        let mut pieces = Appended::from(Segment::Body(0..17));
+        pieces.push(Segment::Numbers(&[101, 102, 103]));
+        pieces.push(Segment::Body(17..17));
+        pieces.push(Segment::Body(17..40));
         assert_eq!(pieces.len(), 43);
         let mut out = Slow::default();
         pieces.write(&mut out, &body, [b"head", b"tail"]).expect("a patient writer");
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn what_takes_nothing_is_told() {
         let mut full: &mut [u8] = &mut [0; 5];
-        let fault = Appended::from(Part::Numbers(b"abc")).write(&mut full, &[], [b"head", b"tail"]);
+        let fault = Appended::from(Segment::Numbers(b"abc")).write(&mut full, &[], [b"head", b"tail"]);
         assert_eq!(fault.map_err(|e| e.kind()), Err(io::ErrorKind::WriteZero));
     }
 }

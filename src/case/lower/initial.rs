@@ -20,7 +20,7 @@ pub(super) struct Network<'a> {
 
 /// Initial vectors of every node; empty = zero.
 #[derive(Debug, Default)]
-pub(super) struct Start {
+pub(super) struct InitialState {
     /// [m]
     pub displacement: Vec<[f64; 3]>,
     /// [m/s]
@@ -33,9 +33,9 @@ pub(super) fn initial(
     section: Option<&Initial>,
     network: &Network<'_>,
     faults: &mut Faults<'_>,
-) -> Start {
-    let Some(section) = section else { return Start::default() };
-    let mut start = Start::default();
+) -> InitialState {
+    let Some(section) = section else { return InitialState::default() };
+    let mut start = InitialState::default();
     if let Some(vectors) = &section.displacement {
         let at = at.key("displacement");
         start.displacement = each(&at, vectors, network.fixed, faults);

@@ -10,23 +10,23 @@ use super::resume::ResumeError;
 
 /// The first `bytes` of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Mark {
+pub struct FilePrefix {
     /// their number
     pub bytes: u64,
     /// their CRC-32 (IEEE 802.3)
     pub crc: u32,
 }
 
-/// A [`Mark`] that follows a file as it grows.
+/// A [`FilePrefix`] that follows a file as it grows.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct PrefixCounter {
     bytes: u64,
     crc: crc32fast::Hasher,
 }
 
-impl Tally {
+impl PrefixCounter {
     /// Goes on from a mark.
-    pub fn after(mark: Mark) -> Self {
+    pub fn after(mark: FilePrefix) -> Self {
         Self { bytes: mark.bytes, crc: crc32fast::Hasher::new_with_initial_len(mark.crc, mark.bytes) }
     }
 
@@ -37,8 +37,8 @@ impl Tally {
     }
 
     /// Where the file is now.
-    pub fn mark(&self) -> Mark {
-        Mark { bytes: self.bytes, crc: self.crc.clone().finalize() }
+    pub fn mark(&self) -> FilePrefix {
+        FilePrefix { bytes: self.bytes, crc: self.crc.clone().finalize() }
     }
 
     /// Number of bytes so far.
@@ -47,7 +47,7 @@ impl Tally {
     }
 }
 
-impl Mark {
+impl FilePrefix {
     /// Reads the marked part of a file and compares; what comes after it does not matter.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl Mark {
     pub fn check(&self, path: &Path) -> Result<(), ResumeError> {
         let file = open_plain(path)?;
         let mut rest = file.take(self.bytes);
-        let (mut seen, mut block) = (Tally::default(), vec![0; 1 << 16]);
+        let (mut seen, mut block) = (PrefixCounter::default(), vec![0; 1 << 16]);
         loop {
             match rest.read(&mut block) {
                 Ok(0) => break,
@@ -71,7 +71,7 @@ impl Mark {
     ///
     /// # Errors
     /// A file that is shorter or holds something else.
-    pub fn agrees(&self, found: Mark, path: &Path) -> Result<(), ResumeError> {
+    pub fn agrees(&self, found: FilePrefix, path: &Path) -> Result<(), ResumeError> {
         let path = || path.display().to_string();
         if found.bytes < self.bytes {
             return Err(ResumeError::Shorter { path: path(), found: found.bytes, needed: self.bytes });

@@ -1,12 +1,12 @@
 //! From charts to SVG text: where everything stands in a picture.
 
 use super::PlotError;
+use super::canvas::{Anchor, FINE, FINE_GRID, GRID, LETTERS, Look, Pen, Spot};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
+use super::decimate::{Place, cut, inside, thin};
 use super::legend::{Entry, Legend};
-use super::pen::{Anchor, FINE, FINE_GRID, GRID, LETTERS, Look, Pen, Spot};
+use super::margin_panel::PanelLayout;
 use super::ruler::Ruler;
-use super::strip::Place as StripPlace;
-use super::trim::{Place, cut, inside, thin};
 
 /// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers
 /// grow slow.
@@ -71,8 +71,8 @@ fn draw_chart(pen: &Pen<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError
         from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
         to: Spot { x: cell.to.x - 22.0, y: cell.to.y - 58.0 },
     };
-    let strip = chart.strip.as_ref().map(|strip| StripPlace::of(strip, whole));
-    let field = strip.as_ref().map_or(whole, StripPlace::rest);
+    let strip = chart.strip.as_ref().map(|strip| PanelLayout::of(strip, whole));
+    let field = strip.as_ref().map_or(whole, PanelLayout::rest);
     let rulers = rulers(chart, field)?;
     let middle = f64::midpoint(whole.from.x, whole.to.x);
     pen.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above)?;

@@ -1,0 +1,63 @@
+//! The contract between a system and implicit schemes: its tangents, assembled.
+
+use super::{Assembler, PatternError};
+use crate::model::forces::Forces;
+use crate::model::state::StateRef;
+use crate::model::system::{SpringGraph, System, Weights};
+
+/// What an implicit scheme needs besides: the tangent of the forces.
+pub trait TangentSystem: System {
+    /// Whether K and C are symmetric at every state; decides between Cholesky and LU.
+    fn symmetric(&self) -> bool;
+
+    /// Builds the pattern of W and the slots of every element. Called once, by implicit schemes only.
+    fn assembler(&self) -> Result<Assembler, PatternError>;
+
+    /// Writes W = cm M + cc C + ck K at a state into `assembler`'s values.
+    fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
+
+    /// The same with every element made positive semidefinite: the compressive geometric stiffness of springs is
+    /// dropped. A symmetric W with a mass is then positive definite, and -W^-1 r is a descent direction.
+    fn assemble_convex(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler) {
+        self.assemble(at, weights, assembler);
+    }
+
+    /// The pattern of [`TangentSystem::assemble_symmetric`]; `None` for systems too small to reuse a factor.
+    ///
+    /// # Errors
+    /// As [`TangentSystem::assembler`].
+    fn symmetric_assembler(&self) -> Result<Option<Assembler>, PatternError> {
+        Ok(None)
+    }
+
+    /// Writes a symmetric approximation of W: symmetric tangents as they are (or made positive semidefinite if
+    /// `convex`), others by [`symmetric_tangent`](crate::force::ForceTerm::symmetric_tangent).
+    fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
+        let _ = (at, weights, convex, assembler);
+    }
+
+    /// Whether a spring turns by more than 90 degrees between the positions `from` and `to` [m] `[n_dof]`; `true` if
+    /// unknown. Only then can a first guess lie near the mirror image of the solution.
+    fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
+        let _ = (from, to);
+        true
+    }
+
+    /// [N/m] Sum of the stiffnesses at every degree of freedom `[n_dof]`; scales the rounding floor of its residual.
+    fn nodal_stiffness(&self) -> Vec<f64>;
+
+    /// [N] The larger of |internal| and |external| forces (Euclidean norms over the free degrees of freedom); weight is
+    /// external. The scale of residuals.
+    fn force_scale(&self, forces: &Forces) -> f64;
+}
+
+/// The interfaces of a scene that a scheme is bound to.
+#[derive(Clone, Copy)]
+pub struct Abilities<'a> {
+    /// forces
+    pub system: &'a (dyn System + 'static),
+    /// tangents
+    pub tangent: &'a (dyn TangentSystem + 'static),
+    /// a spring graph, if the scene has one
+    pub graph: Option<&'a (dyn SpringGraph + 'static)>,
+}

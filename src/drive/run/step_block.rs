@@ -1,0 +1,144 @@
+//! Blocks of steps: several steps in one go, where no observer wants the states on the way ([`crate::model::stride`]).
+//!
+//! Every step of a block enters the energy account and is watched as a single step is. Only the extent of the scene
+//! differs: it is known of the last state, and bounded in the states before. Where a step looks wrong, the whole block
+//! is dropped and its steps are made again one by one. A failure is then reported from the states of its own step.
+
+use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
+use super::super::watch::{Watched, power_of};
+use super::{Pace, Run, RunError};
+use crate::integrate::stepper::{Attempt, Stepper};
+use crate::model::stride::{LONGEST, Passed};
+
+/// Buffers and state of the blocks of a run.
+#[derive(Default)]
+pub(super) struct StepBlocks {
+    /// summaries of the steps of a block
+    summaries: Vec<Passed>,
+    rows: [LedgerRow; LONGEST],
+    /// steps up to this number are made one by one
+    not_before: u64,
+    /// blocks dropped in a row
+    dropped: u32,
+}
+
+/// After every further block dropped in a row, twice as many steps are made one by one: up to the length of the block
+/// times two to this power.
+const PATIENCE: u32 = 10;
+
+impl Run<'_> {
+    /// Makes a block of at least two steps. Returns `false` where it did nothing.
+    pub(super) fn step_block(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<bool, RunError> {
+        if self.steps < self.blocks.not_before || self.failure.is_some() {
+            return Ok(false);
+        }
+        let h = match &self.pace {
+            Pace::Fixed(clock) if self.scene.longest_stride() > 1 => clock.tick(self.steps + 1).h,
+            _ => {
+                self.blocks.not_before = u64::MAX;
+                return Ok(false);
+            }
+        };
+        let mut blocks = std::mem::take(&mut self.blocks);
+        blocks.summaries.resize_with(LONGEST, Passed::default);
+        let (coming, n) = self.coming(observers, &mut blocks.summaries);
+        let coming = &coming[..n];
+        let Some(last) = coming.last().filter(|_| n > 1) else {
+            self.blocks = blocks;
+            return Ok(false);
+        };
+        let before = (self.ledger, self.watch, self.counters);
+        let attempt = Attempt { from: &self.from, h, t_next: last.t };
+        let made = stepper.stride(attempt, &mut self.to, &mut blocks.summaries[..n], &mut self.counters);
+        if !made {
+            blocks.not_before = u64::MAX;
+        } else if !self.account_for(coming, &mut blocks) {
+            (self.ledger, self.watch, self.counters) = before;
+            blocks.not_before = self.steps + ((n as u64) << blocks.dropped.min(PATIENCE));
+            blocks.dropped += 1;
+        } else {
+            blocks.dropped = 0;
+            self.show(coming, &blocks, observers)?;
+        }
+        let done = self.steps >= last.step;
+        self.blocks = blocks;
+        Ok(done)
+    }
+
+    /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
+    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be resumed
+    /// before it. Says of each step what its summary is to hold.
+    fn coming(&self, observers: &[&mut dyn Observer], summaries: &mut [Passed]) -> ([UpcomingStep; LONGEST], usize) {
+        let mut coming = [UpcomingStep::default(); LONGEST];
+        let Pace::Fixed(clock) = &self.pace else { return (coming, 0) };
+        let longest = self.scene.longest_stride().min(LONGEST);
+        let left = clock.count().saturating_sub(self.steps + 1).min(longest as u64) as usize;
+        let mut from = self.from.state.t;
+        for (made, (next, summary)) in coming[..left].iter_mut().zip(summaries).enumerate() {
+            let number = self.steps + 1 + made as u64;
+            *next = UpcomingStep { step: number, from, t: clock.tick(number).t };
+            (from, summary.t, summary.stretch_wanted) = (next.t, next.t, false);
+            let mut states = States::None;
+            for Wants { states: wanted, strain } in observers.iter().map(|o| o.wants(*next)) {
+                states = states.max(wanted);
+                summary.stretch_wanted |= strain;
+            }
+            match states {
+                States::None => {}
+                States::End => return (coming, made + 1),
+                States::BothEnds => return (coming, made),
+            }
+        }
+        (coming, left)
+    }
+
+    /// Books the steps of a block; `false` where one of them looks wrong.
+    fn account_for(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
+        let (mut before, mut t, mut way) = (self.row, self.from.state.t, 0.0);
+        let mut power_before = power_of(self.scene, &self.from.forces.tallies);
+        for ((step, passed), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
+            let after = self.ledger.passed(self.scene, passed);
+            // Before the last state nodes were no farther out than they can have come from; doubled, because speeds
+            // within a step may exceed those at its ends.
+            way += 2.0 * step.h() * passed.max_speed();
+            if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent() + way) {
+                return false;
+            }
+            let (scene, from, to) = (self.scene, &self.from, &self.to);
+            let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
+            // Schemes that integrate work by stages make their steps one by one.
+            let (by_stages, step_number) = (false, step.step);
+            let watched =
+                Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };
+            if !self.watch.unseen_step(watched) || !self.reach.allows(passed.max_speed(), h) {
+                return false;
+            }
+            (*row, before, t, power_before) = (after, after, step.t, power[1]);
+        }
+        true
+    }
+
+    fn show(
+        &mut self,
+        coming: &[UpcomingStep],
+        blocks: &StepBlocks,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        std::mem::swap(&mut self.from, &mut self.to);
+        for (i, (step, (passed, row))) in coming.iter().zip(blocks.summaries.iter().zip(&blocks.rows)).enumerate() {
+            (self.steps, self.row) = (step.step, *row);
+            let end = (i + 1 == coming.len()).then_some(&self.from);
+            let UpcomingStep { step, from, t } = *step;
+            let (ledger, summary, credible) = (*row, Some(passed), true);
+            let accepted = AcceptedStep { step, from, t, ledger, end, summary, credible, ..AcceptedStep::default() };
+            for o in observers.iter_mut() {
+                o.accepted(accepted)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! The factor that an implicit scheme reuses from step to step, as of the last accepted step and of the current
+//! attempt. A dropped attempt must leave no trace, and a resumed run must have the factor of an uninterrupted one. Both
+//! rebuild it from the state it was made at.
+
+use crate::model::state::{State, StateRef};
+use crate::model::system::Weights;
+use crate::solve::Expected;
+use crate::solve::quasi_newton::FactorHistory;
+
+/// Ratio of mass weights beyond which the factor of one step size is of no use to another.
+const OTHER_STEP: f64 = 2.0;
+
+/// A reused factor without the state it was made at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct CachedFactor {
+    /// statistics of its use
+    frozen: FactorHistory,
+    /// [s] time of the state it was made at
+    t: f64,
+    /// its weights of M, C and K, in 1/s^2, 1/s and 1
+    weights: [f64; 3],
+    /// whether it is a factor of the convex tangent
+    convex: bool,
+    /// its expected use
+    made_for: Expected,
+}
+
+/// How a reused factor is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FactorRequest {
+    /// from the convex tangent
+    pub convex: bool,
+    /// its expected use
+    pub expected: Expected,
+}
+
+/// Whether the factor in memory is that of the last accepted step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum CacheState {
+    /// it is
+    #[default]
+    Valid,
+    /// an attempt has overwritten it
+    Replaced,
+    /// the run was resumed, so it must be rebuilt
+    Resumed,
+}
+
+/// The factor of the last accepted step and that of the current attempt.
+#[derive(Debug, Default)]
+pub(super) struct FactorCache {
+    accepted: CachedFactor,
+    accepted_at: State,
+    attempted: CachedFactor,
+    attempted_at: State,
+    state: CacheState,
+}
+
+impl FactorCache {
+    pub fn new(n_dof: usize) -> Self {
+        let state = || State { t: 0.0, x: vec![0.0; n_dof], v: vec![0.0; n_dof] };
+        FactorCache { accepted_at: state(), attempted_at: state(), ..FactorCache::default() }
+    }
+
+    /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
+    pub fn to_rebuild(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+        self.attempted = self.accepted;
+        if self.state == CacheState::Valid {
+            return None;
+        }
+        if !self.accepted.frozen.made {
+            self.state = CacheState::Valid;
+            return None;
+        }
+        let make = FactorRequest { convex: self.accepted.convex, expected: self.accepted.made_for };
+        Some((self.accepted_at.as_ref(), weights(self.accepted), make))
+    }
+
+    /// Marks the factor as rebuilt. Returns whether this work counts: a run without dropped attempts would not have had
+    /// it.
+    pub fn rebuilt(&mut self) -> bool {
+        std::mem::take(&mut self.state) == CacheState::Replaced
+    }
+
+    /// Statistics of the factor for a step with these weights.
+    pub fn history_for(&self, w: Weights) -> FactorHistory {
+        let ratio = w.m / weights(self.accepted).m;
+        let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
+        if near { self.accepted.frozen } else { self.accepted.frozen.of_another_step() }
+    }
+
+    /// Records a new factor of this attempt.
+    pub fn store(&mut self, at: StateRef<'_>, w: Weights, FactorRequest { convex, expected }: FactorRequest) {
+        self.state = CacheState::Replaced;
+        self.attempted_at.copy_from(at);
+        self.attempted = CachedFactor {
+            frozen: FactorHistory::default(),
+            t: at.t,
+            weights: [w.m, w.c, w.k],
+            convex,
+            made_for: expected,
+        };
+    }
+
+    /// State, weights and request to rebuild the factor from the convex tangent; `None` if it is convex already.
+    pub fn turn_convex(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+        if self.attempted.convex {
+            return None;
+        }
+        if self.state != CacheState::Replaced {
+            self.attempted_at.copy_from(self.accepted_at.as_ref());
+            self.state = CacheState::Replaced;
+        }
+        self.attempted.convex = true;
+        let make = FactorRequest { convex: true, expected: self.attempted.made_for };
+        Some((self.attempted_at.as_ref(), weights(self.attempted), make))
+    }
+
+    /// Records that another matrix was factorised; if in the same memory, the reused factor is gone.
+    pub fn discard(&mut self, same_room: bool) {
+        if same_room {
+            self.state = CacheState::Replaced;
+            self.attempted = CachedFactor::default();
+        }
+    }
+
+    /// Weights of the factor of this attempt.
+    pub fn weights(&self) -> Weights {
+        weights(self.attempted)
+    }
+
+    /// Sets the statistics after this attempt.
+    pub fn set_history(&mut self, frozen: FactorHistory) {
+        self.attempted.frozen = frozen;
+    }
+
+    /// The attempt was accepted.
+    pub fn accept(&mut self) {
+        if self.state == CacheState::Replaced {
+            std::mem::swap(&mut self.accepted_at, &mut self.attempted_at);
+        }
+        (self.accepted, self.state) = (self.attempted, CacheState::Valid);
+    }
+
+    /// Appends the state of the factor to `vectors` and returns the rest; `None` if there is no factor.
+    pub fn save(&self, vectors: &mut Vec<Vec<f64>>) -> Option<CachedFactor> {
+        if self.accepted.frozen == FactorHistory::default() {
+            return None;
+        }
+        vectors.extend([self.accepted_at.x.clone(), self.accepted_at.v.clone()]);
+        Some(self.accepted)
+    }
+
+    /// Positions and velocities of the factor's state, to be restored `[n_dof]`.
+    pub fn state_vectors(&mut self) -> [&mut Vec<f64>; 2] {
+        [&mut self.accepted_at.x, &mut self.accepted_at.v]
+    }
+
+    /// Restores a saved factor except for its state.
+    pub fn restore(&mut self, factor: CachedFactor) {
+        self.accepted_at.t = factor.t;
+        (self.accepted, self.state) = (factor, CacheState::Resumed);
+    }
+}
+
+fn weights(factor: CachedFactor) -> Weights {
+    let [m, c, k] = factor.weights;
+    Weights { m, c, k }
+}

@@ -1,0 +1,298 @@
+//! Chooses between Cholesky and conjugate gradients (CG) for a W that is reused over many solves, by counted work.
+//!
+//! The cost of Cholesky is counted on the elimination tree of the nodes, without a symbolic factorisation. The cost of
+//! CG is the number of iterations that solves with earlier matrices have taken. For the first matrix a trial solves
+//! W x = b for a fixed pseudo-random b; it stops as soon as Cholesky would be cheaper. The choice depends on W and on
+//! counts of earlier solves (`quasi_newton`), not on the machine.
+
+use super::linear::{Accuracy, Expected, Inertia, LinearError, LinearSolver, LinearStats, Work};
+use super::ordering::{Elimination, fill_reducing};
+use super::{Cholesky, ConjugateGradients};
+use crate::assembly::Pattern;
+use crate::model::workers::Workers;
+use crate::startup::{Phase, timed};
+use std::sync::Arc;
+
+/// [-] Iterations of an average solve over those of the trial. Its right-hand side is smoother, and the last solve of a
+/// step need not be exact: 0.55 to 0.75 on square nets of 10,000 and 90,000 nodes.
+const EASIER: f64 = 0.65;
+/// [-] Relative residual of the trial. Solves may leave its square, which takes twice as many iterations.
+const TRIAL: f64 = 0.0316;
+/// [-] The first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little to
+/// set up and real solves soon show if it is dearer; the cost of a factor that is not needed is lost.
+const DOUBT: f64 = 1.3;
+
+/// Costs of solvers in units of work: a multiplication and addition at the speed of memory, about 0.14 ns. The values
+/// were fitted to times of nets of 703 to 90,000 nodes on one thread.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CostModel {
+    /// an entry of L in a solve: 4 flop at 1.6 times the cost of a flop in dense blocks, as a solve waits for memory
+    factor_solve: f64,
+    /// a multiplication and addition in the dense blocks of a factorisation
+    factor_operation: f64,
+    /// an entry of L in a factorisation, besides its operations
+    factor_entry: f64,
+    /// [-] entries of L that are stored for each that is counted: supernodes contain zeros
+    padding: f64,
+    /// an entry of W in an assembly
+    assembly: f64,
+    /// an entry of W in an iteration of CG (1.0 to 1.5 ns)
+    cg_iteration: f64,
+    /// an entry of W in setting up CG
+    cg_setup: f64,
+    /// an unknown in a Newton iteration outside the solve, compared with CG: force pass and vector operations
+    newton: f64,
+    /// the same, compared with a factorisation
+    newton_on_factor: f64,
+    /// [-] entries of L over those of W above which a factor takes several times the memory of CG
+    much_memory: f64,
+    /// [-] factor by which Cholesky must then be cheaper
+    clear_gain: f64,
+}
+
+/// The costs that choices are made by.
+pub(super) const COSTS: CostModel = CostModel {
+    factor_solve: 1.6 * 4.0,
+    factor_operation: 0.25,
+    factor_entry: 68.0,
+    padding: 1.3,
+    assembly: 50.0,
+    cg_iteration: 7.5,
+    cg_setup: 97.5,
+    newton: 250.0,
+    newton_on_factor: 350.0,
+    much_memory: 10.0,
+    clear_gain: 1.1,
+};
+
+impl CostModel {
+    /// [-] Cost of an assembly and a factorisation, in Newton iterations on an existing factor.
+    pub fn factor_cost(&self, stats: &LinearStats, unknowns: usize) -> f64 {
+        let entries = stats.factor_nonzeros.unwrap_or(stats.matrix_nonzeros) as f64;
+        let operations = stats.factor_operations.unwrap_or(0.0);
+        // Small factors take the time of their operations; in large ones dense blocks make most of these cheap.
+        let factoring = (2.0 * operations).min(self.factor_operation * operations + self.factor_entry * entries);
+        let making = factoring + self.assembly * stats.matrix_nonzeros as f64;
+        making / (self.factor_solve * entries + self.newton_on_factor * unknowns as f64)
+    }
+
+    fn cholesky(&self, pattern: &Pattern, e: &Elimination) -> Cost {
+        let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
+        let stored = self.padding * e.nonzeros;
+        let gain = if stored > self.much_memory * entries { self.clear_gain } else { 1.0 };
+        let setup = self.factor_operation * e.operations + self.factor_entry * stored + self.assembly * entries;
+        Cost { iteration: gain * (self.factor_solve * stored + self.newton * n), setup: gain * setup }
+    }
+
+    /// Of CG with this many iterations in an average solve. Starting and finishing a solve cost one iteration more.
+    fn cg(&self, pattern: &Pattern, iterations: f64) -> Cost {
+        let (n, entries) = (pattern.n() as f64, pattern.nonzeros() as f64);
+        let iteration = self.cg_iteration * entries * (iterations + 1.0) + self.newton * n;
+        Cost { iteration, setup: (self.cg_setup + self.assembly) * entries }
+    }
+}
+
+/// Work of one way to solve, in counted units.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// of a Newton iteration: the solve and everything around it
+    iteration: f64,
+    /// of the assembly and what else a solve needs once
+    setup: f64,
+}
+
+impl Cost {
+    /// Work of a useful iteration, with its share of setup and of the extra iterations that an old matrix costs. A
+    /// matrix is replaced once its age has cost as many extra iterations as a new one costs, c = setup/iteration
+    /// (`quasi_newton`). The extra iterations grow with the square of age, so it serves for u = reuse sqrt(c) useful
+    /// iterations, which cost u + 2 c iterations.
+    fn with_reuse(self, reuse: f64) -> f64 {
+        self.iteration + 2.0 * (self.setup * self.iteration).sqrt() / reuse
+    }
+
+    /// The work of an iteration for which [`Cost::with_reuse`] is `total`.
+    fn iteration_for(setup: f64, reuse: f64, total: f64) -> f64 {
+        let half = setup.sqrt() / reuse;
+        ((half * half + total).sqrt() - half).powi(2)
+    }
+}
+
+/// Predicted work of a useful iteration with each solver, including its share of setup and ageing.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Prediction {
+    /// [-] by Cholesky; in these units an entry of L takes 6.4 in a solve
+    pub cholesky_work: f64,
+    /// [-] by CG; if the trial was stopped, with the iterations that made CG dearer
+    pub cg_work: f64,
+    /// CG iterations in an average solve: counted in earlier solves, or predicted by a trial
+    pub cg_iterations: u32,
+    /// whether CG is cheaper; otherwise a trial was stopped once Cholesky was
+    pub cg_converged: bool,
+    /// entries of L
+    pub factor_nonzeros: f64,
+    /// multiplications and additions of a factorisation
+    pub factor_operations: f64,
+}
+
+/// Cholesky and CG, each set up at its first use.
+#[derive(Debug)]
+pub struct AutoSolver {
+    pattern: Arc<Pattern>,
+    elimination: Option<Elimination>,
+    direct: Option<Cholesky>,
+    cg: ConjugateGradients,
+    /// whether CG solves with the last matrix
+    iterates: bool,
+    /// whether Cholesky has factorised the last matrix
+    factored: bool,
+    prediction: Option<Prediction>,
+    /// what solves may leave of their right-hand sides
+    accuracy: Accuracy,
+    /// the expected use of a matrix
+    expected: Expected,
+}
+
+impl AutoSolver {
+    /// Orders a symmetric pattern and counts the work of a factorisation.
+    ///
+    /// # Errors
+    /// If the pattern is not symmetric or the analysis fails.
+    pub fn new(pattern: Arc<Pattern>, workers: &Workers) -> Result<Self, LinearError> {
+        let cg = ConjugateGradients::new(pattern.clone(), workers)?;
+        let elimination = timed(Phase::Ordering, || fill_reducing(&pattern));
+        Ok(AutoSolver {
+            pattern,
+            elimination,
+            direct: None,
+            cg,
+            iterates: false,
+            factored: false,
+            prediction: None,
+            accuracy: Accuracy::of_reused(),
+            expected: Expected::default(),
+        })
+    }
+
+    fn direct(&mut self) -> Result<&mut Cholesky, LinearError> {
+        match &mut self.direct {
+            Some(direct) => Ok(direct),
+            none => {
+                let order = self.elimination.as_ref().map(|e| &e.order);
+                Ok(none.insert(Cholesky::ordered(self.pattern.clone(), order)?))
+            }
+        }
+    }
+
+    /// Compares Cholesky with CG: by the iterations of earlier solves or, without any, by a trial that runs as long as
+    /// CG may be cheaper.
+    fn compare(&mut self) -> Result<Option<Prediction>, LinearError> {
+        let Some(e) = &self.elimination else { return Ok(None) };
+        let cholesky_work = COSTS.cholesky(&self.pattern, e).with_reuse(self.expected.reuse);
+        let (factor_nonzeros, factor_operations) = (e.nonzeros, e.operations);
+        let none = COSTS.cg(&self.pattern, 0.0);
+        let one = COSTS.cg(&self.pattern, 1.0).iteration - none.iteration;
+        let allowed = Cost::iteration_for(none.setup, self.expected.reuse, cholesky_work) - none.iteration;
+        let known = self.expected.cg_iterations > 0.0;
+        let allowed = allowed / one * if known { 1.0 } else { DOUBT };
+        let (iterations, cg_converged) = match self.expected.cg_iterations {
+            seen if known => (seen, seen <= allowed),
+            _ => {
+                let twice = 2.0 * EASIER;
+                match self.cg.trial_solve(TRIAL, (allowed / twice).clamp(0.0, f64::from(u32::MAX)) as u32) {
+                    Ok(iterations) => (twice * f64::from(iterations), true),
+                    Err(LinearError::Stalled { iterations, .. }) => (twice * (f64::from(iterations) + 1.0), false),
+                    Err(other) => return Err(other),
+                }
+            }
+        };
+        let cg_work = COSTS.cg(&self.pattern, iterations).with_reuse(self.expected.reuse);
+        let cg_iterations = iterations.min(if cg_converged { f64::INFINITY } else { allowed.max(0.0) }).round() as u32;
+        Ok(Some(Prediction { cholesky_work, cg_work, cg_iterations, cg_converged, factor_nonzeros, factor_operations }))
+    }
+}
+
+impl LinearSolver for AutoSolver {
+    fn factor(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        (self.iterates, self.factored) = (false, true);
+        self.direct()?.factor(values)
+    }
+
+    fn factor_definite(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        (self.iterates, self.factored) = (false, true);
+        self.direct()?.factor_definite(values)
+    }
+
+    fn choose(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        (self.iterates, self.factored) = (false, false);
+        if self.cg.factor(values)? == Inertia::Indefinite {
+            return Ok(Inertia::Indefinite);
+        }
+        match self.compare() {
+            Err(LinearError::Indefinite { .. }) => return Ok(Inertia::Indefinite),
+            found => self.prediction = found?,
+        }
+        self.iterates = self.prediction.is_some_and(|p| p.cg_converged);
+        Ok(Inertia::Unknown)
+    }
+
+    fn prepare(&mut self, values: &[f64]) -> Result<Inertia, LinearError> {
+        let inertia = self.choose(values)?;
+        if self.iterates || inertia == Inertia::Indefinite {
+            return Ok(inertia);
+        }
+        self.factored = true;
+        self.direct()?.prepare(values)
+    }
+
+    fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        if self.iterates {
+            self.cg.ask(self.accuracy);
+            match self.cg.solve(values, b) {
+                // This right-hand side is harder than that of the trial.
+                Err(LinearError::Stalled { .. }) => {}
+                solved => return solved,
+            }
+            if !self.factored && self.direct()?.prepare(values)? == Inertia::Indefinite {
+                return Err(LinearError::Indefinite { iterations: 0 });
+            }
+            self.factored = true;
+        }
+        let accuracy = self.accuracy;
+        let direct = self.direct()?;
+        direct.ask(accuracy);
+        direct.solve(values, b)
+    }
+
+    fn ask(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
+    }
+
+    fn anticipate(&mut self, expected: Expected) {
+        self.expected = expected;
+    }
+
+    fn prefers_another(&self, Expected { reuse, cg_iterations }: Expected) -> bool {
+        let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
+        COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < COSTS.cg(&self.pattern, cg_iterations).with_reuse(reuse)
+    }
+
+    fn work(&self) -> Work {
+        let factorizations = self.direct.as_ref().map_or(0, |direct| direct.work().factorizations);
+        Work { factorizations, iterations: self.cg.work().iterations }
+    }
+
+    fn stats(&self) -> LinearStats {
+        let prediction = self.prediction;
+        match (&self.direct, self.iterates) {
+            (_, true) => LinearStats { prediction, ..self.cg.stats() },
+            (Some(direct), false) => LinearStats { prediction, ..direct.stats() },
+            (None, false) => LinearStats {
+                name: "cholesky",
+                factor_nonzeros: self.elimination.as_ref().map(|e| (COSTS.padding * e.nonzeros) as usize),
+                factor_operations: self.elimination.as_ref().map(|e| e.operations),
+                prediction,
+                ..self.cg.stats()
+            },
+        }
+    }
+}
