@@ -10,7 +10,7 @@
 use canopy_fem::drive::clock::Step;
 use canopy_fem::drive::observer::LedgerRow;
 use canopy_fem::drive::{Explain, RunSpec, run};
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;
 use canopy_fem::integrate::stepper::Stepper;

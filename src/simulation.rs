@@ -3,7 +3,7 @@
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use crate::drive::{Outcome, RunError};
-use crate::force::threads::Threads;
+use crate::force::schedule::threads::Threads;
 use crate::integrate::stepper::{NeedsNetwork, Stepper};
 use crate::scene::{BuildError, Pendulum, Scene, build_network};
 use std::sync::atomic::AtomicBool;

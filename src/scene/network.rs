@@ -2,13 +2,13 @@
 
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::batch::Summand;
-use crate::force::series::Tabled;
-use crate::force::spring::{Coefficient, SpringData};
-use crate::force::step_block::Moving;
-use crate::force::step_boundary::StepBoundary;
-use crate::force::sweep::{Sweep, Terms};
-use crate::force::threads::{SUMS, Threads};
+use crate::force::kernel::batch::Summand;
+use crate::force::law::series::Tabled;
+use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_boundary::StepBoundary;
+use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
@@ -165,7 +165,7 @@ impl Terms for Network {
         (&*self.terms[i], sum)
     }
 
-    fn still(&self) -> bool {
+    fn is_position_only(&self) -> bool {
         (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.infos[i].velocity_dependent)
     }
 }
@@ -241,15 +241,16 @@ impl System for Network {
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        self.sweep
-            .by_strips(&self.threads, |nodes| motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic)
+        self.sweep.by_node_blocks(&self.threads, |nodes| {
+            motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic
+        })
     }
 
     fn work(&self, forces: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         if forces[0].is_empty() {
             return 0.0;
         }
-        self.sweep.by_strips(&self.threads, |nodes| {
+        self.sweep.by_node_blocks(&self.threads, |nodes| {
             let dofs = 3 * nodes.start..3 * nodes.end;
             let forces = forces.map(|f| &f[dofs.clone()]);
             let [begun, ended] = stride::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);
