@@ -43,6 +43,7 @@ pub mod model;
 pub mod output;
 pub mod plot;
 pub mod preflight;
+pub mod process;
 pub mod scene;
 pub mod simulation;
 

@@ -14,7 +14,7 @@ use crate::drive::observer::{
 use crate::drive::{Outcome, RunError, Status};
 use crate::figures::figures;
 use crate::model::stop::Stop;
-use crate::output::process::{Cost, Stopwatch};
+use crate::process::{Cost, Stopwatch};
 
 /// An unfinished run is kept this often, so that a kill costs no more.
 const KEPT_EVERY: Duration = Duration::from_secs(20);

@@ -27,7 +27,7 @@ use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
-use crate::output::process::Stopwatch;
+use crate::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
