@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::comments::blank;
-use super::fault::{Fault, Faults, Part};
-use super::findings::{Findings, Told};
+use super::diagnostics::{Fault, Faults, Part};
+use super::diagnostics::{Findings, Told};
+use super::jsonc::blank;
+use super::jsonc_tree::Tree;
 use super::lower::geometry::Geometry;
 use super::lower::{Built, build};
-use super::place::{Place, Written};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::walk;
+use super::span::{Place, Written};
 use super::text::{NoJson, parse};
-use super::tolerant::Tree;
 use super::typed::typed;
 use super::{Case, CaseError, overrides};
 

@@ -15,7 +15,7 @@ use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, Observer};
 use crate::drive::{self, Failure, Outcome, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::stepper::Stepper;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;

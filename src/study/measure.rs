@@ -12,7 +12,7 @@ use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::drive::{Outcome, RunError, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::stop::Stop;
 use crate::process::{Cost, Stopwatch};
 

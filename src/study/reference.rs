@@ -22,7 +22,7 @@ use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer};
 use crate::drive::{Outcome, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;

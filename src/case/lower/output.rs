@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::numbers::positive;
 use super::select::NodeSet;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Output, Probe};
 use crate::case::spec::VtuFormat;

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::fault::{Fault, Part, shorten};
+use super::diagnostics::{Fault, Part, shorten};
+use super::jsonc_tree::Tree;
 use super::pointer::Pointer;
-use super::tolerant::Tree;
 
 /// Where a fault was written.
 #[derive(Clone, Debug, PartialEq, Eq)]

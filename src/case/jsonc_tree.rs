@@ -8,10 +8,10 @@ use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use serde_json::{Map, Number, Value};
 
-use super::fault::{Fault, Part, excerpt};
-use super::findings::Findings;
-use super::place::Place;
+use super::diagnostics::Findings;
+use super::diagnostics::{Fault, Part, excerpt};
 use super::pointer::Pointer;
+use super::span::Place;
 
 /// A text with its comments and trailing commas blanked, as a tree that knows where everything stands.
 #[derive(Clone, Debug)]

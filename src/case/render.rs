@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::fault::Fault;
-use super::place::Place;
+use super::diagnostics::Fault;
+use super::span::Place;
 
 /// [characters] Widest picture of a line.
 const WIDTH: usize = 120;
