@@ -8,7 +8,7 @@ use std::fmt;
 use serde_json::Value;
 
 use super::pointer::Pointer;
-use super::span::Place;
+use super::span::Location;
 use crate::warning::{Warning, WarningCode};
 
 /// Longest excerpt of a value in a message, in characters.
@@ -16,7 +16,7 @@ const EXCERPT: usize = 80;
 
 /// What of a place is wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum FaultTarget {
     /// the value that the pointer leads to
     #[default]
     Value,
@@ -32,7 +32,7 @@ pub struct Fault {
     /// JSON pointer, e.g. `/time/step`; empty for the whole case, and where the text is not JSON
     pub pointer: String,
     /// what of it is wrong
-    pub part: Part,
+    pub part: FaultTarget,
     /// what stands there, shortened
     pub value: String,
     /// what may stand there, as a sentence part: "a number above 0"
@@ -40,14 +40,14 @@ pub struct Fault {
     /// what to do about it, if there is more to say
     pub hint: Option<String>,
     /// where it was written, if that can be told
-    pub place: Option<Place>,
+    pub place: Option<Location>,
 }
 
 impl Fault {
     /// The first line of a message: where, and what stands there.
     pub fn heading(&self) -> String {
         match (self.part, self.pointer.as_str()) {
-            (Part::Text, _) => self.value.clone(),
+            (FaultTarget::Text, _) => self.value.clone(),
             (_, "") => format!("/: {}", self.value),
             (_, pointer) => format!("{pointer}: {}", self.value),
         }
@@ -133,7 +133,7 @@ impl<'a> Faults<'a> {
 
     /// The same where the key at the end of `at` is wrong.
     pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
-        self.put(at, Part::Key, self.shown(at), allowed.into(), Some(hint.into()));
+        self.put(at, FaultTarget::Key, self.shown(at), allowed.into(), Some(hint.into()));
     }
 
     /// The same where the wrong value is not the one written at `at`, but follows from it.
@@ -144,10 +144,10 @@ impl<'a> Faults<'a> {
         allowed: impl Into<String>,
         hint: Option<String>,
     ) {
-        self.put(at, Part::Value, value.into(), allowed.into(), hint);
+        self.put(at, FaultTarget::Value, value.into(), allowed.into(), hint);
     }
 
-    fn put(&mut self, at: &Pointer, part: Part, value: String, allowed: String, hint: Option<String>) {
+    fn put(&mut self, at: &Pointer, part: FaultTarget, value: String, allowed: String, hint: Option<String>) {
         if !self.readable(at) {
             self.kept_back = self.kept_back.saturating_add(1);
             return;
@@ -188,7 +188,7 @@ impl<'a> Faults<'a> {
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(self) -> Result<Vec<Warning>, Told> {
+    pub fn finish(self) -> Result<Vec<Warning>, Reported> {
         if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
     }
 
@@ -213,7 +213,7 @@ pub(crate) struct Findings {
 
 /// What is told of the faults of a case.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Told {
+pub(crate) struct Reported {
     /// the faults that are shown
     pub faults: Vec<Fault>,
     /// number of those that are not
@@ -270,12 +270,12 @@ impl Findings {
     }
 
     /// Ends the search: the faults with pointers as the file spells them.
-    pub fn told(mut self) -> Told {
+    pub fn told(mut self) -> Reported {
         let mut faults = std::mem::take(&mut self.list);
         for fault in &mut faults {
             fault.pointer = self.written(&fault.pointer);
         }
-        Told { faults, more: self.dropped }
+        Reported { faults, more: self.dropped }
     }
 
     /// A pointer with the keys that are in the file.

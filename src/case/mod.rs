@@ -30,11 +30,11 @@ mod typed;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use diagnostics::{Fault, Part};
+pub use diagnostics::{Fault, FaultTarget};
 pub use error::CaseError;
 pub use schema::json_schema;
 pub use source::Source;
-pub use span::Place;
+pub use span::Location;
 pub use spec::Problem;
 
 use crate::warning::Warning;

@@ -8,7 +8,7 @@
 use serde_json::{Map, Value, json};
 
 use super::diagnostics::Findings;
-use super::diagnostics::{Fault, Part, did_you_mean, excerpt, nearest, one_of};
+use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of};
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
@@ -46,7 +46,7 @@ impl<'a> Walk<'a> {
 
     /// Notes that the whole value is wrong, and puts a stand-in in its place.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
-        self.note(at, Part::Value, value, allowed, None);
+        self.note(at, FaultTarget::Value, value, allowed, None);
         self.replace(schema, value, at);
     }
 
@@ -55,7 +55,7 @@ impl<'a> Walk<'a> {
         self.findings.leave_unread(at);
     }
 
-    fn note(&mut self, at: &Pointer, part: Part, value: &Value, allowed: String, hint: Option<String>) {
+    fn note(&mut self, at: &Pointer, part: FaultTarget, value: &Value, allowed: String, hint: Option<String>) {
         let pointer = at.as_str().to_owned();
         self.findings.note(|| Fault { pointer, part, value: excerpt(value), allowed, hint, place: None });
     }
@@ -68,7 +68,7 @@ impl<'a> Walk<'a> {
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };
             let hint = did_you_mean(&key, names.iter().copied());
-            self.note(&at.key(&key), Part::Key, &value, one_of("known keys here", &names), hint);
+            self.note(&at.key(&key), FaultTarget::Key, &value, one_of("known keys here", &names), hint);
             match nearest(&key, names.iter().copied()).filter(|near| !map.contains_key(*near)) {
                 Some(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
@@ -102,7 +102,7 @@ impl<'a> Walk<'a> {
             Value::String(word) if !choice.words.is_empty() => {
                 let names = choice.names();
                 let hint = did_you_mean(word, names.iter().copied());
-                self.note(at, Part::Value, value, one_of("known names here", &names), hint);
+                self.note(at, FaultTarget::Value, value, one_of("known names here", &names), hint);
                 self.replace(schema, value, at);
             }
             Value::Object(map) if !choice.tags.is_empty() => {
@@ -123,7 +123,7 @@ impl<'a> Walk<'a> {
         let (Some(key), None) = (keys.next(), keys.next()) else {
             let allowed =
                 format!("an object with exactly one key; {}", one_of("known names here", &choice.tag_names()));
-            self.note(at, Part::Value, &Value::Object(map.clone()), allowed, None);
+            self.note(at, FaultTarget::Value, &Value::Object(map.clone()), allowed, None);
             return false;
         };
         drop(keys);
@@ -135,12 +135,12 @@ impl<'a> Walk<'a> {
         let value = map.remove(&key).unwrap_or_default();
         if choice.words.contains(&key.as_str()) {
             let allowed = format!("the plain word \"{key}\" in double quotes, without braces");
-            self.note(&below, Part::Key, &value, allowed, None);
+            self.note(&below, FaultTarget::Key, &value, allowed, None);
             return false;
         }
         let names = choice.names();
         let hint = did_you_mean(&key, names.iter().copied());
-        self.note(&below, Part::Key, &value, one_of("known names here", &names), hint);
+        self.note(&below, FaultTarget::Key, &value, one_of("known names here", &names), hint);
         let Some((near, branch)) = nearest(&key, choice.tag_names()).and_then(|near| Some((near, choice.tag(near)?)))
         else {
             return false;
