@@ -34,8 +34,8 @@ pub mod assembly;
 pub mod case;
 pub mod cli;
 pub mod drive;
-pub mod figures;
 pub mod force;
+pub mod format_number;
 pub mod input_file;
 pub mod integrate;
 pub mod mesh;
@@ -43,6 +43,7 @@ pub mod model;
 pub mod output;
 pub mod plot;
 pub mod preflight;
+pub mod process;
 pub mod scene;
 pub mod simulation;
 

@@ -1,4 +1,4 @@
-//! The ruler of an axis: where a number lies between the axis' ends, and which numbers are written there.
+//! The scale of an axis: where a number lies between the axis' ends, and which numbers are written there.
 
 use super::chart::Scale;
 
@@ -12,7 +12,7 @@ const FARTHEST: f64 = 1e150;
 
 /// An axis from 0 at its lower end to 1 at its upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ruler {
+pub(super) struct AxisScale {
     scale: Scale,
     /// lower end, its logarithm on a logarithmic axis
     low: f64,
@@ -38,7 +38,7 @@ fn length(scale: Scale, value: f64) -> Option<f64> {
     }
 }
 
-impl Ruler {
+impl AxisScale {
     /// From one number to another; nothing if that is no range.
     pub(super) fn between(scale: Scale, (low, high): (f64, f64)) -> Option<Self> {
         let (low, high) = (length(scale, low)?, length(scale, high)?);
@@ -160,16 +160,16 @@ fn superscript(power: i32) -> String {
 mod tests {
     use super::*;
 
-    fn labels(ruler: Ruler, most: usize) -> Vec<String> {
-        ruler.ticks(most).into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
+    fn labels(scale: AxisScale, most: usize) -> Vec<String> {
+        scale.ticks(most).into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
     }
 
     /// Round numbers with as many digits as they need, in everyday and in tiny units, and powers of ten on logarithmic
     /// axes.
     #[test]
     fn numbers_on_axes() {
-        let linear = |low, high| Ruler::between(Scale::Linear, (low, high)).expect("a range");
-        let log = |low, high| Ruler::between(Scale::Log, (low, high)).expect("a range");
+        let linear = |low, high| AxisScale::between(Scale::Linear, (low, high)).expect("a range");
+        let log = |low, high| AxisScale::between(Scale::Log, (low, high)).expect("a range");
         assert_eq!(labels(linear(-2.1, 2.1), 5), ["-2", "-1", "0", "1", "2"]);
         assert_eq!(labels(linear(0.0, 0.31), 4), ["0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(labels(linear(0.0, 3.5e-11), 4), ["0", "1·10⁻¹¹", "2·10⁻¹¹", "3·10⁻¹¹"]);
@@ -183,12 +183,12 @@ mod tests {
     /// What has no place on an axis, and ranges that are none, are told apart from the rest.
     #[test]
     fn places_and_ranges() {
-        let log = Ruler::between(Scale::Log, (1.0, 100.0)).expect("a range");
+        let log = AxisScale::between(Scale::Log, (1.0, 100.0)).expect("a range");
         assert_eq!([log.place(10.0), log.place(0.0), log.place(f64::NAN)], [Some(0.5), None, None]);
-        assert_eq!(Ruler::between(Scale::Log, (0.0, 1.0)), None);
-        assert_eq!(Ruler::between(Scale::Linear, (1.0, 1.0)), None);
-        assert_eq!(Ruler::around(Scale::Linear, [f64::INFINITY, f64::NAN].into_iter()), None);
-        let flat = Ruler::around(Scale::Linear, [3.0, 3.0].into_iter()).expect("a value");
+        assert_eq!(AxisScale::between(Scale::Log, (0.0, 1.0)), None);
+        assert_eq!(AxisScale::between(Scale::Linear, (1.0, 1.0)), None);
+        assert_eq!(AxisScale::around(Scale::Linear, [f64::INFINITY, f64::NAN].into_iter()), None);
+        let flat = AxisScale::around(Scale::Linear, [3.0, 3.0].into_iter()).expect("a value");
         assert!((flat.place(3.0).expect("a place") - 0.5).abs() < 1e-12);
     }
 }

@@ -3,13 +3,13 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::fault::{Fault, Part, shorten};
+use super::diagnostics::{Fault, FaultTarget, shorten};
+use super::jsonc_tree::Tree;
 use super::pointer::Pointer;
-use super::tolerant::Tree;
 
 /// Where a fault was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// in the file
     Text {
         /// [byte] what of the text is at fault
@@ -28,7 +28,7 @@ pub enum Place {
     },
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Text { line, column, .. } => write!(f, "{line}:{column}"),
@@ -37,7 +37,7 @@ impl fmt::Display for Place {
     }
 }
 
-impl Place {
+impl Location {
     /// A range of a text.
     pub(crate) fn in_text(text: &str, range: Range<usize>) -> Self {
         let start = floor(text, range.start);
@@ -72,17 +72,17 @@ pub(crate) struct Written<'a> {
 impl Written<'_> {
     /// Gives every fault its place and puts them in the order of the text; assignments come last.
     pub fn locate(&self, faults: &mut [Fault]) {
-        for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != Part::Text) {
+        for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {
             fault.place = self.place(fault);
         }
         faults.sort_by_key(|fault| match &fault.place {
-            Some(Place::Text { range, .. }) => (0, range.start),
-            Some(Place::Assignment { .. }) => (1, 0),
+            Some(Location::Text { range, .. }) => (0, range.start),
+            Some(Location::Assignment { .. }) => (1, 0),
             None => (2, 0),
         });
     }
 
-    fn place(&self, fault: &Fault) -> Option<Place> {
+    fn place(&self, fault: &Fault) -> Option<Location> {
         // The longest part of the pointer that the text has, and one key more: who assigns below that has made it.
         let made = self.tree.as_ref().map(|tree| tree.reach(&fault.pointer).len()).and_then(|reached| {
             let step = fault.pointer.get(reached + 1..)?;
@@ -93,9 +93,9 @@ impl Written<'_> {
             within(&fault.pointer, at.as_str()) || made.is_some_and(|made| within(at.as_str(), made))
         });
         if let Some((key, value)) = assigned {
-            return Some(Place::Assignment { key: key.clone(), value: shorten(value) });
+            return Some(Location::Assignment { key: key.clone(), value: shorten(value) });
         }
-        Some(Place::in_text(self.text, self.tree.as_ref()?.range(&fault.pointer, fault.part)))
+        Some(Location::in_text(self.text, self.tree.as_ref()?.range(&fault.pointer, fault.part)))
     }
 }
 
@@ -113,7 +113,9 @@ mod tests {
     fn lines_and_columns() {
         let text = "a\n  é b";
         for (offset, expected) in [(0, (1, 1)), (2, (2, 1)), (4, (2, 3)), (5, (2, 3)), (7, (2, 5)), (99, (2, 6))] {
-            let Place::Text { line, column, .. } = Place::in_text(text, offset..offset + 1) else { panic!("a text") };
+            let Location::Text { line, column, .. } = Location::in_text(text, offset..offset + 1) else {
+                panic!("a text")
+            };
             assert_eq!((line, column), expected, "byte {offset}");
         }
     }

@@ -3,7 +3,7 @@
 /// A number rounded to `digits` significant digits: plain if it is of everyday size, else with a power of ten.
 ///
 /// ```
-/// use canopy_fem::figures::figures;
+/// use canopy_fem::format_number::figures;
 /// assert_eq!(figures(0.1 + 0.2, 12), "0.3");
 /// assert_eq!(figures(123456.0, 3), "123000");
 /// assert_eq!(figures(1.5e-12, 4), "1.5e-12");
@@ -16,7 +16,7 @@ pub fn figures(x: f64, digits: usize) -> String {
 /// A positive number rounded down to two digits: a step to type.
 ///
 /// ```
-/// use canopy_fem::figures::two_digits;
+/// use canopy_fem::format_number::two_digits;
 /// assert_eq!(two_digits(1.29e-3), 1.2e-3);
 /// ```
 pub fn two_digits(step: f64) -> f64 {

@@ -8,10 +8,10 @@ use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use serde_json::{Map, Number, Value};
 
-use super::fault::{Fault, Part, excerpt};
-use super::findings::Findings;
-use super::place::Place;
+use super::diagnostics::Findings;
+use super::diagnostics::{Fault, FaultTarget, excerpt};
 use super::pointer::Pointer;
+use super::span::Location;
 
 /// A text with its comments and trailing commas blanked, as a tree that knows where everything stands.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl<'a> Tree<'a> {
     }
 
     /// [byte] Where the value of a pointer stands, or its key; of a place that is not there the opening brace above it.
-    pub fn range(&self, pointer: &str, part: Part) -> Range<usize> {
+    pub fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
         let mut node = &self.root;
         let mut key = span(node);
         for step in pointer.split('/').skip(1) {
@@ -71,7 +71,7 @@ impl<'a> Tree<'a> {
             };
             (node, key) = next;
         }
-        if part == Part::Key { key } else { span(node) }
+        if part == FaultTarget::Key { key } else { span(node) }
     }
 }
 
@@ -195,7 +195,7 @@ impl Reader<'_, '_> {
             pointer: at.as_str().to_owned(),
             value: slip.value,
             allowed: slip.allowed.to_owned(),
-            place: Some(Place::in_text(clean, slip.range)),
+            place: Some(Location::in_text(clean, slip.range)),
             ..Fault::default()
         });
     }
@@ -238,10 +238,10 @@ mod tests {
         let text = "{\"a\": {\"b/c\": [10, 20]}}";
         let tree = Tree::parse(text).expect("JSON");
         let shown = |pointer, part| text.get(tree.range(pointer, part)).expect("in the text");
-        assert_eq!(shown("/a/b~1c/1", Part::Value), "20");
-        assert_eq!(shown("/a/b~1c", Part::Key), "\"b/c\"");
-        assert_eq!(shown("", Part::Value), text);
-        assert_eq!(tree.range("/a/x/y", Part::Value), 6..7);
+        assert_eq!(shown("/a/b~1c/1", FaultTarget::Value), "20");
+        assert_eq!(shown("/a/b~1c", FaultTarget::Key), "\"b/c\"");
+        assert_eq!(shown("", FaultTarget::Value), text);
+        assert_eq!(tree.range("/a/x/y", FaultTarget::Value), 6..7);
     }
 
     /// What cannot be read over is told by its place.

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::fault::Fault;
-use super::place::Place;
+use super::diagnostics::Fault;
+use super::span::Location;
 
 /// [characters] Widest picture of a line.
 const WIDTH: usize = 120;
@@ -21,8 +21,8 @@ pub(super) fn render(path: &str, text: &str, faults: &[Fault]) -> String {
 fn paragraph(path: &str, text: &str, fault: &Fault) -> String {
     let place = match &fault.place {
         None => String::new(),
-        Some(place @ Place::Assignment { .. }) => format!("  --> {place}\n"),
-        Some(place @ Place::Text { range, line, .. }) => {
+        Some(place @ Location::Assignment { .. }) => format!("  --> {place}\n"),
+        Some(place @ Location::Text { range, line, .. }) => {
             format!("  --> {path}:{place}\n{}", picture(text, range, *line))
         }
     };
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     fn drawn(text: &str, range: Range<usize>) -> String {
-        let place = Some(Place::in_text(text, range));
+        let place = Some(Location::in_text(text, range));
         let fault = Fault {
             pointer: "/a".to_owned(),
             value: "1".to_owned(),
