@@ -12,6 +12,7 @@ pub mod answers;
 pub mod bench;
 pub mod difference;
 mod error;
+pub mod experiment;
 pub mod frames;
 pub mod front;
 pub mod ladder;

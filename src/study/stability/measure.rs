@@ -14,13 +14,12 @@ use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::analysis::limit::{growth, swing};
 use crate::analysis::rates::step_by_bounds;
 use crate::drive::clock::Step;
-use crate::drive::{self, Explain, Failure, Outcome, RunSpec, Status};
+use crate::drive::{Explain, Failure, Outcome, Status};
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::Stepper;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{BoundRoom, Scene};
-use std::sync::Arc;
+use crate::study::experiment::{self, Event, Experiment, Flow, StepEvent};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start
@@ -243,25 +242,22 @@ impl<'a> Bench<'a> {
     }
 
     fn run(&self, h: f64, steps: u64, keep_going: bool, explain: Explain) -> Result<(Outcome, Judge<'a>), Halt> {
-        let scene = self.scene();
-        let refused = |why: &dyn std::fmt::Display| Halt::Refused(why.to_string());
-        let mut stepper =
-            Stepper::bind(self.method.scheme(self.spec.solver), scene.abilities()).map_err(|e| refused(&e))?;
-        let spec = RunSpec {
-            end: steps as f64 * h,
-            step: Step::Fixed(h),
-            frames_every: None,
-            keep_going,
-            explain,
-            interrupt: self.stop(),
-            method: self.method,
-        };
-        let mut judge = Judge::new(self, steps, self.interrupt);
-        let stop = Arc::clone(&judge.stop);
-        let state = self.from.state.clone();
-        let outcome = drive::run_from(scene, &mut stepper, spec, state, &mut [&mut judge], &stop);
-        let outcome = outcome.map_err(|e| refused(&e))?;
-        Ok((outcome, judge))
+        let end = steps as f64 * h;
+        let run = Experiment::new(self.scene(), self.method, self.spec.solver, Step::Fixed(h), end);
+        let experiment = Experiment { keep_going, explain, interrupt: self.stop(), ..run };
+        let mut judge = Judge::new(self, steps);
+        let start = experiment::Start::State(self.from.state.clone());
+        let outcome = experiment.run(start, None, &mut |event, _| match event {
+            Event::Started(at, ledger) => {
+                judge.started(at, ledger);
+                Flow::Continue
+            }
+            Event::Step(StepEvent { view: Some(view), .. }) => {
+                Flow::stop_if(judge.stepped(&view) || self.interrupt.load(Ordering::Relaxed))
+            }
+            _ => Flow::Continue,
+        });
+        Ok((outcome.map_err(|e| Halt::Refused(e.to_string()))?, judge))
     }
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.

@@ -13,16 +13,16 @@
 use super::StabilitySpec;
 use super::measure::PASSES;
 use crate::analysis::rough;
+use crate::drive::Status;
 use crate::drive::clock::Step;
-use crate::drive::observer::{ObserveError, Observer, Point, StepView};
-use crate::drive::{self, Explain, RunSpec, Status};
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
+use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
-use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
+use crate::study::experiment::{Event, Experiment, Flow, Start as From, StepEvent};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -127,49 +127,23 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
     let method = MethodChoice::with_defaults("rk4").ok()?;
     let passes = (PASSES[0] / spec.scene.n_dof().max(1) as f64).min(PASSES[1]);
     let steps = (spec.end / h).min(passes / f64::from(method.info.evaluations[1].max(1))).ceil().max(1.0);
-    let mut stepper = Stepper::bind(method.scheme(spec.solver), spec.scene.abilities()).ok()?;
-    let run = RunSpec {
-        end: steps * h,
-        step: Step::Fixed(h),
-        frames_every: None,
-        keep_going: false,
-        explain: Explain::Nothing,
-        interrupt: Stop::NEVER,
-        method: &method,
-    };
-    let left = AtomicBool::new(false);
     let every = (steps as u64).div_ceil(LOOKS) | 1;
-    let mut follower = Follower { scene: spec.scene, tangent, every, left: &left, stop };
-    let outcome = drive::run(spec.scene, &mut stepper, run, &mut [&mut follower], &left).ok()?;
-    Some(outcome.status == Status::Completed && !left.load(Ordering::Relaxed))
-}
-
-/// Follows a run for as long as the tangent stays the same.
-struct Follower<'a> {
-    scene: &'a dyn Scene,
-    tangent: Tangent,
-    every: u64,
-    /// set once it has not: the run stops
-    left: &'a AtomicBool,
-    /// the user's interrupt
-    stop: &'a AtomicBool,
-}
-
-impl Observer for Follower<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        let look = step.step.is_multiple_of(self.every);
-        if self.stop.load(Ordering::Relaxed) || look && !self.tangent.is_same(self.scene, step.to.state.as_ref()) {
-            self.left.store(true, Ordering::Relaxed);
+    let mut linear = true;
+    let same = |state: &State| tangent.is_same(spec.scene, state.as_ref());
+    let mut interrupted = false;
+    let experiment = Experiment::new(spec.scene, &method, spec.solver, Step::Fixed(h), steps * h);
+    let outcome = experiment.run(From::Initial, None, &mut |event, _| {
+        match event {
+            Event::Step(StepEvent { number, view: Some(view), .. }) => {
+                interrupted |= stop.load(Ordering::Relaxed);
+                linear &= !number.is_multiple_of(every) || same(&view.to.state);
+            }
+            Event::Finished(last) => linear &= same(&last.state),
+            _ => {}
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        if !self.tangent.is_same(self.scene, last.state.as_ref()) {
-            self.left.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
+        Flow::stop_if(interrupted || !linear)
+    });
+    Some(outcome.ok()?.status == Status::Completed && linear && !interrupted)
 }
 
 /// The state without velocities in which the forces at t = 0 are balanced: what an endless implicit step comes to rest

@@ -21,14 +21,12 @@
 use super::looks::Looks;
 use super::measure::Bench;
 use super::start::{Start, displacement};
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, StepView};
+use crate::drive::observer::{LedgerRow, Point, StepView};
 use crate::drive::watch::push;
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A share of the energy supplied that is beyond all swinging.
 const BLOWN: f64 = 1e8;
@@ -71,12 +69,8 @@ impl Verdict {
     }
 }
 
-/// An observer that follows a run's energy, and stops the run once there is no doubt.
+/// Follows a run's energy.
 pub(super) struct Judge<'a> {
-    /// set from outside: the user's interrupt
-    interrupt: &'a AtomicBool,
-    /// what the run is stopped by
-    pub stop: Arc<AtomicBool>,
     pub looks: Looks<'a>,
     scene: &'a dyn Scene,
     steps: u64,
@@ -109,12 +103,10 @@ pub(super) struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    pub fn new(bench: &Bench<'a>, steps: u64, interrupt: &'a AtomicBool) -> Self {
+    pub fn new(bench: &Bench<'a>, steps: u64) -> Self {
         let (scene, method) = (bench.scene(), bench.method);
         let moved = displacement(scene);
         Judge {
-            interrupt,
-            stop: Arc::new(AtomicBool::new(false)),
             looks: Looks::new(scene, steps),
             scene,
             steps,
@@ -177,17 +169,15 @@ impl<'a> Judge<'a> {
             _ => false,
         })
     }
-}
 
-impl Observer for Judge<'_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    pub fn started(&mut self, at: &Point, ledger: LedgerRow) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
         self.looks.look(at.state.as_ref());
-        Ok(())
     }
 
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
+    /// After a step; whether there is no doubt any more that the run is unstable.
+    pub fn stepped(&mut self, step: &StepView<'_>) -> bool {
         let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
@@ -214,7 +204,7 @@ impl Observer for Judge<'_> {
         }
         if 4 * step.step > 3 * self.steps {
             self.late[0] += 1;
-            self.motion += kinetic.max(self.secant(&step));
+            self.motion += kinetic.max(self.secant(step));
             self.late[1] += u64::from(share > self.stays);
             let eighth = usize::from(8 * step.step > 7 * self.steps);
             if let Some((sum, n)) = self.made.get_mut(eighth) {
@@ -223,10 +213,7 @@ impl Observer for Judge<'_> {
             }
         }
         self.blown |= share > BLOWN;
-        if self.blown || self.interrupt.load(Ordering::Relaxed) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        self.looks.stepped(&step);
-        Ok(())
+        self.looks.stepped(step);
+        self.blown
     }
 }

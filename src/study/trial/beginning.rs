@@ -1,13 +1,10 @@
 //! A run from its start, as far as its allowance takes it.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use super::sample::{Attempted, Sample, SampleError, work};
 use super::timing::Clock;
-use crate::drive;
-use crate::drive::observer::{Coming, ObserveError, Observer, Passing, StepView};
 use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
+use crate::study::experiment::{Event, Experiment, Flow, Start};
 
 /// What a run came to from its start.
 #[derive(Clone, Copy, Debug)]
@@ -23,12 +20,21 @@ pub struct Beginning {
 /// # Errors
 /// Where it fails before.
 pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<'_>) -> Result<Beginning, SampleError> {
-    let stop = AtomicBool::new(false);
     let clock = Clock::default();
     let start = clock.seconds();
     let deadline = start + tried.allowance;
-    let mut watch = Until { clock, deadline, stop: &stop, made: 0, marks: [(0, 0.0); 2] };
-    let outcome = drive::run(scene, stepper, tried.spec(), &mut [&mut watch], &stop)?;
+    // Steps made and the time [s] then, at the last two powers of two.
+    let (mut made, mut marks) = (0_u64, [(0_u64, 0.0); 2]);
+    let experiment = Experiment { single_steps: 0, ..tried.experiment(scene) };
+    let outcome = experiment.run_with(stepper, Start::Initial, None, &mut |event, _| {
+        let Event::Step(step) = event else { return Flow::Continue };
+        made += 1;
+        if made.is_power_of_two() {
+            marks = [marks[1], (made, step.to)];
+        }
+        let look = made < 16 || made.is_multiple_of(16);
+        Flow::stop_if(look && clock.seconds() >= deadline)
+    })?;
     if let Some(failure) = outcome.failure {
         return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
     }
@@ -41,50 +47,10 @@ pub fn beginning(scene: &dyn Scene, stepper: &mut Stepper<'_>, tried: Attempted<
         seconds: clock.seconds() - start,
         work: work(outcome.counters).map(|n| n as f64),
     };
-    Ok(Beginning { sample, pace: watch.pace(sample) })
-}
-
-/// Ends a run at a time of the clock.
-struct Until<'a> {
-    clock: Clock,
-    /// [s]
-    deadline: f64,
-    stop: &'a AtomicBool,
-    made: u64,
-    /// steps made and the time [s] then, at the last two powers of two
-    marks: [(u64, f64); 2],
-}
-
-impl Until<'_> {
-    fn stepped(&mut self, t: f64) {
-        self.made += 1;
-        if self.made.is_power_of_two() {
-            self.marks = [self.marks[1], (self.made, t)];
-        }
-        if self.made.is_multiple_of(16) || self.made < 16 {
-            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
-        }
-    }
-
-    fn pace(&self, all: Sample) -> [f64; 2] {
-        let (steps, t) = (self.marks[0].0 as f64, self.marks[0].1);
-        let mean = all.steps / all.simulated;
-        if steps > 0.0 { [steps / t, (all.steps - steps) / (all.simulated - t)] } else { [mean; 2] }
-    }
-}
-
-impl Observer for Until<'_> {
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.to.state.t);
-        Ok(())
-    }
-
-    fn stride(&self, _from: f64, coming: &mut [Coming]) -> usize {
-        coming.len()
-    }
-
-    fn passed(&mut self, step: Passing<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.t);
-        Ok(())
-    }
+    let (steps, t) = (marks[0].0 as f64, marks[0].1);
+    let pace = match steps > 0.0 {
+        true => [steps / t, (sample.steps - steps) / (sample.simulated - t)],
+        false => [sample.pace(); 2],
+    };
+    Ok(Beginning { sample, pace })
 }

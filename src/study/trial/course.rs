@@ -1,17 +1,13 @@
 //! States sampled along a whole run, from which other methods are tried: a step at the end of a run may cost more than
 //! one at its start.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use super::timing::Clock;
+use crate::drive::Snapshot;
 use crate::drive::clock::{Step, Tolerance};
-use crate::drive::observer::{ObserveError, Observer, Resumable, StepView};
-use crate::drive::{self, Explain, RunSpec, Snapshot};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::Stepper;
-use crate::model::stop::Stop;
 use crate::scene::Scene;
+use crate::study::experiment::{Event, Experiment, Flow, Start};
 
 /// States kept at most.
 const KEPT: usize = 16;
@@ -52,29 +48,36 @@ impl Course {
     /// Follows a pilot until its end, its failure or the end of its budget; nothing of it is written. Empty when it
     /// cannot start.
     pub fn follow(scene: &dyn Scene, pilot: Pilot<'_>) -> Course {
-        let Ok(mut stepper) = Stepper::bind(pilot.method.scheme(pilot.solver), scene.abilities()) else {
-            return Course::default();
-        };
-        let step = Step::Adaptive(pilot.tolerance);
-        let spec = RunSpec {
-            end: pilot.end,
-            step,
-            frames_every: None,
-            keep_going: false,
-            explain: Explain::Nothing,
-            interrupt: Stop::NEVER,
-            method: pilot.method,
-        };
-        let stop = AtomicBool::new(false);
+        let Pilot { method, solver, end, tolerance, budget } = pilot;
+        let experiment = Experiment::new(scene, method, solver, Step::Adaptive(tolerance), end);
         let most = (ROOM / (48 * scene.n_dof()).max(1)).clamp(2, KEPT);
-        let (clock, start) = (Clock::default(), Clock::default().seconds());
-        let deadline = start + pilot.budget;
-        let mut keeper = Keeper { states: Vec::new(), every: 1, most, stop: &stop, clock, deadline };
-        let reached = match drive::run(scene, &mut stepper, spec, &mut [&mut keeper], &stop) {
-            Ok(outcome) => outcome.t_end,
-            Err(_) => 0.0,
-        };
-        Course { states: keeper.states, reached }
+        let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
+        let clock = Clock::default();
+        let deadline = clock.seconds() + budget;
+        let run = experiment.run(Start::Initial, None, &mut |event, _| match event {
+            Event::Boundary(run) => {
+                let due = |states: &[Snapshot], every| states.last().is_none_or(|last| run.step >= last.step + every);
+                if due(&states, every) && states.len() >= most {
+                    let mut even = false;
+                    states.retain(|_| {
+                        even = !even;
+                        even
+                    });
+                    every *= 2;
+                }
+                if due(&states, every) {
+                    states.push(run.snapshot());
+                }
+                Flow::Continue
+            }
+            // A clock is read in less time than the smallest step takes, but not in no time.
+            Event::Step(step) => {
+                let look = step.number < 8 || step.number.is_multiple_of(8);
+                Flow::stop_if(look && clock.seconds() >= deadline)
+            }
+            _ => Flow::Continue,
+        });
+        Course { states, reached: run.map_or(0.0, |outcome| outcome.t_end) }
     }
 
     /// At most `count` states, each the one nearest to the middle of its part of the way.
@@ -89,44 +92,5 @@ impl Course {
         }
         chosen.dedup();
         chosen.into_iter().map(|i| Window { state: self.states[i].clone() }).collect()
-    }
-}
-
-/// Keeps every so many states; when there are too many, every other one.
-struct Keeper<'a> {
-    states: Vec<Snapshot>,
-    every: u64,
-    most: usize,
-    stop: &'a AtomicBool,
-    clock: Clock,
-    /// [s]
-    deadline: f64,
-}
-
-impl Observer for Keeper<'_> {
-    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if self.states.last().is_some_and(|last| run.step < last.step + self.every) {
-            return Ok(());
-        }
-        if self.states.len() >= self.most {
-            let mut index = 0;
-            self.states.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.every *= 2;
-        }
-        if self.states.last().is_none_or(|last| run.step >= last.step + self.every) {
-            self.states.push(run.snapshot());
-        }
-        Ok(())
-    }
-
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        // A clock is read in less time than the smallest step takes, but not in no time.
-        if step.step.is_multiple_of(8) || step.step < 8 {
-            self.stop.fetch_or(self.clock.seconds() >= self.deadline, Ordering::Relaxed);
-        }
-        Ok(())
     }
 }

@@ -157,7 +157,14 @@ impl<'a> Trials<'a> {
     /// nothing is told here.
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
-        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
+        let tried = Attempted {
+            method,
+            solver: self.solver,
+            step,
+            end: self.end,
+            frames_every: self.frames_every,
+            allowance: BEGINNING,
+        };
         let made = beginning(self.scene, &mut stepper, tried).ok()?;
         let short = made.sample.simulated < PART * self.end;
         let mut later = Vec::new();
@@ -181,7 +188,8 @@ impl<'a> Trials<'a> {
         let bound = Stepper::bind(method.scheme(self.solver), self.scene.abilities());
         let mut stepper = bound.map_err(|e| e.to_string())?;
         let allowance = ALLOWANCE[usize::from(steps.is_none())];
-        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance };
+        let tried =
+            Attempted { method, solver: self.solver, step, end: self.end, frames_every: self.frames_every, allowance };
         if let Some(steps) = steps
             && steps as f64 * nominal_step(self.scene, method) < WHOLE
         {

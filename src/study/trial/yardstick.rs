@@ -6,7 +6,6 @@
 //! gives the same errors on every machine.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::sample;
 use super::timing::Clock;
@@ -14,15 +13,13 @@ use super::units::Units;
 use super::{Candidate, ForecastSpec};
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
-use crate::drive::observer::{LedgerRow, ObserveError, Observer, Point, Resumable, StepView};
-use crate::drive::{self, Explain, Outcome, RunSpec, Status};
+use crate::drive::{Outcome, Status};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::Stepper;
-use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::study::bench::{interval, nominal_step, reference_tolerance};
+use crate::study::experiment::{Event, Experiment, Flow, Start};
 use crate::study::frames::{Distance, Frames, Sampler};
 
 /// The scheme of the reference.
@@ -148,14 +145,14 @@ impl<'a> Yardstick<'a> {
 
     /// Makes the reference.
     fn keep(&mut self, method: &MethodChoice, step: Step, purse: Purse) -> Option<(Status, Delivered)> {
-        let (stop, clock) = (AtomicBool::new(false), Clock::default());
+        let clock = Clock::default();
         let before = clock.seconds();
-        let mut keeper = Attendant::new(Sampler::keeping(self.scene, self.every), purse, u64::MAX, &stop);
-        let outcome = self.drive(method, step, &mut keeper, &stop)?;
+        let mut sampler = Sampler::keeping(self.scene, self.every);
+        let (outcome, _) = self.drive(method, step, &mut sampler, (purse, u64::MAX))?;
         let made = Delivered::of(&outcome, 0.0, clock.seconds() - before);
         // The last state is a frame, wherever the run was stopped.
         self.span = outcome.t_end;
-        self.reference = keeper.sampler.into_frames();
+        self.reference = sampler.into_frames();
         self.add_up();
         Some((outcome.status, made))
     }
@@ -177,38 +174,46 @@ impl<'a> Yardstick<'a> {
 
     /// Makes a run; `None` where it fails, or needs more than it may.
     pub fn measure(&self, method: &MethodChoice, step: Step, purse: Purse) -> Option<Delivered> {
-        let stop = AtomicBool::new(false);
-        let comparing = Sampler::comparing(self.scene, self.every, &self.reference, (0.0, Distance::default()));
-        let mut attendant = Attendant::new(comparing, purse, self.reference.motion.frames / 2, &stop);
+        let mut sampler = Sampler::comparing(self.scene, self.every, &self.reference, (0.0, Distance::default()));
         let clock = Clock::default();
         let before = clock.seconds();
-        let outcome = self.drive(method, step, &mut attendant, &stop)?;
+        let half = self.reference.motion.frames / 2;
+        let (outcome, halfway) = self.drive(method, step, &mut sampler, (purse, half))?;
         let seconds = clock.seconds() - before;
-        let [error, _] = attendant.sampler.distance().over(self.reference.motion)?;
-        let made = Delivered::of(&outcome, error * self.grown(error, attendant.halfway), seconds);
+        let [error, _] = sampler.distance().over(self.reference.motion)?;
+        let made = Delivered::of(&outcome, error * self.grown(error, halfway), seconds);
         (outcome.status == Status::Completed).then_some(made)
     }
 
+    /// Makes a run until its end or that of its budget. Returns also the distance once `half` frames were compared.
     fn drive(
         &self,
         method: &MethodChoice,
         step: Step,
-        observer: &mut Attendant<'_>,
-        stop: &AtomicBool,
-    ) -> Option<Outcome> {
-        let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
-        let spec = RunSpec {
-            end: self.span,
-            step,
-            frames_every: Some(self.every),
-            keep_going: false,
-            explain: Explain::Nothing,
-            interrupt: Stop::NEVER,
-            method,
-        };
-        let outcome = drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()?;
+        sampler: &mut Sampler<'_>,
+        (budget, half): (Purse, u64),
+    ) -> Option<(Outcome, Distance)> {
+        let frames_every = Some(self.every);
+        let experiment =
+            Experiment { frames_every, ..Experiment::new(self.scene, method, self.solver, step, self.span) };
+        let (mut made, mut halfway) = (0, Distance::default());
+        let run = experiment.run(Start::Initial, Some(sampler), &mut |event, distance| match event {
+            Event::Boundary(run) => {
+                let cost = |units: Units| units.cost(run.step as f64, work(run.counters));
+                Flow::stop_if(budget.work.is_some_and(|(units, most)| cost(units) > most))
+            }
+            Event::Step(_) => {
+                if halfway.frames == 0 && distance.frames >= half {
+                    halfway = distance;
+                }
+                made += 1;
+                Flow::stop_if(made >= budget.steps)
+            }
+            _ => Flow::Continue,
+        });
+        let outcome = run.ok()?;
         self.spent.set(self.spent.get() + outcome.steps as f64 * nominal_step(self.scene, method));
-        Some(outcome)
+        Some((outcome, halfway))
     }
 
     /// [s] What runs have taken since this was asked last, nominally.
@@ -260,51 +265,4 @@ impl Delivered {
 fn work(c: Counters) -> [f64; 4] {
     let [passes, assemblies, factorizations, solves, _] = sample::work(c).map(|n| n as f64);
     [passes, assemblies, factorizations, solves]
-}
-
-/// Visits the frames, notes the distance half-way, and ends a run that takes too much.
-struct Attendant<'a> {
-    sampler: Sampler<'a>,
-    purse: Purse,
-    /// frames after which half the way is made
-    half: u64,
-    halfway: Distance,
-    made: u64,
-    stop: &'a AtomicBool,
-}
-
-impl<'a> Attendant<'a> {
-    fn new(sampler: Sampler<'a>, purse: Purse, half: u64, stop: &'a AtomicBool) -> Self {
-        Attendant { sampler, purse, half, halfway: Distance::default(), made: 0, stop }
-    }
-}
-
-impl Observer for Attendant<'_> {
-    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if self.purse.work.is_some_and(|(units, most)| units.cost(run.step as f64, work(run.counters)) > most) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
-
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.sampler.started(at, ledger)
-    }
-
-    fn accepted(&mut self, step: StepView<'_>) -> Result<(), ObserveError> {
-        self.sampler.accepted(step)?;
-        let distance = self.sampler.distance();
-        if self.halfway.frames == 0 && distance.frames >= self.half {
-            self.halfway = distance;
-        }
-        self.made += 1;
-        if self.made >= self.purse.steps {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        self.sampler.finished(last)
-    }
 }
