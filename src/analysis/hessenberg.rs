@@ -278,7 +278,7 @@ mod tests {
     const LIMIT: Duration = Duration::from_secs(5);
 
     /// The projection that Arnoldi's iteration made of a hanging rope of 15 segments with heavy dashpots
-    /// (`tests/faults`), bit by bit: its size, then its rows.
+    /// (`tests/robustness/faults`), bit by bit: its size, then its rows.
     fn endless() -> Mat<f64> {
         let numbers = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/endless-eigenvalues.txt"));
         let mut numbers = numbers.split_whitespace();
@@ -322,8 +322,9 @@ mod tests {
         assert!((outermost.re + 1006.66421).abs() < 1e-4 && outermost.im == 0.0, "{outermost}");
     }
 
-    /// Documents the fault of faer 0.24.4, and says so once a later version has mended it; it holds either way.
+    /// Documents the fault of faer 0.24.4. It fails once a version returns: then this file may give way to the library.
     #[test]
+    #[ignore = "long"]
     fn the_library_does_not_return_from_this_matrix() {
         if std::env::var_os(CHILD).is_some() {
             let values = endless().eigen().map(|eigen| eigen.S().column_vector().nrows());
@@ -332,7 +333,7 @@ mod tests {
         }
         let program = std::env::current_exe().expect("this test");
         let mut child = Command::new(program)
-            .args(["--exact", TEST])
+            .args(["--include-ignored", "--exact", TEST])
             .env(CHILD, "1")
             .stdout(Stdio::null())
             .spawn()
@@ -348,10 +349,7 @@ mod tests {
                 None => std::thread::sleep(Duration::from_millis(10)),
             }
         };
-        match returned {
-            Some(status) => println!("faer's eigen() has returned ({status}) after {:?}", begun.elapsed()),
-            None => println!("faer's eigen() was still at it after {LIMIT:?} and was killed"),
-        }
+        assert_eq!(returned, None, "faer's eigen() has returned after {:?}", begun.elapsed());
     }
 
     /// A cyclic shift is its own QR step: without exceptional shifts it stays as it is for ever.

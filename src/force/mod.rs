@@ -21,7 +21,7 @@
 //!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner).
 //! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`,
 //!    which says what must be the same for a run to go on; the compiler asks for the last.
-//! 5. Add it to the list in `tests/tangent/scenes.rs`: both tangents are compared with finite differences at random
+//! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
 //!    states, what its [`TermInfo`] says with its forces, copies of it in several tiles with one alone, and steps made
 //!    several at once with steps one by one.
 //!

@@ -12,10 +12,10 @@
 //!    Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of `analysis/limit`
 //!    measure on oscillators whether what it says of the step is so.
 //! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
-//!    leading error term and `tests/counters.rs` its work; an explicit one has a line of known limits in
+//!    leading error term and `tests/api/counters.rs` its work; an explicit one has a line of known limits in
 //!    `analysis/limit` and, if it is one of Runge and Kutta's, a polynomial in `tests/common/polynomials.rs`.
 //!    `tests/claims/order.rs` and `tolerance.rs` measure its order and what tolerances deliver. Each of them fails and
-//!    says so where it finds nothing; `tests/case/faults.rs` and the README's table name all methods.
+//!    says so where it finds nothing; `tests/api/case/faults.rs` and the README's table name all methods.
 //!
 //! A scheme that solves more than once a step owns as many [`implicit::Implicit`] engines as it has stages: an engine
 //! carries one kept factor and one first guess from step to step, and `check` counts one solve a step where it does not

@@ -50,6 +50,7 @@ fn a_net_of_ten_thousand_nodes_is_integrated_with_what_is_cheap_on_it() {
 
 /// Where a method fails is told as its own run tells it.
 #[test]
+#[ignore = "long"]
 fn a_failure_is_that_of_the_run() {
     let bench = Bench::new();
     let case = format!("{}/assets/cases/parachute-50ms.json", env!("CARGO_MANIFEST_DIR"));

@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::read_vtu::{Vtu, attribute, parse};
+use crate::common::read_vtu::{Vtu, attribute, parse};
 
 /// A sail of four triangles, held on one side, with every kind of term and every kind of output.
 pub const SAIL: &str = r#"{

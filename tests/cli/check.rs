@@ -1,7 +1,7 @@
 //! `check`: what it predicts against what `solve` then counts, and what it refuses.
 
 use crate::bench::{Bench, contents};
-use crate::read_vtu::parse;
+use crate::common::read_vtu::parse;
 use serde_json::Value;
 
 fn checked(bench: &Bench, arguments: &[&str]) -> Value {
@@ -127,6 +127,7 @@ fn memory_is_predicted_within_a_factor_of_two() {
 /// A net whose factorisation would take seconds is told with the solver that serves it, here conjugate gradients, and
 /// what that takes.
 #[test]
+#[ignore = "long"]
 fn a_large_net_is_predicted_with_what_solves_it() {
     let bench = Bench::new();
     let mesh = r#"system.network.mesh={"rectangle": {"width": 1.0, "height": 1.0, "columns": 250, "rows": 250}}"#;
@@ -190,6 +191,7 @@ fn a_scene_without_air_shows_no_air() {
 
 /// An accuracy is a number between 0 and 1; the default is the case's tolerance.
 #[test]
+#[ignore = "long"]
 fn an_accuracy_out_of_range_is_refused() {
     let bench = Bench::new();
     let case = pendulum(&bench);
@@ -248,6 +250,7 @@ fn asset(bench: &Bench, name: &'static str) -> &'static str {
 /// What is recommended for an accuracy delivers it and not much more than it, with the step and with the tolerance,
 /// measured against dop853 with a far smaller tolerance; the error that is told is the error that is made.
 #[test]
+#[ignore = "long"]
 fn what_is_recommended_delivers_the_wanted_accuracy() {
     for (name, end, accuracies) in [
         ("cloth", "0.4", &["1e-3"][..]),
@@ -290,6 +293,7 @@ fn what_is_recommended_delivers_the_wanted_accuracy() {
 
 /// The clock has no part in what is recommended where costs are clearly apart or equal.
 #[test]
+#[ignore = "long"]
 fn the_same_question_has_the_same_answer() {
     let bench = Bench::new();
     for case in [cloth(&bench, true), asset(&bench, "pendulum.json"), asset(&bench, "spring-pendulum.json")] {
@@ -321,6 +325,7 @@ fn a_tolerance_of_the_case_is_predicted_with() {
 /// A run whose adaptive steps change along it is no multiple of its beginning, and where it is far too long to be made
 /// its figure is marked.
 #[test]
+#[ignore = "long"]
 fn adaptive_steps_that_change_along_the_run_are_told_as_doubtful() {
     let bench = Bench::new();
     let case = [asset(&bench, "cloth-k1000.json"), "--method", "euler-cromer", "--tolerance", "1e-3"];

@@ -33,6 +33,7 @@ fn both(bench: &Bench, arguments: &[&str]) -> [Vec<String>; 2] {
 
 /// Every doubt alone, with its numbers.
 #[test]
+#[ignore = "long"]
 fn check_and_solve_warn_with_numbers() {
     let bench = Bench::new();
     assert_eq!(both(&bench, &LIGHT), [const { Vec::<String>::new() }; 2]);
@@ -153,6 +154,7 @@ const REST: [(&str, &str); 4] = [
 /// Frames beyond the free room of the disk are announced: 17 MB a million times. The run itself ends at once, as it
 /// must.
 #[test]
+#[ignore = "long"]
 fn frames_beyond_the_disk_are_announced() {
     let bench = Bench::new();
     let mesh = MESH.replace("20", "200");

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test binary uses its own part
 
 pub mod polynomials;
+pub mod read_vtu;
 pub mod run;
 
 use canopy_fem::mesh::Mesh;

@@ -1,0 +1,408 @@
+//! Conjugate gradients: solutions, what they notice, the trajectories of runs that use them, and when `auto` takes
+//! them.
+
+use crate::common::run::{Run, apart, asset, changed, run, run_with};
+use crate::common::{Random, spring_group, square};
+use canopy_fem::assembly::Pattern;
+use canopy_fem::case::Case;
+use canopy_fem::drive::Status;
+use canopy_fem::force::threads::Threads;
+use canopy_fem::integrate::registry::{Family, methods};
+use canopy_fem::model::spec::*;
+use canopy_fem::model::state::StateRef;
+use canopy_fem::model::system::{System, TangentSystem, Weights};
+use canopy_fem::model::workers::ALONE;
+use canopy_fem::scene::{Network, build_network};
+use canopy_fem::solve::{Accuracy, Inertia, LinearChoice, LinearError, LinearSolver, kept_solver_for, solver_for};
+use std::sync::Arc;
+
+/// A square sheet of plain springs; every fifth node is held in one or two directions.
+fn sheet(side: u32) -> Network {
+    let mut spec = square(side, 1e-3);
+    spec.fixed[0] = [true; 3];
+    for (i, fixed) in spec.fixed.iter_mut().enumerate().skip(1).step_by(5) {
+        fixed[i % 3] = true;
+        fixed[2] |= i % 2 == 0;
+    }
+    spec.springs = vec![spring_group(&spec, Slack::None)];
+    build_network(spec, Threads::one()).expect("the fixture is sound")
+}
+
+fn cg(pattern: &Arc<Pattern>) -> Box<dyn LinearSolver> {
+    solver_for(Arc::clone(pattern), LinearChoice::Cg, &ALONE).expect("a symmetric pattern")
+}
+
+fn random_vector(n: usize, seed: u64) -> Vec<f64> {
+    let mut random = Random(seed);
+    (0..n).map(|_| random.next()).collect()
+}
+
+/// Random entries on a sheet's pattern, made positive definite by the diagonal.
+fn random_definite(pattern: &Pattern, seed: u64) -> Vec<f64> {
+    let mut values = random_vector(pattern.nonzeros(), seed);
+    let mut rows = vec![0.1; pattern.n()];
+    for j in 0..pattern.n() {
+        for (&i, value) in pattern.column(j).iter().zip(&values[pattern.col_ptr[j] as usize..]) {
+            rows[i as usize] += value.abs();
+            rows[j] += value.abs();
+        }
+    }
+    for (j, row) in rows.iter().enumerate() {
+        values[pattern.slot(j as u32, j as u32).expect("a diagonal entry") as usize] = *row;
+    }
+    values
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
+    norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
+}
+
+/// Solutions are those of Cholesky, to what was asked for, in fewer iterations where less was asked; nodes that are
+/// partly held included.
+#[test]
+fn solutions_are_those_of_cholesky() {
+    let pattern = sheet(12).assembler().expect("small").pattern;
+    assert!(pattern.node_start.windows(2).any(|w| w[1] - w[0] < 3), "some nodes are partly held");
+    let mut solver = cg(&pattern);
+    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky, &ALONE).expect("symmetric");
+    for seed in 0..20 {
+        let values = random_definite(&pattern, seed);
+        let b = random_vector(pattern.n(), 100 + seed);
+        let mut expected = b.clone();
+        direct.factor(&values).expect("definite");
+        direct.solve(&values, &mut expected).expect("definite");
+        assert_eq!(solver.factor(&values), Ok(Inertia::Unknown));
+        let mut before = 0;
+        for relative in [1e-2, 1e-6, 1e-12] {
+            solver.ask(Accuracy::to(relative));
+            let (mut x, made) = (b.clone(), solver.work().iterations);
+            solver.solve(&values, &mut x).expect("definite");
+            let (off, iterations) = (difference(&x, &expected), solver.work().iterations - made);
+            assert!(off < 30.0 * relative, "seed {seed}: {off:e} off where {relative:e} was asked for");
+            assert!(iterations > before && iterations < 100, "seed {seed}: {iterations} after {before}");
+            before = iterations;
+        }
+    }
+    solver.solve(&random_definite(&pattern, 0), &mut vec![0.0; pattern.n()]).expect("nothing to do");
+    assert_eq!(solver.work().factorizations, 0);
+}
+
+/// W of a sheet shrunk about the origin: springs in compression.
+fn compressed(scene: &Network, scale: f64) -> (Arc<Pattern>, Vec<f64>) {
+    let state = scene.initial_state();
+    let x: Vec<f64> = state.x.iter().map(|x| scale * x).collect();
+    let mut assembler = scene.assembler().expect("small");
+    let w = Weights { m: 10.0, c: 0.0, k: 1.0 };
+    scene.assemble(StateRef { t: 0.0, x: &x, v: &state.v }, w, &mut assembler);
+    (assembler.pattern.clone(), assembler.values().to_vec())
+}
+
+/// An indefinite matrix is an error that leaves the right-hand side, or found before any solve; whichever is chosen
+/// automatically says so.
+#[test]
+fn an_indefinite_matrix_is_noticed() {
+    for scale in [0.9, 0.7, 0.3] {
+        let (pattern, values) = compressed(&sheet(12), scale);
+        let mut solver = cg(&pattern);
+        let b = random_vector(pattern.n(), 3);
+        let mut x = b.clone();
+        let outcome = match solver.factor(&values).expect("finite") {
+            Inertia::Indefinite => Err(LinearError::Indefinite { iterations: 0 }),
+            _ => solver.solve(&values, &mut x),
+        };
+        assert!(matches!(outcome, Err(LinearError::Indefinite { .. })), "scale {scale}: {outcome:?}");
+        assert_eq!(x, b, "scale {scale}");
+        assert_eq!(solver.stats().indefinite, 1, "scale {scale}");
+        let mut weighed = kept_solver_for(pattern, LinearChoice::Auto, &ALONE).expect("symmetric");
+        assert_eq!(weighed.prepare(&values), Ok(Inertia::Indefinite), "scale {scale}");
+    }
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused_with_their_column() {
+    let pattern = sheet(4).assembler().expect("small").pattern;
+    let mut values = random_definite(&pattern, 1);
+    values[pattern.col_ptr[17] as usize + 1] = f64::NAN;
+    assert_eq!(cg(&pattern).factor(&values), Err(LinearError::NotFinite { unknown: 17 }));
+}
+
+/// However exact a solution is asked for, a right-hand side with a number that is none is refused and left as it was.
+#[test]
+fn a_right_hand_side_that_is_not_finite_is_refused() {
+    let pattern = sheet(4).assembler().expect("small").pattern;
+    let values = random_definite(&pattern, 1);
+    let mut solver = cg(&pattern);
+    solver.factor(&values).expect("definite");
+    for relative in [1e-3, 1e-12] {
+        solver.ask(Accuracy::to(relative));
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut b = random_vector(pattern.n(), 2);
+            b[7] = bad;
+            let mut x = b.clone();
+            let outcome = solver.solve(&values, &mut x);
+            assert_eq!(outcome, Err(LinearError::Singular { unknown: None }), "{bad} to {relative:e}");
+            assert!(x.iter().zip(&b).all(|(x, b)| x.to_bits() == b.to_bits()), "{bad} to {relative:e}");
+        }
+    }
+}
+
+/// Nodes in a row that move along it.
+fn chain(n: u32) -> Pattern {
+    Pattern {
+        col_ptr: (0..=n).map(|j| if j < n { 2 * j } else { 2 * n - 1 }).collect(),
+        row_idx: (0..n).flat_map(|j| [j, j + 1]).take(2 * n as usize - 1).collect(),
+        symmetric: true,
+        dof: (0..n).map(|i| 3 * i).collect(),
+        node_start: (0..=n).collect(),
+        position: (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect(),
+    }
+}
+
+/// A long chain without inertia whose stiffness jumps up and down by ten powers of ten: rounding keeps conjugate
+/// gradients from its solution. Their error has its numbers, and the solver that chooses gives the matrix to Cholesky.
+#[test]
+fn a_solve_that_does_not_converge_ends_with_its_numbers() {
+    let n = 600;
+    let pattern = Arc::new(chain(n));
+    let stiffness = |i: u32| 10_f64.powi((7 * i % 11) as i32);
+    let mut values = Vec::new();
+    for j in 0..n {
+        values.push(stiffness(j) + stiffness(j + 1));
+        values.extend((j + 1 < n).then(|| -stiffness(j + 1)));
+    }
+    let mut solver = cg(&pattern);
+    solver.factor(&values).expect("definite");
+    solver.ask(Accuracy::to(1e-10));
+    let b = random_vector(n as usize, 5);
+    match solver.solve(&values, &mut b.clone()) {
+        Err(error @ LinearError::Stalled { iterations, residual, asked }) => {
+            assert!(iterations >= n && residual > asked && asked == 1e-10, "{error:?}");
+            assert!(error.to_string().contains("\"cholesky\" or \"auto\", or a smaller step"), "{error}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let mut weighed = kept_solver_for(pattern.clone(), LinearChoice::Auto, &ALONE).expect("symmetric");
+    assert_eq!(weighed.prepare(&values), Ok(Inertia::Definite));
+    let mut x = b.clone();
+    weighed.solve(&values, &mut x).expect("definite");
+    let stats = weighed.stats();
+    assert!(stats.name == "cholesky" && stats.prediction.is_some_and(|p| !p.cg_converged), "{stats:?}");
+}
+
+/// W of a sheet at rest, `side` springs along an edge, with unit springs and m of a node's mass; every `nth` spring is
+/// `stiffer` times as stiff.
+fn at_rest(side: u32, m: f64, springs: (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
+    of_unit_springs(square(side, m), springs)
+}
+
+/// W of springs at rest, each of 1 N/m, every `nth` of them `stiffer` times as stiff.
+fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<Pattern>, Vec<f64>) {
+    let mut springs = spring_group(&spec, Slack::None);
+    springs.stiffness.fill(1.0);
+    springs.stiffness.iter_mut().step_by(nth).for_each(|k| *k = stiffer);
+    spec.springs = vec![springs];
+    let scene = build_network(spec, Threads::one()).expect("the fixture is sound");
+    let (mut assembler, state) = (scene.assembler().expect("small"), scene.initial_state());
+    scene.assemble(state.as_ref(), Weights { m: 1.0, c: 0.0, k: 1.0 }, &mut assembler);
+    (assembler.pattern.clone(), assembler.values().to_vec())
+}
+
+/// A right-hand side that has a part of every motion, its solution to a relative residual, and the iterations that
+/// took.
+fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec<f64>, Vec<f64>, u64) {
+    let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
+    assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
+    solver.ask(Accuracy::to(relative));
+    let (mut x, before) = (b.clone(), solver.work().iterations);
+    solver.solve(values, &mut x).expect("definite");
+    (b, x, solver.work().iterations - before)
+}
+
+/// The preconditioner is a factorisation but for its fill, of which a chain has none, and a shift of a hundredth:
+/// iterations stay few however long it is. Pivots that were blocks of W (symmetric Gauss-Seidel) took 37, 210 and 244.
+#[test]
+fn a_long_chain_takes_few_iterations() {
+    let found = [100, 1000, 10_000].map(|n| {
+        let values: Vec<f64> =
+            (0..n).flat_map(|j| [2.0001, -1.0].into_iter().take(if j + 1 < n { 2 } else { 1 })).collect();
+        solution(&(Arc::new(chain(n)), values), 1e-3).2
+    });
+    assert_eq!(found, [10, 45, 51]);
+}
+
+/// On sheets the fill comes to the diagonal, and smooth motions meet it as they meet W; the widest is eliminated in two
+/// halves, and takes 14 and 30 in one. Symmetric Gauss-Seidel took 21, 19, 19 and 39, 30, 35.
+#[test]
+fn sheets_take_few_iterations() {
+    let found = [1e-2, 1e-3].map(|m| [20, 40, 80].map(|side| solution(&at_rest(side, m, (1, 1.0)), 1e-3).2));
+    assert_eq!(found, [[14, 13, 14], [25, 23, 31]]);
+}
+
+/// A sheet in waves of unit springs, or flat but for a patch of so many nodes' width.
+fn wrinkled(side: u32, m: f64, amplitude: f64, patch: Option<f64>) -> (Arc<Pattern>, Vec<f64>) {
+    let mut spec = square(side, m);
+    let (side, middle) = (f64::from(side), 0.55 * f64::from(side));
+    for x in &mut spec.mesh.nodes {
+        let [i, j] = [side * x[0], side * x[1]];
+        let off = (i - middle).abs().max((j - middle).abs());
+        let share = patch.map_or(1.0, |width| (1.0 - (2.0 * off / width).powi(6)).max(0.0));
+        let wave = (0.6 * i).sin() * (0.42 * j + 1.0).cos() + 0.5 * (1.02 * (i + j)).sin();
+        x[2] = share * amplitude / side * wave;
+    }
+    of_unit_springs(spec, (1, 1.0))
+}
+
+/// In waves, low motions are no translations: fill on the diagonal would make M nearly singular, and its residual tell
+/// nothing (1,107 iterations in the second case, 2,176 in the last), so pivots are made without. Symmetric Gauss-Seidel
+/// took 26, 83, 33 and 104 in the first four.
+#[test]
+fn wrinkled_sheets() {
+    let waves = [(0.3, 1e-2, 35), (0.3, 1e-3, 90), (1.0, 1e-2, 35), (1.0, 1e-3, 115)];
+    let waves = waves.map(|(amplitude, m, most)| (wrinkled(70, m, amplitude, None), most));
+    let patches = [(10.0, 45), (40.0, 60)].map(|(width, most)| (wrinkled(200, 1e-3, 1.0, Some(width)), most));
+    for (i, (system, most)) in waves.into_iter().chain(patches).enumerate() {
+        let (off, made) = apart_from_cholesky(&system, 1e-3);
+        assert!(off < 5e-3 && made < most, "case {i}: {off:e} off after {made}");
+    }
+}
+
+/// How far a solution to a relative residual is from that of Cholesky, and after how many iterations.
+fn apart_from_cholesky(system: &(Arc<Pattern>, Vec<f64>), relative: f64) -> (f64, u64) {
+    let (pattern, values) = system;
+    let (mut expected, x, iterations) = solution(system, relative);
+    let mut direct = solver_for(pattern.clone(), LinearChoice::Cholesky, &ALONE).expect("symmetric");
+    direct.factor(values).expect("definite");
+    direct.solve(values, &mut expected).expect("definite");
+    (difference(&x, &expected), iterations)
+}
+
+/// Where springs a thousand times stiffer than their neighbours meet them, fill would leave nothing of pivots, and is
+/// left out: solutions are those of Cholesky, as near as residuals of 1e-6 tell there. Symmetric Gauss-Seidel took 699,
+/// 605 and 155.
+#[test]
+fn stiff_springs_among_soft_ones() {
+    for (springs, near, most) in [((7, 1e3), 1e-3, 450), ((37, 1e5), 1e-2, 580), ((3, 1e-3), 1e-3, 180)] {
+        let (off, made) = apart_from_cholesky(&at_rest(40, 1e-3, springs), 1e-6);
+        assert!(off < near && made < most, "{springs:?}: {off:e} off after {made} iterations");
+    }
+}
+
+const DEAD: &str = r#"[{"on": "all", "pressure": 60.0, "kind": "dead", "direction": [0, 0, 1]}]"#;
+
+/// The 703-node cloth in the wind, whose tangent is not symmetric; and under a dead pressure, with springs that go
+/// slack.
+fn scenes() -> [(&'static str, Case); 2] {
+    let base = asset("cloth-k1000", &[("time.end", "0.05"), ("output", "{}")]);
+    let calm = [
+        ("system.network.aero", "null"),
+        ("system.network.loads", DEAD),
+        ("system.network.springs.0.slack", "tension-only"),
+    ];
+    [("air", base.clone()), ("calm", changed(&base, &calm))]
+}
+
+fn solved(case: &Case, sets: &[(&str, &str)]) -> Run {
+    let found = run(&changed(case, sets));
+    let outcome = &found.outcome;
+    assert_eq!(outcome.status, Status::Completed, "{sets:?}: {:?}", outcome.failure);
+    found
+}
+
+/// However the linear systems are solved, steps end at the same residual: trajectories agree to 1e-6 of the motion, as
+/// those of the strategies do, and nothing is factorised.
+#[test]
+fn trajectories_are_those_of_direct_solvers() {
+    for (scene, case) in scenes() {
+        for method in methods().iter().filter(|m| m.family == Family::Implicit) {
+            for step in ["1e-3", "1e-2"] {
+                let common = [("time.method", method.name), ("time.step", step)];
+                let with = |linear, strategy| {
+                    let own = [("solver.linear", linear), ("solver.newton.strategy", strategy)];
+                    solved(&case, &[&common[..], &own].concat())
+                };
+                let direct = with("auto", "full");
+                let strategies: &[&str] =
+                    if scene == "calm" { &["auto", "modified", "full"] } else { &["auto", "modified"] };
+                for strategy in strategies {
+                    let found = with("cg", strategy);
+                    let (off, counters) = (apart(&direct, &found), found.outcome.counters);
+                    let what = format!("{} at {step}, {scene}, {strategy}", method.name);
+                    assert!(off < 1e-6, "{what}: {off:e} apart");
+                    assert!(counters.factorizations == 0 && counters.cg_iterations > 0, "{what}: {counters:?}");
+                    assert_eq!(found.outcome.linear.map(|l| l.name), Some("cg"), "{what}");
+                }
+            }
+        }
+    }
+}
+
+/// Buckled springs make the tangent indefinite; the convex one takes over. Such a net has several ways to bulge, which
+/// differ by less than a hundredth in energy; either solver finds one.
+#[test]
+fn compressed_springs_are_no_obstacle() {
+    let case = asset(
+        "cloth-k100",
+        &[
+            ("time.end", "0.06"),
+            ("time.step", "0.03"),
+            ("time.method", "backward-euler"),
+            ("output", "{}"),
+            ("system.network.aero", "null"),
+            ("system.network.springs.0.rest_scale", "1.05"),
+            ("system.network.loads", DEAD),
+        ],
+    );
+    let direct = solved(&case, &[("solver.linear", "cholesky"), ("solver.newton.strategy", "full")]);
+    for strategy in ["full", "auto"] {
+        let found = solved(&case, &[("solver.linear", "cg"), ("solver.newton.strategy", strategy)]);
+        let [own, other] = [&found, &direct].map(|run| run.outcome.ledger.elastic);
+        assert!((own - other).abs() < 0.02 * other, "{strategy}: {own} J, {other} J by Cholesky");
+        let stats = found.outcome.linear.expect("an implicit run");
+        assert!(stats.indefinite > 0, "{strategy}: the case must have an indefinite tangent on its way: {stats:?}");
+    }
+}
+
+/// `auto` takes conjugate gradients in small steps of soft cloths and Cholesky in long ones of stiff cloths, and tells
+/// both prices.
+#[test]
+fn auto_takes_what_costs_less() {
+    let base = asset("cloth-k1000", &[("time.end", "0.01"), ("time.method", "newmark"), ("output", "{}")]);
+    for (stiffness, step, expected) in [("1e3", "1e-3", "cg"), ("1e5", "5e-3", "cholesky")] {
+        let found = solved(&base, &[("system.network.springs.0.stiffness", stiffness), ("time.step", step)]).outcome;
+        let stats = found.linear.expect("an implicit run");
+        let prediction = stats.prediction.expect("there was a choice");
+        assert_eq!(stats.name, expected, "K {stiffness} at {step}: {prediction:?}");
+        assert_eq!(prediction.cg_converged, expected == "cg");
+        assert_eq!(prediction.cg_work < prediction.cholesky_work, prediction.cg_converged, "{prediction:?}");
+        assert_eq!(stats.factor_nonzeros.is_some(), expected == "cholesky");
+        assert_eq!(found.counters.factorizations > 0, expected == "cholesky", "{:?}", found.counters);
+    }
+}
+
+/// Work repeats exactly, on any machine and with any number of threads; so do the bits.
+#[test]
+fn the_work_of_conjugate_gradients() {
+    let case = asset("cloth-k1000", &[("time.end", "0.1"), ("output", "{}"), ("solver.linear", "cg")]);
+    let case = changed(&case, &[("time.method", "newmark"), ("time.step", "1e-3")]);
+    let [one, two] = [1, 2].map(|threads| run_with(&case, threads));
+    assert!(one.state == two.state && one.outcome.counters == two.outcome.counters);
+    let c = one.outcome.counters;
+    assert_eq!(
+        [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.cg_iterations],
+        [307, 3, 0, 206, 385],
+        "{c:?}"
+    );
+}
+
+/// Nets of some thousand nodes are eliminated in two halves, which threads share: the bits and the work do not depend
+/// on their number.
+#[test]
+fn halves_of_a_net_give_the_same_bits_on_any_number_of_threads() {
+    let case = asset("big/annulus-10k", &[("time.end", "4e-3"), ("output", "{}"), ("solver.linear", "cg")]);
+    let [one, two, three] = [1, 2, 3].map(|threads| run_with(&case, threads));
+    assert!(one.outcome.counters.cg_iterations > 20, "{:?}", one.outcome.counters);
+    for other in [two, three] {
+        assert!(one.state == other.state && one.outcome.counters == other.outcome.counters);
+    }
+}

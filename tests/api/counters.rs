@@ -1,0 +1,86 @@
+//! The work of one short run of every method, counted: the same on every machine and for every number of threads,
+//! unlike seconds. A change here is a change of cost that somebody meant to make.
+
+use crate::common::run::{asset, changed, run, run_with};
+use canopy_fem::case::Case;
+use canopy_fem::drive::Status;
+use canopy_fem::integrate::Counters;
+use canopy_fem::integrate::registry::{Family, MethodInfo, methods};
+
+/// Steps of the runs.
+const STEPS: u64 = 20;
+
+/// A method, its force passes, and its Newton iterations (each with one assembly, one factorisation and one solve).
+type Work = (&'static str, u64, u64);
+
+/// 20 steps of 0.5 ms of cloth-k1000, which has velocity-dependent forces and a tangent that is not symmetric.
+const FINE: [Work; 14] = [
+    ("explicit-euler", 21, 0),
+    ("euler-cromer", 21, 0),
+    ("euler-richardson", 41, 0),
+    ("improved-euler", 41, 0),
+    ("improved-euler-pec", 21, 0),
+    ("velocity-verlet", 41, 0),
+    ("rk4", 81, 0),
+    ("dormand-prince", 121, 0),
+    ("dop853", 241, 0),
+    ("newmark", 41, 20),
+    ("hht", 41, 20),
+    ("kang", 21, 0),
+    ("backward-euler", 42, 21),
+    ("generalized-alpha", 41, 20),
+];
+
+/// The same cloth in 20 steps of 10 ms, where Newton has work to do.
+const COARSE: [Work; 4] =
+    [("newmark", 63, 42), ("hht", 63, 42), ("backward-euler", 64, 43), ("generalized-alpha", 63, 42)];
+
+fn counters(force_evaluations: u64, newton: u64) -> Counters {
+    Counters {
+        force_evaluations,
+        tangent_assemblies: newton,
+        factorizations: newton,
+        linear_solves: newton,
+        newton_iterations: newton,
+        cg_iterations: 0,
+    }
+}
+
+fn check(base: &Case, expected: &[Work], methods: impl Iterator<Item = &'static MethodInfo>) {
+    let mut seen = Vec::new();
+    for method in methods {
+        let case = changed(base, &[("time.method", method.name)]);
+        let outcome = run(&case).outcome;
+        assert_eq!((outcome.status, outcome.steps), (Status::Completed, STEPS), "{}", method.name);
+        assert_eq!(run(&case).outcome.counters, outcome.counters, "{} does not repeat", method.name);
+        assert_eq!(run_with(&case, 2).outcome.counters, outcome.counters, "{} on two threads", method.name);
+        let newton = outcome.counters.newton_iterations;
+        assert_eq!(outcome.counters, counters(outcome.counters.force_evaluations, newton), "{}", method.name);
+        seen.push((method.name, outcome.counters.force_evaluations, newton));
+    }
+    assert_eq!(seen, expected);
+}
+
+/// The counters are those of the tables, again when repeated, and again on two threads.
+#[test]
+fn work_repeats_exactly() {
+    let fine = asset("cloth-k1000", &[("time.end", "0.01"), ("time.step", "5e-4"), ("solver.newton.strategy", "full")]);
+    check(&fine, &FINE, methods().iter());
+    let coarse = changed(&fine, &[("time.end", "0.2"), ("time.step", "1e-2")]);
+    check(&coarse, &COARSE, methods().iter().filter(|m| m.family == Family::Implicit));
+}
+
+/// What the registry promises of explicit methods is what they do: so many force passes a step, and one at the start.
+#[test]
+fn explicit_methods_evaluate_as_often_as_they_say() {
+    let rows = [(0, "oscillator"), (1, "oscillator-damped")];
+    for (velocity_dependent, stem) in rows {
+        let base = asset(stem, &[("time.end", "0.2")]);
+        for method in methods().iter().filter(|m| m.family != Family::Implicit) {
+            let counters = run(&changed(&base, &[("time.method", method.name)])).outcome.counters;
+            let expected = 1 + STEPS * u64::from(method.evaluations[velocity_dependent]);
+            assert_eq!(counters.force_evaluations, expected, "{} on {stem}", method.name);
+            assert_eq!(counters.factorizations, 0, "{} on {stem}", method.name);
+        }
+    }
+}

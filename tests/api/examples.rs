@@ -1,0 +1,27 @@
+//! The examples run and show what they say.
+
+#[path = "../../examples/cloth_by_hand.rs"]
+mod cloth_by_hand;
+#[path = "../../examples/compare_methods.rs"]
+mod compare_methods;
+
+#[test]
+fn the_methods_come_out_in_the_order_of_their_accuracy() {
+    let errors: std::collections::BTreeMap<_, _> = compare_methods::compare().expect("it runs").into_iter().collect();
+    // Orders 4, 2 and 1 at h = 0.01 s; Kang's filter is coarser still.
+    assert!(errors["rk4"] < 1e-8, "{errors:?}");
+    for second in ["velocity-verlet", "newmark", "hht", "generalized-alpha", "improved-euler"] {
+        assert!(errors[second] > 1e-7 && errors[second] < 2e-3, "{second}: {errors:?}");
+    }
+    for first in ["explicit-euler", "euler-cromer", "backward-euler"] {
+        assert!(errors[first] > 2e-3 && errors[first] < 0.1, "{first}: {errors:?}");
+    }
+}
+
+#[test]
+fn the_cloth_falls_and_the_ledger_closes() {
+    let row = cloth_by_hand::swing().expect("it runs");
+    let sum = row.kinetic + row.elastic + row.gravity + row.numerical;
+    assert!(row.gravity < -0.05, "{row:?}");
+    assert!(sum.abs() < 1e-12, "{row:?}");
+}

@@ -1,0 +1,27 @@
+//! The library as a program that embeds it meets it, and what the house keeps of itself: its rules, its cases, its
+//! README. What belongs where: `tests/README.md`.
+
+mod adaptive;
+mod architecture;
+mod assets;
+mod case;
+#[path = "../common/mod.rs"]
+mod common;
+mod conjugate;
+mod counters;
+mod critical;
+mod divergence;
+mod examples;
+mod globalised;
+mod linear;
+mod mesh;
+mod mesh_files;
+mod newton;
+mod output;
+mod readme;
+mod stability;
+mod strategy;
+mod stride;
+mod study_report;
+mod tangent;
+mod threads;

@@ -1,0 +1,19 @@
+//! The built program as a user meets it: exit statuses, files, messages, runs that are interrupted and go on, studies,
+//! pictures. What belongs where: `tests/README.md`.
+
+mod adaptive;
+mod advice;
+mod bench;
+mod check;
+#[path = "../common/mod.rs"]
+mod common;
+mod doubts;
+mod failures;
+mod matrices;
+mod plot;
+mod refusals;
+mod results;
+mod resume;
+mod stability;
+mod stiffening;
+mod study;
