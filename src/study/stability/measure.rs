@@ -6,9 +6,9 @@
 //! would, and no more than a number of force passes (or implicit steps) that depends on the size of the scene alone. A
 //! run beyond the predicted limit that is cut short by this, and holds, settles nothing.
 
+use super::classify::{EnergyClassifier, STAYS, Verdict};
+use super::perturbation::Start;
 use super::row::RunRow;
-use super::start::Start;
-use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
 use crate::analysis::critical::{CriticalStep, Spectrum};
 use crate::analysis::limit::{growth, swing};
@@ -73,7 +73,7 @@ pub(super) struct From<'a> {
 }
 
 /// Runs of one method.
-pub(super) struct Bench<'a> {
+pub(super) struct MethodRuns<'a> {
     spec: &'a StabilitySpec<'a>,
     pub method: &'a MethodChoice,
     pub critical: CriticalStep,
@@ -94,7 +94,7 @@ pub(super) struct Trial {
     pub extremes: [State; 2],
 }
 
-impl<'a> Bench<'a> {
+impl<'a> MethodRuns<'a> {
     pub fn new(
         spec: &'a StabilitySpec<'a>,
         method: &'a MethodChoice,
@@ -110,7 +110,7 @@ impl<'a> Bench<'a> {
         };
         let swing = step.and_then(|h| swing(method, critical.rates, h));
         let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
-        Bench { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
+        MethodRuns { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
     }
 
     pub fn stop(&self) -> Stop<'a> {
@@ -205,7 +205,7 @@ impl<'a> Bench<'a> {
         // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
         // nothing to it.
         let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
-        let (outcome, judge) = self.run(h, steps, swings, Explain::Nothing)?;
+        let (outcome, classifier) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);
         }
@@ -213,9 +213,9 @@ impl<'a> Bench<'a> {
             Status::NotConverged => Verdict::NotConverged,
             Status::Diverged if !swings => Verdict::Diverged,
             Status::Diverged if outcome.steps < steps => Verdict::NotFinite,
-            _ => judge.energy(),
+            _ => classifier.energy(),
         };
-        let lively = judge.lively();
+        let lively = classifier.lively();
         let verdict =
             if verdict.is_stable() && self.kept_up(lively, h, outcome.t_end) { Verdict::MotionStays } else { verdict };
         let row = RunRow {
@@ -224,11 +224,11 @@ impl<'a> Bench<'a> {
             steps,
             made: outcome.steps,
             t_end: outcome.t_end,
-            peak: judge.peak,
+            peak: classifier.peak,
             lively,
             verdict,
         };
-        self.trials.push(Trial { row, extremes: judge.looks.extremes() });
+        self.trials.push(Trial { row, extremes: classifier.evidence.extremes() });
         Ok(verdict.is_stable())
     }
 
@@ -241,23 +241,29 @@ impl<'a> Bench<'a> {
         below.is_some_and(|row| lively > LIVELY[0] * row.lively && lively > LIVELY[1])
     }
 
-    fn run(&self, h: f64, steps: u64, keep_going: bool, explain: Explain) -> Result<(Outcome, Judge<'a>), Halt> {
+    fn run(
+        &self,
+        h: f64,
+        steps: u64,
+        keep_going: bool,
+        explain: Explain,
+    ) -> Result<(Outcome, EnergyClassifier<'a>), Halt> {
         let end = steps as f64 * h;
         let run = Experiment::new(self.scene(), self.method, self.spec.solver, Step::Fixed(h), end);
         let experiment = Experiment { keep_going, explain, interrupt: self.stop(), ..run };
-        let mut judge = Judge::new(self, steps);
+        let mut classifier = EnergyClassifier::new(self, steps);
         let start = experiment::Start::State(self.from.state.clone());
         let outcome = experiment.run(start, None, &mut |event, _| match event {
             Event::Started(at, ledger) => {
-                judge.started(at, ledger);
+                classifier.started(at, ledger);
                 Flow::Continue
             }
             Event::Step(StepEvent { view: Some(view), .. }) => {
-                Flow::stop_if(judge.stepped(&view) || self.interrupt.load(Ordering::Relaxed))
+                Flow::stop_if(classifier.stepped(&view) || self.interrupt.load(Ordering::Relaxed))
             }
             _ => Flow::Continue,
         });
-        Ok((outcome.map_err(|e| Halt::Refused(e.to_string()))?, judge))
+        Ok((outcome.map_err(|e| Halt::Refused(e.to_string()))?, classifier))
     }
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.

@@ -18,9 +18,9 @@
 //! all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes
 //! do not swing: there the run's own watch decides, as it does in `solve`.
 
-use super::looks::Looks;
-use super::measure::Bench;
-use super::start::{Start, displacement};
+use super::evidence::Evidence;
+use super::measure::MethodRuns;
+use super::perturbation::{Start, displacement};
 use crate::drive::observer::{LedgerRow, Point, StepView};
 use crate::drive::watch::push;
 use crate::integrate::registry::Family;
@@ -70,8 +70,8 @@ impl Verdict {
 }
 
 /// Follows a run's energy.
-pub(super) struct Judge<'a> {
-    pub looks: Looks<'a>,
+pub(super) struct EnergyClassifier<'a> {
+    pub evidence: Evidence<'a>,
     scene: &'a dyn Scene,
     steps: u64,
     /// [-] share that must not stay
@@ -102,15 +102,15 @@ pub(super) struct Judge<'a> {
     made: [(f64, u64); 2],
 }
 
-impl<'a> Judge<'a> {
-    pub fn new(bench: &Bench<'a>, steps: u64) -> Self {
-        let (scene, method) = (bench.scene(), bench.method);
+impl<'a> EnergyClassifier<'a> {
+    pub fn new(runs: &MethodRuns<'a>, steps: u64) -> Self {
+        let (scene, method) = (runs.scene(), runs.method);
         let moved = displacement(scene);
-        Judge {
-            looks: Looks::new(scene, steps),
+        EnergyClassifier {
+            evidence: Evidence::new(scene, steps),
             scene,
             steps,
-            stays: bench.stays,
+            stays: runs.stays,
             dissipates: method.info.family != Family::MatrixFree,
             floor: scene.nodal_stiffness().iter().sum::<f64>() * moved * moved,
             base: 0.0,
@@ -121,7 +121,7 @@ impl<'a> Judge<'a> {
             late: [0; 2],
             motion: 0.0,
             secant: vec![0.0; scene.n_dof()],
-            sinks: bench.start() == Start::SmallMotion && bench.stays == STAYS[0] && scene.corners().is_empty(),
+            sinks: runs.start() == Start::SmallMotion && runs.stays == STAYS[0] && scene.corners().is_empty(),
             eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }
@@ -173,7 +173,7 @@ impl<'a> Judge<'a> {
     pub fn started(&mut self, at: &Point, ledger: LedgerRow) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
-        self.looks.look(at.state.as_ref());
+        self.evidence.look(at.state.as_ref());
     }
 
     /// After a step; whether there is no doubt any more that the run is unstable.
@@ -213,7 +213,7 @@ impl<'a> Judge<'a> {
             }
         }
         self.blown |= share > BLOWN;
-        self.looks.stepped(step);
+        self.evidence.stepped(step);
         self.blown
     }
 }

@@ -1,6 +1,5 @@
 //! A few real steps of a method from a state on the way: what they cost, how far they go.
 
-use super::course::Window;
 use super::timing::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
@@ -111,9 +110,9 @@ pub fn sample(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
     tried: Attempted<'_>,
-    window: &Window,
+    sampled: &Snapshot,
 ) -> Result<Sample, SampleError> {
-    let snapshot = begin(scene, stepper, tried, &window.state)?;
+    let snapshot = begin(scene, stepper, tried, sampled)?;
     let from = snapshot.t;
     let mut meter = Meter::new(tried);
     // Steps are made in blocks as a run with these frames makes them, once the first ones were made.

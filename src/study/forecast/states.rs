@@ -1,5 +1,5 @@
-//! States sampled along a whole run, from which other methods are tried: a step at the end of a run may cost more than
-//! one at its start.
+//! States sampled along a whole run. Other methods are tried from them, because a step at the end of a run may cost
+//! more than one at its start.
 
 use super::timing::Clock;
 use crate::drive::Snapshot;
@@ -14,9 +14,9 @@ const KEPT: usize = 16;
 /// [byte] they may take.
 const ROOM: usize = 64 << 20;
 
-/// What leads the way.
+/// A cheap run whose states are sampled.
 #[derive(Clone, Copy, Debug)]
-pub struct Pilot<'a> {
+pub struct Probe<'a> {
     /// a method that is cheap a step
     pub method: &'a MethodChoice,
     /// how its steps are solved
@@ -29,26 +29,19 @@ pub struct Pilot<'a> {
     pub budget: f64,
 }
 
-/// A state to try methods from.
-#[derive(Clone, Debug)]
-pub struct Window {
-    /// the state, as the pilot left it
-    pub state: Snapshot,
-}
-
 /// States on the way of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Course {
+pub struct SampledStates {
     states: Vec<Snapshot>,
-    /// [s] how far the pilot came
+    /// [s] how far the probe came
     pub reached: f64,
 }
 
-impl Course {
-    /// Follows a pilot until its end, its failure or the end of its budget; nothing of it is written. Empty when it
-    /// cannot start.
-    pub fn follow(scene: &dyn Scene, pilot: Pilot<'_>) -> Course {
-        let Pilot { method, solver, end, tolerance, budget } = pilot;
+impl SampledStates {
+    /// Runs a probe until its end, its failure or the end of its budget, and writes nothing. Empty if the probe cannot
+    /// start.
+    pub fn follow(scene: &dyn Scene, probe: Probe<'_>) -> SampledStates {
+        let Probe { method, solver, end, tolerance, budget } = probe;
         let experiment = Experiment::new(scene, method, solver, Step::Adaptive(tolerance), end);
         let most = (ROOM / (48 * scene.n_dof()).max(1)).clamp(2, KEPT);
         let (mut states, mut every) = (Vec::<Snapshot>::new(), 1);
@@ -77,11 +70,11 @@ impl Course {
             }
             _ => Flow::Continue,
         });
-        Course { states, reached: run.map_or(0.0, |outcome| outcome.t_end) }
+        SampledStates { states, reached: run.map_or(0.0, |outcome| outcome.t_end) }
     }
 
     /// At most `count` states, each the one nearest to the middle of its part of the way.
-    pub fn windows(&self, count: usize) -> Vec<Window> {
+    pub fn states(&self, count: usize) -> Vec<Snapshot> {
         let mut chosen: Vec<usize> = Vec::new();
         for part in 0..count {
             let middle = self.reached * (part as f64 + 0.5) / count as f64;
@@ -91,6 +84,6 @@ impl Course {
             }
         }
         chosen.dedup();
-        chosen.into_iter().map(|i| Window { state: self.states[i].clone() }).collect()
+        chosen.into_iter().map(|i| self.states[i].clone()).collect()
     }
 }

@@ -22,7 +22,7 @@ use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use crate::scene::Scene;
-use crate::study::experiment::{Event, Experiment, Flow, Start as From, StepEvent};
+use crate::study::experiment::{self, Event, Experiment, Flow, StepEvent};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -132,7 +132,7 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
     let same = |state: &State| tangent.is_same(spec.scene, state.as_ref());
     let mut interrupted = false;
     let experiment = Experiment::new(spec.scene, &method, spec.solver, Step::Fixed(h), steps * h);
-    let outcome = experiment.run(From::Initial, None, &mut |event, _| {
+    let outcome = experiment.run(experiment::Start::Initial, None, &mut |event, _| {
         match event {
             Event::Step(StepEvent { number, view: Some(view), .. }) => {
                 interrupted |= stop.load(Ordering::Relaxed);
