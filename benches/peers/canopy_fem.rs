@@ -12,10 +12,10 @@ use canopy_fem::case::schema::Method;
 use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
-use canopy_fem::model::stop::Stop;
 use canopy_fem::process::cpu_seconds;
 use canopy_fem::solve::newton::Strategy;
-use canopy_fem::study::bench::{Bench, Try, choice};
+use canopy_fem::study::bench::{Bench, choice};
+use canopy_fem::study::experiment::{Experiment, Flow, Start};
 use canopy_fem::study::frames::{Frames, Sampler};
 use canopy_fem::study::row::Pace;
 use std::collections::BTreeMap;
@@ -23,7 +23,6 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::io::{BufRead, Write as _, stdin, stdout};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 type Any = Box<dyn Error>;
 
@@ -107,14 +106,13 @@ fn run(bench: &Bench, line: &str) -> Result<String, Any> {
     let method = choice(&Method { name: name.to_owned(), parameters: BTreeMap::new() })?;
     let value: f64 = value.parse()?;
     let pace = if kind == "step" { Pace::Step(value) } else { Pace::Tolerance(value) };
-    let mut solver = bench.problem.solver;
+    let mut experiment = Experiment { single_steps: 0, ..bench.experiment(&method, pace.step()) };
     if full {
-        solver.newton.strategy = Strategy::Full;
+        experiment.solver.newton.strategy = Strategy::Full;
     }
     let mut sampler = Sampler::keeping(&*bench.scene, bench.every);
     let before = cpu_seconds().ok_or("this system does not tell processor time")?;
-    let what = Try { method: &method, step: pace.step(), solver, from: None, interrupt: Stop::NEVER };
-    let outcome = bench.run(what, &mut [&mut sampler], &AtomicBool::new(false))?;
+    let outcome = experiment.run(Start::Initial, Some(&mut sampler), &mut |_, _| Flow::Continue)?;
     let seconds = cpu_seconds().ok_or("this system does not tell processor time")? - before;
     keep(&sampler.into_frames(), Path::new(file))?;
     let done = if outcome.status == Status::Completed { "done" } else { "diverged" };

@@ -1,5 +1,5 @@
-//! From JSON to the schema's structs. Serde stops at the first fault; [`super::schema_check`] finds them all, and what it
-//! cannot know is told in serde's words.
+//! From JSON to the schema's structs. Serde stops at the first fault; [`super::schema_check`] finds them all, and what
+//! it cannot know is said in serde's words.
 
 use serde_json::Value;
 use serde_path_to_error::{Path, Segment};

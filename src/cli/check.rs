@@ -1,7 +1,6 @@
 //! `canopy-fem check`: all faults, what is modelled and what that costs, every method's critical step and the run it
 //! would make, and what to take for an accuracy, found by trial runs; nothing is written.
 
-use super::check_cost::describe_forecast;
 use super::check_json::Report;
 use super::doubts::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
@@ -18,9 +17,10 @@ use crate::model::stop::Stop;
 use crate::output::sanitize::file_stem;
 use crate::scene::{Scene, place_of};
 use crate::simulation::build_scene;
-use crate::study::trial::budget::Budget;
-use crate::study::trial::memory::Baseline;
-use crate::study::trial::{Candidate, ForecastSpec, forecast};
+use crate::study::forecast::budget::Budget;
+use crate::study::forecast::describe::describe;
+use crate::study::forecast::memory::Baseline;
+use crate::study::forecast::{Candidate, ForecastSpec, forecast};
 use crate::warning::Warning;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -60,7 +60,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }
             .to_json();
     }
-    describe_forecast(&mut text, &problem, &forecast);
+    text.push_str(&describe(&problem, &forecast));
     describe_limits(&mut text, &problem, scene, &limits, &candidates);
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));

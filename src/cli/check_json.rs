@@ -7,7 +7,7 @@ use crate::analysis::critical::Confidence;
 use crate::case::spec::Problem;
 use crate::drive::observer::ObserveError;
 use crate::scene::{Scene, place_of};
-use crate::study::trial::{Candidate, Forecast};
+use crate::study::forecast::{Candidate, Forecast};
 
 /// Everything that is told.
 pub(super) struct Report<'a> {

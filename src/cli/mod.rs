@@ -2,7 +2,6 @@
 
 mod args;
 mod check;
-mod check_cost;
 mod check_json;
 mod doubts;
 mod error;

@@ -6,14 +6,14 @@ use super::tradeoff_text::{planned, shard_done, summary, written};
 use super::{CliError, Finished, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
-use crate::study::answers::Answers;
 use crate::study::bench::fingerprint_of;
 use crate::study::difference::differences;
+use crate::study::options::{StudyOptions, TypedOptions};
 use crate::study::plan::{Plan, Planner};
+use crate::study::recommendations::Recommendations;
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
 use crate::study::store::Store;
-use crate::study::wishes::{Typed, Wishes};
 use crate::study::{Runner, Shard, Study, StudyError, rows_of};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeMap;
@@ -137,7 +137,7 @@ impl Command<'_> {
             store.clear()?;
             report::clear(&self.out)?;
         }
-        let line = Line::new(self.args.quiet);
+        let line = ProgressLine::new(self.args.quiet);
         let known = store.plan()?;
         let plan = match (known, case) {
             (Some(plan), Some((path, case))) => {
@@ -168,7 +168,7 @@ impl Command<'_> {
         if let Some(shard) = self.args.shard {
             return Ok(done(if self.args.quiet { String::new() } else { shard_done(shard, &rows, &self.out) }));
         }
-        let answers = Answers::of(&plan, &rows);
+        let answers = Recommendations::of(&plan, &rows);
         let study = Study { plan, rows };
         let here = Rerun::here(typed());
         // A study is made again by the command that planned it, not by one that joined its parts.
@@ -191,16 +191,16 @@ impl Command<'_> {
         }
     }
 
-    fn wishes(&self, case: &Case) -> Result<Wishes, StudyError> {
+    fn options(&self, case: &Case) -> Result<StudyOptions, StudyError> {
         let a = self.args;
-        let typed = Typed {
+        let typed = TypedOptions {
             methods: a.methods.as_deref(),
             steps: a.steps.as_deref(),
             tolerances: a.tolerances.as_deref(),
             repeat: a.repeat,
             stiffness_sweep: a.stiffness_sweep.as_deref(),
         };
-        Wishes::of(typed, case.file().study.as_ref())
+        StudyOptions::of(typed, case.file().study.as_ref())
     }
 
     /// [s] what the study may take
@@ -213,18 +213,18 @@ impl Command<'_> {
         }
     }
 
-    fn plan(&self, path: &Path, case: &Case, store: &Store, line: &Line) -> Result<Plan, CliError> {
+    fn plan(&self, path: &Path, case: &Case, store: &Store, line: &ProgressLine) -> Result<Plan, CliError> {
         if !self.args.quiet {
             case.warnings().iter().for_each(|warning| complain(&format!("warning: {warning}")));
         }
-        let wishes = self.wishes(case)?;
+        let options = self.options(case)?;
         let section = case.file().study.as_ref().and_then(|study| study.budget_seconds);
-        let variants = wishes.stiffness_sweep.len().max(1) as f64;
+        let variants = options.stiffness_sweep.len().max(1) as f64;
         let allowance = self.budget(section).map_or(ALLOWANCE, |budget| FOR_REFERENCES * budget / variants);
         let planner = Planner {
             case,
             case_file: path,
-            wishes,
+            options,
             command: Rerun::here(typed()).command,
             threads: usize::from(self.args.threads),
             allowance,
@@ -236,7 +236,7 @@ impl Command<'_> {
         Ok(plan)
     }
 
-    /// Refuses a folder with the study of another case or with other wishes.
+    /// Refuses a folder with the study of another case or with other options.
     fn same(&self, plan: &Plan, path: &Path, case: &Case) -> Result<(), StudyError> {
         let other = |difference: String| StudyError::OtherStudy { folder: self.out.clone(), difference };
         if plan.case != case.problem().case_json {
@@ -251,15 +251,20 @@ impl Command<'_> {
                 return Err(other(differences.to_string()));
             }
         }
-        // A shard or a merge does what was planned; wishes are those of the plan.
+        // A shard or a merge does what was planned; options are those of the plan.
         let asks = self.args.shard.is_none() && self.args.merge.is_none();
-        if asks && plan.asked != self.wishes(case)? {
+        if asks && plan.asked != self.options(case)? {
             return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
         }
         Ok(())
     }
 
-    fn make_runs(&self, plan: &Plan, store: &Store, line: &Line) -> Result<BTreeMap<String, String>, StudyError> {
+    fn make_runs(
+        &self,
+        plan: &Plan,
+        store: &Store,
+        line: &ProgressLine,
+    ) -> Result<BTreeMap<String, String>, StudyError> {
         let section = plan.case.pointer("/study/budget_seconds").and_then(serde_json::Value::as_f64);
         let deadline = self.budget(section).map(|seconds| self.started + Duration::from_secs_f64(seconds.min(1e9)));
         let runner = Runner {
@@ -280,11 +285,11 @@ fn done(text: String) -> Finished {
 }
 
 /// The progress line on a terminal.
-struct Line {
+struct ProgressLine {
     bar: ProgressBar,
 }
 
-impl Line {
+impl ProgressLine {
     fn new(quiet: bool) -> Self {
         let hidden = quiet || !std::io::stderr().is_terminal();
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
@@ -293,7 +298,7 @@ impl Line {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(500));
-        Line { bar }
+        ProgressLine { bar }
     }
 
     fn tell(&self, what: &str) {

@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use crate::format_number::figures;
-use crate::study::answers::{Answer, Answers, unfinished, used};
 use crate::study::plan::Plan;
+use crate::study::recommendations::{Recommendation, Recommendations, unfinished, used};
 use crate::study::row::{Row, RowStatus};
 use crate::study::store::Store;
 use crate::study::{Shard, Study};
@@ -62,7 +62,7 @@ pub(super) fn written(files: &[PathBuf]) -> String {
 }
 
 /// What a person reads.
-pub(super) fn summary(study: &Study, answers: &Answers) -> String {
+pub(super) fn summary(study: &Study, answers: &Recommendations) -> String {
     let Study { plan, rows } = study;
     let mut text = format!(
         "{}: {} to t = {} s",
@@ -85,7 +85,7 @@ pub(super) fn summary(study: &Study, answers: &Answers) -> String {
         }
         front(&mut text, rows, (number, variant.reference.error));
         text.push('\n');
-        let all: Vec<&Answer> = answers.targets.iter().filter(|a| a.variant == number).collect();
+        let all: Vec<&Recommendation> = answers.targets.iter().filter(|a| a.variant == number).collect();
         // One line for accuracies with the same answer.
         for same in all.chunk_by(|a, b| advice(a) == advice(b)) {
             if let (Some(first), Some(last)) = (same.first(), same.last()) {
@@ -109,7 +109,7 @@ pub(super) fn summary(study: &Study, answers: &Answers) -> String {
 }
 
 /// An answer without the accuracy it is for.
-fn advice(answer: &Answer) -> &str {
+fn advice(answer: &Recommendation) -> &str {
     answer.sentence.find("use ").and_then(|at| answer.sentence.get(at..)).unwrap_or(&answer.sentence)
 }
 

@@ -12,7 +12,7 @@ use super::cells::{CellTable, Width};
 use super::encode::{Appender, little_endian, little_endian_f32};
 use super::sanitize::xml_attribute;
 use super::vectored_write::{Appended, Segment};
-use crate::case::spec::{Compression, Encoding, Precision, VtuFormat};
+pub use crate::case::spec::{Compression, Encoding, Precision, VtuFormat};
 
 /// What never changes: how many points there are and which of them make the cells.
 #[derive(Clone, Copy, Debug)]

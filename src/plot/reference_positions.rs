@@ -86,8 +86,8 @@ fn unpacked(data: &[u8]) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::spec::{Compression, Precision, VtuFormat};
     use crate::output::vtu::{Array, Cells, Snapshot, Values, VtuWriter};
+    use crate::output::vtu::{Compression, Precision, VtuFormat};
 
     fn frame() -> Vec<u8> {
         frame_as(VtuFormat::default())

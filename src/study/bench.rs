@@ -1,19 +1,14 @@
 //! One variant of the case, ready for any number of runs: the scene is built once and shared by all of them.
 
-use std::sync::atomic::AtomicBool;
-
 use super::error::StudyError;
+use super::experiment::Experiment;
 use super::row::Pace;
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::schema::Method;
 use crate::case::spec::{Problem, SystemSpec};
+use crate::drive::Explain;
 use crate::drive::clock::{Step, Tolerance};
-use crate::drive::observer::Observer;
-use crate::drive::{self, Explain, Outcome, RunError, RunSpec, Snapshot};
-use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::integrate::stepper::{NeedsNetwork, Stepper};
-use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 
@@ -41,21 +36,6 @@ pub struct Bench {
     pub every: f64,
 }
 
-/// One run on the bench.
-#[derive(Clone, Debug)]
-pub struct Try<'a> {
-    /// method with its parameters
-    pub method: &'a MethodChoice,
-    /// steps
-    pub step: Step,
-    /// how implicit steps are solved
-    pub solver: SolverSpec,
-    /// set when the user interrupts
-    pub interrupt: Stop<'a>,
-    /// where an earlier part of the run had come to
-    pub from: Option<Snapshot>,
-}
-
 /// What a study is a study of: the case, and its end, beyond which its runs cannot be taken.
 ///
 /// # Errors
@@ -64,17 +44,6 @@ pub fn fingerprint_of(problem: &Problem) -> Result<Fingerprint, FingerprintError
     let mut fingerprint = Fingerprint::of(problem)?;
     fingerprint.note_end(problem.time.end);
     Ok(fingerprint)
-}
-
-/// Why a run gave nothing.
-#[derive(Debug, thiserror::Error)]
-pub enum TryError {
-    /// The method does not fit the scene.
-    #[error(transparent)]
-    Method(#[from] NeedsNetwork),
-    /// It could not start.
-    #[error(transparent)]
-    Run(#[from] RunError),
 }
 
 impl Bench {
@@ -100,32 +69,10 @@ impl Bench {
         self.problem.time.end
     }
 
-    /// Makes a run, from its start or from where its earlier part had come to.
-    ///
-    /// # Errors
-    /// When it cannot start.
-    pub fn run(
-        &self,
-        what: Try<'_>,
-        observers: &mut [&mut dyn Observer],
-        stop: &AtomicBool,
-    ) -> Result<Outcome, TryError> {
-        let scene = &*self.scene;
-        let mut stepper = Stepper::bind(what.method.scheme(what.solver), scene.abilities())?;
-        let Try { method, step, interrupt, .. } = what;
-        let spec = RunSpec {
-            end: self.end(),
-            step,
-            frames_every: Some(self.every),
-            keep_going: false,
-            explain: Explain::Failures,
-            interrupt,
-            method,
-        };
-        Ok(match what.from {
-            Some(snapshot) => drive::resume(scene, &mut stepper, spec, snapshot, observers, stop)?,
-            None => drive::run(scene, &mut stepper, spec, observers, stop)?,
-        })
+    /// A run to the end that explains failures; its frames are those that are compared.
+    pub fn experiment<'a>(&'a self, method: &'a MethodChoice, step: Step) -> Experiment<'a> {
+        let run = Experiment::new(&*self.scene, method, self.problem.solver, step, self.end());
+        Experiment { frames_every: Some(self.every), explain: Explain::Failures, ..run }
     }
 }
 

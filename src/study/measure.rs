@@ -3,21 +3,20 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::bench::{Bench, Try, TryError, choice};
+use super::bench::{Bench, choice};
 use super::error::StudyError;
+use super::experiment::{Event, Experiment, ExperimentError, Flow, Start};
 use super::frames::{Frames, Motion, Sampler};
 use super::row::{Job, Measured, Pace, RowStatus};
 use super::store::{Store, Unfinished};
-use crate::drive::observer::{
-    AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
-};
+use crate::drive::observer::Occasion;
 use crate::drive::{Outcome, RunError, Status};
 use crate::format_number::figures;
 use crate::model::stop::Stop;
 use crate::process::{Cost, Stopwatch};
 
-/// An unfinished run is kept this often, so that a kill costs no more.
-const KEPT_EVERY: Duration = Duration::from_secs(20);
+/// An unfinished run is saved this often, so that a kill costs no more.
+const SAVED_EVERY: Duration = Duration::from_secs(20);
 /// The clock is read once in so many steps, unless these take long.
 const LOOK: u32 = 64;
 
@@ -68,37 +67,49 @@ impl Meter<'_> {
         let (from, spent) = earlier.as_ref().map_or((0.0, 0.0), |e| (e.snapshot.t, e.spent));
         let so_far = earlier.as_ref().map(|e| e.distance).unwrap_or_default();
         let scene = &*self.bench.scene;
-        let stop = AtomicBool::new(false);
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let watch = Stopwatch::start(before);
-        let mut attendant = Attendant {
-            sampler: Sampler::comparing(scene, self.bench.every, self.reference, (from, so_far)),
-            meter: self,
-            job,
-            stop: &stop,
-            watch,
-            countdown: 0,
-            kept: Instant::now(),
-            failed: None,
-        };
-        let what = Try {
-            method: &method,
-            step: job.pace.step(),
-            solver: self.bench.problem.solver,
-            interrupt: Stop::on(self.interrupt),
-            from: earlier.map(|e| e.snapshot),
-        };
-        let run = self.bench.run(what, &mut [&mut attendant], &stop);
+        let mut sampler = Sampler::comparing(scene, self.bench.every, self.reference, (from, so_far));
+        let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
+        // The clock is read after so many steps: reading it takes as long as a step of a pendulum.
+        let between = if scene.n_dof() < 1000 { LOOK } else { 0 };
+        let (mut countdown, mut saved, mut failed) = (0, Instant::now(), None);
+        let interrupt = Stop::on(self.interrupt);
+        let experiment = Experiment { interrupt, single_steps: 0, ..self.bench.experiment(&method, job.pace.step()) };
+        let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
+            let Event::Boundary(run) = event else { return Flow::Continue };
+            let mut save = || {
+                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: seconds(watch.read()) };
+                failed = self.store.keep_unfinished(job, &unfinished).err();
+                Flow::stop_if(failed.is_some())
+            };
+            if run.occasion == Occasion::Interrupted {
+                return save();
+            }
+            let interrupted = self.interrupt.load(Ordering::Relaxed);
+            if countdown > 0 {
+                countdown -= 1;
+                return Flow::stop_if(interrupted);
+            }
+            countdown = between;
+            let now = Instant::now();
+            let over = self.deadline.is_some_and(|deadline| now >= deadline);
+            if interrupted || over || now.duration_since(saved) < SAVED_EVERY {
+                return Flow::stop_if(interrupted || over);
+            }
+            saved = now;
+            save()
+        });
         let cost = watch.read();
-        let distance = attendant.sampler.distance();
-        if let Some(failed) = attendant.failed {
+        let distance = sampler.distance();
+        if let Some(failed) = failed {
             return Err(failed);
         }
         let outcome = match run {
             Ok(outcome) => outcome,
-            Err(TryError::Method(why)) => return Ok(refused(why.to_string())),
-            Err(TryError::Run(RunError::Start(why))) => return Ok(refused(why.to_string())),
-            Err(TryError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
+            Err(ExperimentError::Method(why)) => return Ok(refused(why.to_string())),
+            Err(ExperimentError::Run(RunError::Start(why))) => return Ok(refused(why.to_string())),
+            Err(ExperimentError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
         };
         let interrupted = self.interrupt.load(Ordering::Relaxed);
         // A failure whose cause was not looked for to the end is not a row yet.
@@ -108,9 +119,13 @@ impl Meter<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(Ended::OutOfTime(outcome.t_end));
         }
-        let seconds = cost.cpu.unwrap_or(cost.wall.as_secs_f64());
-        Ok(Ended::Done(measured(&outcome, distance.over(self.motion), seconds)))
+        Ok(Ended::Done(measured(&outcome, distance.over(self.motion), seconds(cost))))
     }
+}
+
+/// [s] Processor time, or that of the wall clock where the system does not tell.
+fn seconds(cost: Cost) -> f64 {
+    cost.cpu.unwrap_or(cost.wall.as_secs_f64())
 }
 
 fn refused(note: String) -> Ended {
@@ -140,74 +155,5 @@ fn measured(outcome: &Outcome, errors: Option<[f64; 2]>, seconds: f64) -> Measur
         rejected_steps: outcome.rejected_steps,
         t_end: outcome.t_end,
         counters: outcome.counters,
-    }
-}
-
-/// Compares frames, looks at the clock, and keeps the run when it is time or when it is stopped.
-struct Attendant<'a> {
-    sampler: Sampler<'a>,
-    meter: &'a Meter<'a>,
-    job: &'a Job,
-    stop: &'a AtomicBool,
-    watch: Stopwatch,
-    /// steps until the clock is read next
-    countdown: u32,
-    kept: Instant,
-    failed: Option<StudyError>,
-}
-
-impl Attendant<'_> {
-    fn keep(&mut self, run: &Resumable<'_>) {
-        let cost = self.watch.read();
-        let spent = cost.cpu.unwrap_or(cost.wall.as_secs_f64());
-        let unfinished = Unfinished { snapshot: run.snapshot(), distance: self.sampler.distance(), spent };
-        if let Err(error) = self.meter.store.keep_unfinished(self.job, &unfinished) {
-            self.failed = Some(error);
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        self.kept = Instant::now();
-    }
-}
-
-impl Observer for Attendant<'_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.sampler.started(at, ledger)
-    }
-
-    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if run.occasion == Occasion::Interrupted {
-            self.keep(run);
-            return Ok(());
-        }
-        if self.meter.interrupt.load(Ordering::Relaxed) {
-            // The driver looks at the flag before the next step.
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        if self.countdown > 0 {
-            self.countdown -= 1;
-            return Ok(());
-        }
-        let now = Instant::now();
-        if self.meter.deadline.is_some_and(|deadline| now >= deadline) {
-            self.stop.store(true, Ordering::Relaxed);
-        } else if now.duration_since(self.kept) >= KEPT_EVERY {
-            self.keep(run);
-        }
-        // Reading the clock costs as much as a step of a pendulum.
-        self.countdown = if self.meter.bench.scene.n_dof() < 1000 { LOOK } else { 0 };
-        Ok(())
-    }
-
-    fn wants(&self, step: UpcomingStep) -> Wants {
-        self.sampler.wants(step)
-    }
-
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        self.sampler.accepted(step)
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        // A run that was stopped has kept its distance before; this frame is not one of it.
-        self.sampler.finished(last)
     }
 }

@@ -10,9 +10,9 @@ use serde_json::Value;
 use super::bench::{Bench, choice};
 use super::error::StudyError;
 use super::ladder::Scales;
+use super::options::StudyOptions;
 use super::reference::{Account, Reference, Workshop};
 use super::row::{Job, Pace, label};
-use super::wishes::Wishes;
 use crate::analysis::critical::Effort;
 use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
@@ -47,7 +47,7 @@ pub struct Plan {
     /// the case, `--set` included
     pub case: Value,
     /// what was asked for
-    pub asked: Wishes,
+    pub asked: StudyOptions,
     /// the case and its stiffer or softer variants
     pub variants: Vec<Variant>,
     /// all runs, in the order in which one machine makes them
@@ -80,7 +80,7 @@ pub struct Planner<'a> {
     /// its file, as typed
     pub case_file: &'a Path,
     /// what is asked for
-    pub wishes: Wishes,
+    pub options: StudyOptions,
     /// the command, to be told in reports
     pub command: String,
     /// threads of the force passes
@@ -99,13 +99,13 @@ impl Planner<'_> {
     /// # Errors
     /// A bad variant, no reference, an interrupt, or a reference that cannot be stored.
     pub fn make(&self, mut keep: impl FnMut(usize, &Reference) -> Result<(), StudyError>) -> Result<Plan, StudyError> {
-        let factors = match self.wishes.stiffness_sweep.as_slice() {
+        let factors = match self.options.stiffness_sweep.as_slice() {
             [] => vec![1.0],
             some => some.iter().rev().copied().collect(),
         };
         let nothing =
             || StudyError::Usage("there is nothing to run: neither steps nor tolerances are left to try".to_owned());
-        if let Wishes { steps: Some(steps), tolerances: Some(tolerances), .. } = &self.wishes
+        if let StudyOptions { steps: Some(steps), tolerances: Some(tolerances), .. } = &self.options
             && steps.is_empty()
             && tolerances.is_empty()
         {
@@ -146,7 +146,7 @@ impl Planner<'_> {
             command: self.command.clone(),
             case_file: self.case_file.display().to_string(),
             case: problem.case_json.clone(),
-            asked: self.wishes.clone(),
+            asked: self.options.clone(),
             variants,
             jobs,
         })
@@ -155,7 +155,7 @@ impl Planner<'_> {
     /// The methods that are tried.
     fn methods(&self) -> Result<Vec<(Method, MethodChoice)>, StudyError> {
         let own = &self.case.file().time.method;
-        let asked = match &self.wishes.methods {
+        let asked = match &self.options.methods {
             Some(methods) => methods.clone(),
             None => {
                 let plain = |name: &str| Method { name: name.to_owned(), parameters: BTreeMap::new() };
@@ -185,14 +185,14 @@ impl Planner<'_> {
             if limit.is_finite() {
                 limits.insert(label(&method), limit);
             }
-            let steps = match &self.wishes.steps {
+            let steps = match &self.options.steps {
                 Some(steps) => steps.clone(),
                 None => scales.steps(&choice, &mut spectrum),
             };
-            let tolerances = match &self.wishes.tolerances {
+            let tolerances = match &self.options.tolerances {
                 Some(tolerances) => tolerances.clone(),
                 // Whoever asks for steps wants those.
-                None if self.wishes.steps.is_some() || choice.order() < 2 => Vec::new(),
+                None if self.options.steps.is_some() || choice.order() < 2 => Vec::new(),
                 None => scales.tolerances(choice.order(), limit),
             };
             let steps = steps.into_iter().map(Pace::Step);
@@ -208,7 +208,7 @@ impl Planner<'_> {
 
     /// The case's own choice belongs to its study, unless other methods and steps were asked for.
     fn add_own(&self, bench: &Bench, paces: &mut [Tried]) {
-        let Wishes { steps, tolerances, .. } = &self.wishes;
+        let StudyOptions { steps, tolerances, .. } = &self.options;
         let own = match bench.problem.time.step {
             Step::Fixed(h) if steps.is_none() => Pace::Step(h),
             Step::Adaptive(tolerance) if tolerances.is_none() => Pace::Tolerance(tolerance.relative),

@@ -14,17 +14,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, Try, reference_tolerance};
+use super::bench::{Bench, reference_tolerance};
 use super::error::StudyError;
+use super::experiment::{Event, Experiment, Flow, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::Effort;
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
-use crate::drive::observer::{AcceptedStep, ObserveError, Observer};
 use crate::drive::{Outcome, Status};
 use crate::format_number::figures;
 use crate::integrate::Counters;
-use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
 use crate::process::Stopwatch;
@@ -115,23 +114,6 @@ struct Spent {
     counters: Counters,
     /// [s] of the present way, by nominal figures
     seconds: f64,
-}
-
-/// Ends a run after so many steps, or when the user interrupts.
-struct Limit<'a> {
-    left: u64,
-    user: &'a AtomicBool,
-    stop: &'a AtomicBool,
-}
-
-impl Observer for Limit<'_> {
-    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        self.left = self.left.saturating_sub(1);
-        if self.left == 0 || self.user.load(Ordering::Relaxed) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
 }
 
 impl Workshop<'_> {
@@ -274,13 +256,16 @@ impl Workshop<'_> {
         };
         (self.tell)(&told);
         let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
-        let mut solver: SolverSpec = self.bench.problem.solver;
-        solver.newton.relative = solver.newton.relative.min(NEWTON);
-        let what = Try { method, step, solver, interrupt: Stop::on(self.stop), from: None };
-        let (nominal, stop) = (self.bench.nominal_step(method), AtomicBool::new(self.interrupted()));
-        let left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
-        let mut limit = Limit { left, user: self.stop, stop: &stop };
-        let run = self.bench.run(what, &mut [&mut sampler, &mut limit], &stop);
+        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.bench.experiment(method, step) };
+        experiment.solver.newton.relative = experiment.solver.newton.relative.min(NEWTON);
+        let nominal = self.bench.nominal_step(method);
+        let mut left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
+        let run = experiment.run(Start::Initial, Some(&mut sampler), &mut |event, _| {
+            if let Event::Step(_) = event {
+                left = left.saturating_sub(1);
+            }
+            Flow::stop_if(left == 0 || self.interrupted())
+        });
         let Outcome { status, counters, failure, steps, t_end, .. } =
             run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
         spent.counters = spent.counters.plus(counters);

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::front::mark_front;
 use super::measure::{Ended, Meter};
+use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
 use super::reference::Reference;
 use super::row::{Job, Measured, Pace, Row, RowStatus, label, median};
@@ -81,7 +81,7 @@ struct Turn {
 }
 
 /// A variant on the bench with its reference.
-struct Place {
+struct PreparedVariant {
     bench: Bench,
     reference: Reference,
 }
@@ -106,7 +106,7 @@ impl Runner<'_> {
     }
 
     fn run_variant(&self, turn: Turn, left: &mut BTreeMap<String, String>) -> Result<(), StudyError> {
-        let mut place: Option<Place> = None;
+        let mut prepared: Option<PreparedVariant> = None;
         for pass in 0..self.plan.asked.repeat as usize {
             for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == turn.number) {
                 if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
@@ -121,12 +121,12 @@ impl Runner<'_> {
                     left.insert(job.id.clone(), why);
                     continue;
                 }
-                let place = match &place {
-                    Some(place) => place,
-                    None => place.insert(self.set_up(turn.number)?),
+                let prepared = match &prepared {
+                    Some(prepared) => prepared,
+                    None => prepared.insert(self.set_up(turn.number)?),
                 };
                 (self.tell)(number + 1, self.plan.jobs.len(), &told(job, pass, self.plan));
-                if let Some(why) = self.make((turn, place), job, known)? {
+                if let Some(why) = self.make((turn, prepared), job, known)? {
                     left.insert(job.id.clone(), why);
                 }
             }
@@ -137,14 +137,14 @@ impl Runner<'_> {
     /// One run; says why if it was not finished.
     fn make(
         &self,
-        (turn, place): (Turn, &Place),
+        (turn, prepared): (Turn, &PreparedVariant),
         job: &Job,
         known: Option<Measured>,
     ) -> Result<Option<String>, StudyError> {
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(StudyError::Interrupted);
         }
-        let Place { bench, reference, .. } = place;
+        let PreparedVariant { bench, reference, .. } = prepared;
         let meter = Meter {
             bench,
             reference: &reference.frames,
@@ -169,7 +169,7 @@ impl Runner<'_> {
     }
 
     /// Builds the scene of a variant and reads its reference.
-    fn set_up(&self, number: usize) -> Result<Place, StudyError> {
+    fn set_up(&self, number: usize) -> Result<PreparedVariant, StudyError> {
         let none = || StudyError::NoPlan(self.store.plan_path());
         let variant = self.plan.variants.get(number).ok_or_else(none)?;
         let case = self.plan.case()?.with(&variant.overrides)?;
@@ -178,7 +178,7 @@ impl Runner<'_> {
             let folder = self.store.plan_path();
             return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
         }
-        Ok(Place { bench, reference: self.store.reference(number)? })
+        Ok(PreparedVariant { bench, reference: self.store.reference(number)? })
     }
 
     /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.

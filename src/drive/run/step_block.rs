@@ -70,8 +70,8 @@ impl Run<'_> {
     }
 
     /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
-    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be resumed
-    /// before it. Says of each step what its summary is to hold.
+    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be
+    /// resumed before it. Says of each step what its summary is to hold.
     fn coming(&self, observers: &[&mut dyn Observer], summaries: &mut [Passed]) -> ([UpcomingStep; LONGEST], usize) {
         let mut coming = [UpcomingStep::default(); LONGEST];
         let Pace::Fixed(clock) = &self.pace else { return (coming, 0) };

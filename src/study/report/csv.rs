@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::output::sanitize::csv_field;
-use crate::study::answers::{Answers, Pick, StiffnessPoint};
 use crate::study::error::StudyError;
+use crate::study::recommendations::{Pick, Recommendations, StiffnessPoint};
 use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
 
@@ -72,7 +72,7 @@ fn number(value: Option<f64>) -> String {
 }
 
 /// One row an accuracy and factor.
-pub(super) fn stiffness(answers: &Answers) -> String {
+pub(super) fn stiffness(answers: &Recommendations) -> String {
     let mut text = format!("{STIFFNESS}\n");
     for StiffnessPoint { stiffness_factor, wanted, explicit, implicit } in &answers.stiffness {
         let pick = |pick: &Option<Pick>| match pick {

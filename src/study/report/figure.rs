@@ -6,9 +6,9 @@ use crate::format_number::figures;
 use crate::plot::chart::{
     Align, Axis, Chart, Line, Marker, Note, Scale, Side, Size, Strip, StripMark, Stroke, svg_grid,
 };
-use crate::study::answers::Answers;
 use crate::study::error::StudyError;
 use crate::study::plan::Variant;
+use crate::study::recommendations::Recommendations;
 use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
 
@@ -35,7 +35,7 @@ const LEGEND: [u32; 2] = [22, 64];
 ///
 /// # Errors
 /// The drawing library's.
-pub(super) fn all(study: &Study, answers: &Answers) -> Result<Vec<Figure>, StudyError> {
+pub(super) fn all(study: &Study, answers: &Recommendations) -> Result<Vec<Figure>, StudyError> {
     let styles = styles(study);
     let cpu = Cost { label: "processor time [s]", ranked: true, of: |row| row.cpu_seconds };
     let force = Cost {

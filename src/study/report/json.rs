@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::machine::{Machine, Rerun};
-use crate::study::answers::Answers;
 use crate::study::error::StudyError;
 use crate::study::plan::{PROGRAM, Plan};
+use crate::study::recommendations::Recommendations;
 use crate::study::row::Row;
 use crate::study::runner::Study;
 
@@ -20,7 +20,7 @@ struct File<'a> {
     plan: &'a Plan,
     /// what came of the runs
     rows: &'a [Row],
-    answers: &'a Answers,
+    answers: &'a Recommendations,
     machine: &'a Machine,
 }
 
@@ -28,7 +28,7 @@ struct File<'a> {
 ///
 /// # Errors
 /// What JSON cannot hold.
-pub(super) fn tradeoff(study: &Study, answers: &Answers, how: &Rerun) -> Result<String, StudyError> {
+pub(super) fn tradeoff(study: &Study, answers: &Recommendations, how: &Rerun) -> Result<String, StudyError> {
     let Rerun { command, machine } = how;
     let file = File { version: PROGRAM, command, plan: &study.plan, rows: &study.rows, answers, machine };
     let text = serde_json::to_string_pretty(&file).map_err(|e| StudyError::Page(format!("tradeoff.json: {e}")))?;

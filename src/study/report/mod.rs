@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 
 pub use machine::{Machine, Rerun};
 
-use super::answers::Answers;
 use super::error::StudyError;
+use super::recommendations::Recommendations;
 use super::runner::Study;
 use super::store::system;
 use crate::output::atomic::{Durability, replace_shared};
@@ -42,7 +42,7 @@ pub const FILES: [&str; 8] = [
 ///
 /// # Errors
 /// A picture or a page that cannot be made, or the system's answer.
-pub fn write(out: &Path, study: &Study, answers: &Answers, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
+pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
     let figures = figure::all(study, answers)?;
     let mut made: Vec<(&str, String)> = vec![
         ("tradeoff.csv", csv::tradeoff(study)?),

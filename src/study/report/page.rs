@@ -8,9 +8,9 @@ use super::table::{self, Table, short};
 use super::{case, csv};
 use crate::format_number::figures;
 use crate::integrate::Counters;
-use crate::study::answers::{Answer, Answers, Pick, unfinished};
 use crate::study::error::StudyError;
 use crate::study::plan::{PROGRAM, Variant};
+use crate::study::recommendations::{Pick, Recommendation, Recommendations, unfinished};
 use crate::study::row::RowStatus;
 use crate::study::runner::Study;
 
@@ -71,7 +71,12 @@ struct Shown<'a> {
 ///
 /// # Errors
 /// What the template engine refuses.
-pub(super) fn html(study: &Study, answers: &Answers, how: &Rerun, figures: &[Figure]) -> Result<String, StudyError> {
+pub(super) fn html(
+    study: &Study,
+    answers: &Recommendations,
+    how: &Rerun,
+    figures: &[Figure],
+) -> Result<String, StudyError> {
     let plan = &study.plan;
     let refused = |e: minijinja::Error| StudyError::Page(e.to_string());
     let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
@@ -99,8 +104,8 @@ pub(super) fn html(study: &Study, answers: &Answers, how: &Rerun, figures: &[Fig
     templates.get_template(TEMPLATE.0).and_then(|template| template.render(&page)).map_err(refused)
 }
 
-fn section(study: &Study, answers: &Answers, number: usize, variant: &Variant) -> Section {
-    let own: Vec<&Answer> = answers.targets.iter().filter(|a| a.variant == number).collect();
+fn section(study: &Study, answers: &Recommendations, number: usize, variant: &Variant) -> Section {
+    let own: Vec<&Recommendation> = answers.targets.iter().filter(|a| a.variant == number).collect();
     let mut sentences: Vec<String> = own.iter().map(|a| sentence(&a.sentence)).collect();
     if sentences.is_empty() {
         sentences.push("No run of this study reached an error of 0.1 or less.".to_owned());
@@ -131,8 +136,8 @@ fn section(study: &Study, answers: &Answers, number: usize, variant: &Variant) -
 
 /// Wanted accuracy; method, pace, error (not told below `floor`) and cost of the best; the next one and its factor; the
 /// best of each family.
-fn answer(answer: &Answer, floor: f64) -> [String; 9] {
-    let Answer { wanted, best, next, explicit, implicit, .. } = answer;
+fn answer(answer: &Recommendation, floor: f64) -> [String; 9] {
+    let Recommendation { wanted, best, next, explicit, implicit, .. } = answer;
     let factor = |pick: &Pick| format!("{} ×", figures(pick.cpu_seconds / best.cpu_seconds, 2));
     let told = |pick: &Option<Pick>| pick.as_ref().map(csv::used).unwrap_or_else(|| "–".to_owned());
     let cost = |pick: &Option<Pick>| match pick {

@@ -3,8 +3,8 @@
 use super::figure::{Span, title};
 use super::style::entry;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke, svg};
-use crate::study::answers::{Answers, Pick, StiffnessPoint};
 use crate::study::error::StudyError;
+use crate::study::recommendations::{Pick, Recommendations, StiffnessPoint};
 use crate::study::runner::Study;
 
 /// Colours taken in turn; black is left for what is no accuracy.
@@ -16,7 +16,7 @@ const MARKERS: [[Marker; 2]; 2] = [[Marker::Dot, Marker::OpenSquare], [Marker::T
 ///
 /// # Errors
 /// The drawing library's.
-pub(super) fn picture(study: &Study, answers: &Answers) -> Result<String, StudyError> {
+pub(super) fn picture(study: &Study, answers: &Recommendations) -> Result<String, StudyError> {
     let costs = answers.stiffness.iter().flat_map(|p| [&p.explicit, &p.implicit]).flatten().map(|p| p.cpu_seconds);
     let x = Span::of(study.plan.variants.iter().map(|v| v.stiffness_factor)).unwrap_or(Span::EMPTY).with_margin();
     let y = Span::of(costs).unwrap_or(Span::EMPTY).with_margin();

@@ -13,7 +13,7 @@ use crate::study::runner::Study;
 #[derive(Serialize)]
 pub(super) struct Table {
     pub head: Vec<Head>,
-    pub rows: Vec<Line>,
+    pub rows: Vec<TableRow>,
 }
 
 /// A column's name, and what it means.
@@ -25,7 +25,7 @@ pub(super) struct Head {
 
 /// A row.
 #[derive(Serialize)]
-pub(super) struct Line {
+pub(super) struct TableRow {
     /// `front`, `failed` or nothing
     pub class: &'static str,
     pub cells: Vec<Cell>,
@@ -78,7 +78,7 @@ pub(super) fn runs(study: &Study) -> Result<Table, StudyError> {
     if noted {
         head.push(Head { name: "note", title: "why, and what to do" });
     }
-    let mut sorted: Vec<(Place, &Row)> = study.rows.iter().map(|row| (Place::of(study, row), row)).collect();
+    let mut sorted: Vec<(SortKey, &Row)> = study.rows.iter().map(|row| (SortKey::of(study, row), row)).collect();
     sorted.sort_by(|(a, _), (b, _)| a.group.cmp(&b.group).then_with(|| b.pace.total_cmp(&a.pace)));
     let rows = sorted.into_iter().map(|(_, row)| {
         let mut cells = Vec::new();
@@ -94,28 +94,28 @@ pub(super) fn runs(study: &Study) -> Result<Table, StudyError> {
             (false, RowStatus::Completed) => "",
             (false, _) => "failed",
         };
-        Ok::<Line, StudyError>(Line { class, cells })
+        Ok::<TableRow, StudyError>(TableRow { class, cells })
     });
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
     Ok(Table { head, rows })
 }
 
 /// Where a run stands in the table.
-struct Place {
+struct SortKey {
     /// variant, method, and whether steps are adaptive
     group: (usize, usize, bool),
     /// step or tolerance
     pace: f64,
 }
 
-impl Place {
+impl SortKey {
     fn of(study: &Study, row: &Row) -> Self {
         let method = study.rows.iter().position(|other| other.job.method == row.job.method).unwrap_or(0);
         let (adaptive, pace) = match row.job.pace {
             Pace::Step(h) => (false, h),
             Pace::Tolerance(t) => (true, t),
         };
-        Place { group: (row.job.variant, method, adaptive), pace }
+        SortKey { group: (row.job.variant, method, adaptive), pace }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a measured limit is not the predicted one, from evidence.
 
-use super::measure::{Bench, E_FOLDS};
-use super::verdict::STAYS;
+use super::classify::STAYS;
+use super::measure::{E_FOLDS, MethodRuns};
 use super::{Kind, KnownBy, Row, Start, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort};
 use crate::analysis::spectrum::Spectrum;
@@ -19,30 +19,30 @@ const SWINGS: f64 = 3.0;
 /// A critical step this much above the failing one still explains it.
 const ENOUGH: f64 = 0.05;
 
-pub(super) fn explain(row: &mut Row, bench: &Bench<'_>) {
+pub(super) fn explain(row: &mut Row, runs: &MethodRuns<'_>) {
     if row.differs {
-        row.explanation = Some(match bench.kind() {
-            Kind::Near(predicted) => limited(row, bench, predicted),
-            Kind::Somewhere if row.prediction.step == Some(0.0) => slow_from_zero(row, bench),
-            Kind::Somewhere => not_at_the_start(row, bench),
-            Kind::Unlimited => unlimited(row, bench),
+        row.explanation = Some(match runs.kind() {
+            Kind::Near(predicted) => limited(row, runs, predicted),
+            Kind::Somewhere if row.prediction.step == Some(0.0) => slow_from_zero(row, runs),
+            Kind::Somewhere => not_at_the_start(row, runs),
+            Kind::Unlimited => unlimited(row, runs),
         });
     }
 }
 
-fn limited(row: &Row, bench: &Bench<'_>, predicted: f64) -> String {
+fn limited(row: &Row, runs: &MethodRuns<'_>, predicted: f64) -> String {
     match row.measured {
-        Some(measured) if measured < predicted => too_early(row, bench, measured),
-        _ => too_late(row, bench, bench.longest().unwrap_or(predicted)),
+        Some(measured) if measured < predicted => too_early(row, runs, measured),
+        _ => too_late(row, runs, runs.longest().unwrap_or(predicted)),
     }
 }
 
 /// Runs fail below the predicted step.
-fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
+fn too_early(row: &Row, runs: &MethodRuns<'_>, measured: f64) -> String {
     let failed = row.runs.iter().find(|run| Some(run.step) == row.unstable);
     let fails = row.unstable.unwrap_or(measured);
     let peak = failed.map_or(0.0, |run| run.peak);
-    let swings = (bench.stays > STAYS[0] && peak > SWINGS).then(|| {
+    let swings = (runs.stays > STAYS[0] && peak > SWINGS).then(|| {
         format!(
             "near its limit the method swings the energy of a stable motion many times (to {} times what was supplied in the run at {} s), \
              beyond where this scene's forces are linear",
@@ -50,18 +50,18 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
             figures(fails, 4),
         )
     });
-    if let Some((t, later)) = along(bench, measured, 0).filter(|(_, later)| below(*later, row)) {
+    if let Some((t, later)) = along(runs, measured, 0).filter(|(_, later)| below(*later, row)) {
         let stiffens = format!(
             "{}: {}, in the run at {} s, {} (set around {}, w = {} rad/s, damping rate {} 1/s; at the start {} rad/s, {} 1/s)",
-            what_changed(bench.critical, later),
+            what_changed(runs.critical, later),
             when(t),
             figures(measured, 4),
             fallen(later.step),
-            place_of(bench.scene(), later.dof),
+            place_of(runs.scene(), later.dof),
             figures(later.rates.frequency, 4),
             figures(later.rates.damping, 4),
-            figures(bench.critical.rates.frequency, 4),
-            figures(bench.critical.rates.damping, 4),
+            figures(runs.critical.rates.frequency, 4),
+            figures(runs.critical.rates.damping, 4),
         );
         let enough = later.step < (1.0 + ENOUGH) * fails;
         return swings.filter(|_| !enough).map_or(stiffens.clone(), |swings| format!("{stiffens}; and {swings}"));
@@ -69,7 +69,7 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
     if let Some(swings) = swings {
         return swings;
     }
-    if coupled(bench) && row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
+    if coupled(runs) && row.prediction.known_by == KnownBy::Estimate && row.ratio.unwrap_or(0.0) > 1.0 - ESTIMATE {
         return "the prediction is an estimate from the motions found, damping may couple them, and no stiffer state was seen in the run \
                 that held"
             .to_owned();
@@ -84,40 +84,40 @@ fn too_early(row: &Row, bench: &Bench<'_>, measured: f64) -> String {
 }
 
 /// Runs hold above the predicted step.
-fn too_late(row: &Row, bench: &Bench<'_>, held: f64) -> String {
+fn too_late(row: &Row, runs: &MethodRuns<'_>, held: f64) -> String {
     let middle = (held * row.prediction.step.unwrap_or(held)).sqrt();
-    if !bench.settles(held) {
+    if !runs.settles(held) {
         return format!(
             "not settled: beyond the predicted limit no run that held was long enough for the {E_FOLDS} e-folds of growth that are sure to be \
              seen: {}; {}",
-            growth(bench, middle),
-            growth(bench, held)
+            growth(runs, middle),
+            growth(runs, held)
         );
     }
-    if bench.folds(middle) <= 0.0 {
+    if runs.folds(middle) <= 0.0 {
         return format!(
             "the prediction is an estimate, and too small: a step of {} s does not grow where forces are linear either",
             figures(middle, 4)
         );
     }
-    if let Some((t, later)) = along(bench, held, 1).filter(|(_, later)| above(*later, row)) {
+    if let Some((t, later)) = along(runs, held, 1).filter(|(_, later)| above(*later, row)) {
         return format!("the scene softens: {}, in the run at {} s, {}", when(t), figures(held, 4), risen(later.step));
     }
     format!(
         "the motion that sets the prediction (around {}) did not grow without bound, though where forces are linear it grows enough to be \
          seen ({}): it is not reached, or forces that are not linear hold it",
-        place_of(bench.scene(), bench.critical.dof),
-        growth(bench, held)
+        place_of(runs.scene(), runs.critical.dof),
+        growth(runs, held)
     )
 }
 
 /// A method that grows at every step, measured over a number of steps.
-fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
-    let w = figures(bench.critical.rates.frequency, 4);
-    let place = place_of(bench.scene(), bench.critical.dof);
-    let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(bench, h)).unwrap_or_default();
-    let fails = row.unstable.map(|h| format!("; {}", growth(bench, h))).unwrap_or_default();
-    let seen = row.measured.filter(|h| bench.folds(*h) >= E_FOLDS);
+fn slow_from_zero(row: &Row, runs: &MethodRuns<'_>) -> String {
+    let w = figures(runs.critical.rates.frequency, 4);
+    let place = place_of(runs.scene(), runs.critical.dof);
+    let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(runs, h)).unwrap_or_default();
+    let fails = row.unstable.map(|h| format!("; {}", growth(runs, h))).unwrap_or_default();
+    let seen = row.measured.filter(|h| runs.folds(*h) >= E_FOLDS);
     let unlike =
         seen.map_or("", |_| "; the run that held would show it if forces were linear, so those that are not hold it");
     format!(
@@ -127,21 +127,21 @@ fn slow_from_zero(row: &Row, bench: &Bench<'_>) -> String {
 }
 
 /// A scene that sets no limit at the start.
-fn not_at_the_start(row: &Row, bench: &Bench<'_>) -> String {
-    match along(bench, row.measured.unwrap_or(0.0), 0).filter(|(_, later)| later.step.is_finite()) {
+fn not_at_the_start(row: &Row, runs: &MethodRuns<'_>) -> String {
+    match along(runs, row.measured.unwrap_or(0.0), 0).filter(|(_, later)| later.step.is_finite()) {
         Some((t, later)) => format!(
             "nothing sets a limit at the start, but {}: {} {} (set around {})",
-            what_changed(bench.critical, later),
+            what_changed(runs.critical, later),
             when(t),
             limit(later.step),
-            place_of(bench.scene(), later.dof)
+            place_of(runs.scene(), later.dof)
         ),
         None => format!("nothing sets a limit at the start{}", because(row)),
     }
 }
 
 /// A method without limit on linear scenes.
-fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
+fn unlimited(row: &Row, runs: &MethodRuns<'_>) -> String {
     let what = match row.runs.iter().find(|run| Some(run.step) == row.unstable).map(|run| run.verdict) {
         Some(Verdict::NotConverged) => "Newton's iteration does not converge",
         Some(Verdict::Grows) => "small motion grows",
@@ -149,7 +149,7 @@ fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
         Some(Verdict::NotFinite | Verdict::BlownUp) => "the motion blows up",
         _ => "the scheme makes energy that stays",
     };
-    let why = match bench.method.info.family {
+    let why = match runs.method.info.family {
         Family::MatrixFree => "what acts outside the filter is explicit, and the filter is no exact solution",
         _ => "that every step is stable holds on linear scenes only",
     };
@@ -157,20 +157,20 @@ fn unlimited(row: &Row, bench: &Bench<'_>) -> String {
 }
 
 /// Whether there is more than one motion, and damping.
-fn coupled(bench: &Bench<'_>) -> bool {
-    let free = bench.scene().inverse_mass().iter().filter(|m| **m > 0.0).count();
-    free > 1 && bench.scene().velocity_dependent()
+fn coupled(runs: &MethodRuns<'_>) -> bool {
+    let free = runs.scene().inverse_mass().iter().filter(|m| **m > 0.0).count();
+    free > 1 && runs.scene().velocity_dependent()
 }
 
 /// "at 0.1 s it grows by 2 % a step, 7.9 e-folds in 400 steps"
-fn growth(bench: &Bench<'_>, h: f64) -> String {
-    let Some(rate) = bench.e_folds(h) else { return format!("at {} s no step can be made", figures(h, 4)) };
+fn growth(runs: &MethodRuns<'_>, h: f64) -> String {
+    let Some(rate) = runs.e_folds(h) else { return format!("at {} s no step can be made", figures(h, 4)) };
     format!(
         "at {} s it grows by {} % a step, {} e-folds in {} steps",
         figures(h, 4),
         figures(100.0 * rate.exp_m1(), 3),
-        figures(bench.folds(h), 3),
-        bench.steps(h)
+        figures(runs.folds(h), 3),
+        runs.steps(h)
     )
 }
 
@@ -184,10 +184,10 @@ fn because(row: &Row) -> String {
 }
 
 /// The critical step where the run at step `h` [s] was stiffest (0) or softest (1).
-fn along(bench: &Bench<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)> {
-    let state: &State = bench.trial(h)?.extremes.get(which)?;
-    let effort = Effort { stop: bench.stop(), ..Effort::START };
-    let critical = Spectrum::with(bench.scene(), state.as_ref(), effort).critical_step(bench.method);
+fn along(runs: &MethodRuns<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)> {
+    let state: &State = runs.trial(h)?.extremes.get(which)?;
+    let effort = Effort { stop: runs.stop(), ..Effort::START };
+    let critical = Spectrum::with(runs.scene(), state.as_ref(), effort).critical_step(runs.method);
     Some((state.t, critical))
 }
 

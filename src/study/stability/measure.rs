@@ -6,22 +6,21 @@
 //! would, and no more than a number of force passes (or implicit steps) that depends on the size of the scene alone. A
 //! run beyond the predicted limit that is cut short by this, and holds, settles nothing.
 
+use super::classify::{EnergyClassifier, STAYS, Verdict};
+use super::perturbation::Start;
 use super::row::RunRow;
-use super::start::Start;
-use super::verdict::{Judge, STAYS, Verdict};
 use super::{Kind, StabilitySpec, dear};
 use crate::analysis::critical::CriticalStep;
 use crate::analysis::critical::step_by_bounds;
 use crate::analysis::limit::{growth, swing};
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
-use crate::drive::{self, Explain, Failure, Outcome, RunSpec, Status};
+use crate::drive::{Explain, Failure, Outcome, Status};
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::Stepper;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::{BoundBuffer, Scene};
-use std::sync::Arc;
+use crate::study::experiment::{self, Event, Experiment, Flow};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start
@@ -75,7 +74,7 @@ pub(super) struct From<'a> {
 }
 
 /// Runs of one method.
-pub(super) struct Bench<'a> {
+pub(super) struct MethodRuns<'a> {
     spec: &'a StabilitySpec<'a>,
     pub method: &'a MethodChoice,
     pub critical: CriticalStep,
@@ -96,7 +95,7 @@ pub(super) struct Trial {
     pub extremes: [State; 2],
 }
 
-impl<'a> Bench<'a> {
+impl<'a> MethodRuns<'a> {
     pub fn new(
         spec: &'a StabilitySpec<'a>,
         method: &'a MethodChoice,
@@ -112,7 +111,7 @@ impl<'a> Bench<'a> {
         };
         let swing = step.and_then(|h| swing(method, critical.rates, h));
         let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
-        Bench { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
+        MethodRuns { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
     }
 
     pub fn stop(&self) -> Stop<'a> {
@@ -207,7 +206,7 @@ impl<'a> Bench<'a> {
         // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
         // nothing to it.
         let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
-        let (outcome, judge) = self.run(h, steps, swings, Explain::Nothing)?;
+        let (outcome, classifier) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);
         }
@@ -215,9 +214,9 @@ impl<'a> Bench<'a> {
             Status::NotConverged => Verdict::NotConverged,
             Status::Diverged if !swings => Verdict::Diverged,
             Status::Diverged if outcome.steps < steps => Verdict::NotFinite,
-            _ => judge.energy(),
+            _ => classifier.energy(),
         };
-        let lively = judge.lively();
+        let lively = classifier.lively();
         let verdict =
             if verdict.is_stable() && self.kept_up(lively, h, outcome.t_end) { Verdict::MotionStays } else { verdict };
         let row = RunRow {
@@ -226,11 +225,11 @@ impl<'a> Bench<'a> {
             steps,
             made: outcome.steps,
             t_end: outcome.t_end,
-            peak: judge.peak,
+            peak: classifier.peak,
             lively,
             verdict,
         };
-        self.trials.push(Trial { row, extremes: judge.looks.extremes() });
+        self.trials.push(Trial { row, extremes: classifier.evidence.extremes() });
         Ok(verdict.is_stable())
     }
 
@@ -243,26 +242,30 @@ impl<'a> Bench<'a> {
         below.is_some_and(|row| lively > LIVELY[0] * row.lively && lively > LIVELY[1])
     }
 
-    fn run(&self, h: f64, steps: u64, keep_going: bool, explain: Explain) -> Result<(Outcome, Judge<'a>), Halt> {
-        let scene = self.scene();
-        let refused = |why: &dyn std::fmt::Display| Halt::Refused(why.to_string());
-        let mut stepper =
-            Stepper::bind(self.method.scheme(self.spec.solver), scene.abilities()).map_err(|e| refused(&e))?;
-        let spec = RunSpec {
-            end: steps as f64 * h,
-            step: Step::Fixed(h),
-            frames_every: None,
-            keep_going,
-            explain,
-            interrupt: self.stop(),
-            method: self.method,
-        };
-        let mut judge = Judge::new(self, steps, self.interrupt);
-        let stop = Arc::clone(&judge.stop);
-        let state = self.from.state.clone();
-        let outcome = drive::run_from(scene, &mut stepper, spec, state, &mut [&mut judge], &stop);
-        let outcome = outcome.map_err(|e| refused(&e))?;
-        Ok((outcome, judge))
+    fn run(
+        &self,
+        h: f64,
+        steps: u64,
+        keep_going: bool,
+        explain: Explain,
+    ) -> Result<(Outcome, EnergyClassifier<'a>), Halt> {
+        let end = steps as f64 * h;
+        let run = Experiment::new(self.scene(), self.method, self.spec.solver, Step::Fixed(h), end);
+        let experiment = Experiment { keep_going, explain, interrupt: self.stop(), ..run };
+        let mut classifier = EnergyClassifier::new(self, steps);
+        let start = experiment::Start::State(self.from.state.clone());
+        let outcome = experiment.run(start, None, &mut |event, _| match event {
+            Event::Started(at, ledger) => {
+                classifier.started(at, ledger);
+                Flow::Continue
+            }
+            Event::Step(step) => {
+                let settled = step.ends().is_some_and(|ends| classifier.stepped(&step, ends));
+                Flow::stop_if(settled || self.interrupt.load(Ordering::Relaxed))
+            }
+            _ => Flow::Continue,
+        });
+        Ok((outcome.map_err(|e| Halt::Refused(e.to_string()))?, classifier))
     }
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.

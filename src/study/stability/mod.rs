@@ -6,29 +6,29 @@
 //! measured    [h, H]: runs at h held, runs at H did not; H/h - 1 is half a percent where the prediction is confirmed
 //! ```
 //! Runs begin at the scene's own start, a little displaced so that what is unstable shows in a scene at rest too; a
-//! scene whose own motion is linear is measured from small motion where its own start gives another limit (`start`).
-//! Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and an instability of
-//! a percent needs hundreds of steps to grow out of rounding. `verdict` says how the two are told apart, `measure` how
-//! long the runs are, `explain` why a measured limit differs from the predicted one. Nothing here reads a clock but the
-//! budget, which only leaves methods out.
+//! scene whose own motion is linear is measured from small motion where its own start gives another limit
+//! (`perturbation`). Near its limit an explicit scheme may swing many times the energy there is and yet be stable, and
+//! an instability of a percent needs hundreds of steps to grow out of rounding. `classify` says how the two are told
+//! apart, `measure` how long the runs are, `explain` why a measured limit differs from the predicted one. Nothing here
+//! reads a clock but the budget, which only leaves methods out.
 
+mod classify;
+mod evidence;
 mod explain;
-mod looks;
 mod measure;
+mod perturbation;
 mod prediction;
 mod region;
 mod report;
 mod row;
 mod search;
-mod start;
-mod verdict;
 pub mod write;
 
+pub use classify::Verdict;
+pub use perturbation::Start;
 pub use prediction::{KnownBy, Prediction};
 pub use report::{csv, table};
 pub use row::{AsGiven, Row, RunRow, Stability, Status};
-pub use start::Start;
-pub use verdict::Verdict;
 
 use crate::analysis::critical::{CriticalStep, Effort};
 use crate::analysis::spectrum::Spectrum;
@@ -37,7 +37,7 @@ use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
-use measure::{Bench, From, Halt};
+use measure::{From, Halt, MethodRuns};
 use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -82,8 +82,8 @@ pub fn study(spec: &StabilitySpec<'_>, begins: &mut dyn FnMut(Beginning<'_>), st
     let common = Common {
         spec,
         reference,
-        given: start::seeded(spec.scene, state.clone()),
-        at_rest: start::at_rest(spec.scene, &state),
+        given: perturbation::seeded(spec.scene, state.clone()),
+        at_rest: perturbation::at_rest(spec.scene, &state),
         small: OnceCell::new(),
         stop,
     };
@@ -138,22 +138,22 @@ impl Common<'_> {
         row.start = if self.at_rest { Start::SmallMotion } else { Start::AsGiven };
         let given = From { start: row.start, state: &self.given };
         let found = self.search(row, of, given, before);
-        let Some(bench) = found else { return };
+        let Some(runs) = found else { return };
         if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
-            let small = self.small.get_or_init(|| start::small_motion(self.spec, self.reference, self.stop));
+            let small = self.small.get_or_init(|| perturbation::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
-                return row.halted(Halt::Interrupted, Some(&bench));
+                return row.halted(Halt::Interrupted, Some(&runs));
             }
             if let Some(state) = small {
                 row.set_aside();
                 let small = From { start: Start::SmallMotion, state };
-                if let Some(bench) = self.search(row, of, small, before) {
-                    explain::explain(row, &bench);
+                if let Some(runs) = self.search(row, of, small, before) {
+                    explain::explain(row, &runs);
                 }
                 return;
             }
         }
-        explain::explain(row, &bench);
+        explain::explain(row, &runs);
     }
 
     fn search<'b>(
@@ -162,17 +162,17 @@ impl Common<'_> {
         (method, critical): (&'b MethodChoice, CriticalStep),
         from: From<'b>,
         before: &mut Before<'_>,
-    ) -> Option<Bench<'b>> {
-        let mut bench = Bench::new(self.spec, method, critical, from, self.stop);
-        let found = search::largest(bench.kind(), self.reference, self.spec.end, &mut |h| bench.holds(h, &mut *before));
-        row.made(&bench);
+    ) -> Option<MethodRuns<'b>> {
+        let mut runs = MethodRuns::new(self.spec, method, critical, from, self.stop);
+        let found = search::largest(runs.kind(), self.reference, self.spec.end, &mut |h| runs.holds(h, &mut *before));
+        row.made(&runs);
         match found {
             Ok(bracket) => {
-                row.measured(&bench, bracket);
-                Some(bench)
+                row.measured(&runs, bracket);
+                Some(runs)
             }
             Err(halt) => {
-                row.halted(halt, Some(&bench));
+                row.halted(halt, Some(&runs));
                 None
             }
         }

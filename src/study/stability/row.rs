@@ -1,8 +1,8 @@
 //! What is known of a method in the end: a row of the table.
 
-use super::measure::{Bench, Halt};
+use super::measure::{Halt, MethodRuns};
+use super::perturbation::Start;
 use super::search::Bracket;
-use super::start::Start;
 use super::{Kind, Prediction, Verdict};
 use crate::case::schema::Method;
 use crate::drive::Failure;
@@ -144,11 +144,11 @@ impl Row {
         }
     }
 
-    pub(super) fn made(&mut self, bench: &Bench<'_>) {
-        self.runs.extend(bench.trials.iter().map(|trial| trial.row));
+    pub(super) fn made(&mut self, runs: &MethodRuns<'_>) {
+        self.runs.extend(runs.trials.iter().map(|trial| trial.row));
     }
 
-    pub(super) fn measured(&mut self, bench: &Bench<'_>, bracket: Bracket) {
+    pub(super) fn measured(&mut self, runs: &MethodRuns<'_>, bracket: Bracket) {
         let Bracket { stable, unstable } = bracket;
         self.unstable = unstable;
         match unstable {
@@ -157,7 +157,7 @@ impl Row {
         }
         let predicted = self.prediction.step.filter(|step| *step > 0.0);
         self.ratio = predicted.zip(self.measured).map(|(predicted, measured)| measured / predicted);
-        self.differs = match (bench.kind(), predicted) {
+        self.differs = match (runs.kind(), predicted) {
             (Kind::Near(_), Some(predicted)) => {
                 let most = self.prediction.at_most.unwrap_or(predicted).max(predicted);
                 let near = predicted * (1.0 - AGREES)..=most * (1.0 + AGREES);
@@ -167,10 +167,10 @@ impl Row {
             (Kind::Unlimited | Kind::Somewhere, _) => self.unstable.is_some(),
             (Kind::Near(_), None) => false,
         };
-        if self.differs && stable.is_some_and(|longest| !bench.settles(longest)) {
-            self.unsettled(Status::NotSettled, bench);
+        if self.differs && stable.is_some_and(|longest| !runs.settles(longest)) {
+            self.unsettled(Status::NotSettled, runs);
         }
-        self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| bench.failure(h));
+        self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| runs.failure(h));
     }
 
     /// Makes room for a measurement from small motion.
@@ -185,10 +185,10 @@ impl Row {
     }
 
     /// No limit, but what runs know of it.
-    fn unsettled(&mut self, status: Status, bench: &Bench<'_>) {
+    fn unsettled(&mut self, status: Status, runs: &MethodRuns<'_>) {
         self.status = status;
         (self.measured, self.unstable, self.tried_up_to, self.ratio) = (None, None, None, None);
-        [self.at_least, self.at_most] = bench.between();
+        [self.at_least, self.at_most] = runs.between();
     }
 
     /// A row without a measurement.
@@ -198,16 +198,16 @@ impl Row {
         (self.at_least, self.at_most, self.differs, self.failure) = (None, None, false, None);
     }
 
-    /// A measurement that was not finished: what the runs that were made of `bench` know.
-    pub(super) fn halted(&mut self, halt: Halt, bench: Option<&Bench<'_>>) {
+    /// A measurement that was not finished: what the runs that were made of `runs` know.
+    pub(super) fn halted(&mut self, halt: Halt, runs: Option<&MethodRuns<'_>>) {
         self.clear(match halt {
             Halt::OutOfBudget => Status::OutOfBudget,
             Halt::Interrupted => Status::Interrupted,
             Halt::Refused(_) => Status::Refused,
         });
-        match (halt, bench) {
+        match (halt, runs) {
             (Halt::Refused(why), _) => self.why = Some(why),
-            (_, Some(bench)) => [self.at_least, self.at_most] = bench.between(),
+            (_, Some(runs)) => [self.at_least, self.at_most] = runs.between(),
             (_, None) => {}
         }
     }

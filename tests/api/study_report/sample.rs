@@ -4,7 +4,7 @@ use canopy_fem::case::schema::Method;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::registry::Family;
 use canopy_fem::study::Study;
-use canopy_fem::study::front::mark_front;
+use canopy_fem::study::pareto::mark_front;
 use canopy_fem::study::plan::{Plan, Variant};
 use canopy_fem::study::reference::Account;
 use canopy_fem::study::row::{Job, Measured, Pace, Row, RowStatus, label};

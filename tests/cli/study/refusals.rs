@@ -4,7 +4,7 @@ use crate::bench::Bench;
 use crate::common::write_net;
 
 #[test]
-fn bad_wishes_are_refused_before_anything_is_made() {
+fn bad_options_are_refused_before_anything_is_made() {
     let bench = Bench::new();
     let cases: [(&[&str], &str); 14] = [
         (&["--methods", "rk5"], "there is no method"),
@@ -45,7 +45,7 @@ fn nothing_is_lost_and_quiet_is_quiet() {
     assert_eq!((ended.code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
 }
 
-/// Another case or other wishes in the same folder are refused until --force.
+/// Another case or other options in the same folder are refused until --force.
 #[test]
 fn another_study_is_not_mixed_in() {
     let bench = Bench::new();

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::front::{TIE, cheapest};
+use super::pareto::{TIE, cheapest};
 use super::plan::Plan;
 use super::row::{Pace, Row, RowStatus};
 use crate::format_number::figures;
@@ -31,7 +31,7 @@ pub struct Pick {
 
 /// What to use for an accuracy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answer {
+pub struct Recommendation {
     /// [-] number of the variant
     pub variant: usize,
     /// [-] wanted error
@@ -85,9 +85,9 @@ pub struct StiffnessCrossover {
 
 /// All answers of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Answers {
+pub struct Recommendations {
     /// one an accuracy and variant
-    pub targets: Vec<Answer>,
+    pub targets: Vec<Recommendation>,
     /// one a variant
     pub crossovers: Vec<Crossover>,
     /// a table over accuracies and stiffnesses, of a study that sweeps them
@@ -96,10 +96,10 @@ pub struct Answers {
     pub stiffness_crossovers: Vec<StiffnessCrossover>,
 }
 
-impl Answers {
+impl Recommendations {
     /// From the rows of a study.
     pub fn of(plan: &Plan, rows: &[Row]) -> Self {
-        let mut answers = Answers::default();
+        let mut answers = Recommendations::default();
         for variant in 0..plan.variants.len() {
             let view = View::of(plan, rows, variant);
             answers.targets.extend(targets(view.reference_error).filter_map(|wanted| view.answer(wanted)));
@@ -170,7 +170,7 @@ impl<'a> View<'a> {
         }
     }
 
-    fn answer(&self, wanted: f64) -> Option<Answer> {
+    fn answer(&self, wanted: f64) -> Option<Recommendation> {
         let (best, cost) = self.cheapest(wanted, |_| true)?;
         let next = self.cheapest(wanted, |row| row.job.method != best.job.method);
         let [explicit, implicit] = self.families(wanted);
@@ -194,7 +194,15 @@ impl<'a> View<'a> {
         }
         let pick = |found: Option<(&Row, f64)>| found.map(|(row, _)| self.pick(row));
         let (variant, next, best) = (self.variant, pick(next), self.pick(best));
-        Some(Answer { variant, wanted, best, next, explicit: pick(explicit), implicit: pick(implicit), sentence })
+        Some(Recommendation {
+            variant,
+            wanted,
+            best,
+            next,
+            explicit: pick(explicit),
+            implicit: pick(implicit),
+            sentence,
+        })
     }
 
     /// Why the other family gave nothing; nothing if it was not asked for.

@@ -1,7 +1,7 @@
 //! What work costs nominally: the same on every machine, so that what is decided by it is the same everywhere.
 
+use super::coarse_reference::Delivered;
 use super::cost::TangentCost;
-use super::yardstick::Delivered;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::scene::Scene;
 use crate::study::bench::{nominal_pass, nominal_step};

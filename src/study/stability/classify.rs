@@ -18,17 +18,15 @@
 //! all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes
 //! do not swing: there the run's own watch decides, as it does in `solve`.
 
-use super::looks::Looks;
-use super::measure::Bench;
-use super::start::{Start, displacement};
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
+use super::evidence::Evidence;
+use super::measure::MethodRuns;
+use super::perturbation::{Start, displacement};
+use crate::drive::observer::{AcceptedStep, LedgerRow, Point};
 use crate::drive::watch::push;
 use crate::integrate::registry::Family;
 use crate::model::state::StateRef;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A share of the energy supplied that is beyond all swinging.
 const BLOWN: f64 = 1e8;
@@ -71,13 +69,9 @@ impl Verdict {
     }
 }
 
-/// An observer that follows a run's energy, and stops the run once there is no doubt.
-pub(super) struct Judge<'a> {
-    /// set from outside: the user's interrupt
-    interrupt: &'a AtomicBool,
-    /// what the run is stopped by
-    pub stop: Arc<AtomicBool>,
-    pub looks: Looks<'a>,
+/// Follows a run's energy.
+pub(super) struct EnergyClassifier<'a> {
+    pub evidence: Evidence<'a>,
     scene: &'a dyn Scene,
     steps: u64,
     /// [-] share that must not stay
@@ -108,17 +102,15 @@ pub(super) struct Judge<'a> {
     made: [(f64, u64); 2],
 }
 
-impl<'a> Judge<'a> {
-    pub fn new(bench: &Bench<'a>, steps: u64, interrupt: &'a AtomicBool) -> Self {
-        let (scene, method) = (bench.scene(), bench.method);
+impl<'a> EnergyClassifier<'a> {
+    pub fn new(runs: &MethodRuns<'a>, steps: u64) -> Self {
+        let (scene, method) = (runs.scene(), runs.method);
         let moved = displacement(scene);
-        Judge {
-            interrupt,
-            stop: Arc::new(AtomicBool::new(false)),
-            looks: Looks::new(scene, steps),
+        EnergyClassifier {
+            evidence: Evidence::new(scene, steps),
             scene,
             steps,
-            stays: bench.stays,
+            stays: runs.stays,
             dissipates: method.info.family != Family::MatrixFree,
             floor: scene.nodal_stiffness().iter().sum::<f64>() * moved * moved,
             base: 0.0,
@@ -129,7 +121,7 @@ impl<'a> Judge<'a> {
             late: [0; 2],
             motion: 0.0,
             secant: vec![0.0; scene.n_dof()],
-            sinks: bench.start() == Start::SmallMotion && bench.stays == STAYS[0] && scene.corners().is_empty(),
+            sinks: runs.start() == Start::SmallMotion && runs.stays == STAYS[0] && scene.corners().is_empty(),
             eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }
@@ -177,18 +169,15 @@ impl<'a> Judge<'a> {
             _ => false,
         })
     }
-}
 
-impl Observer for Judge<'_> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
+    pub fn started(&mut self, at: &Point, ledger: LedgerRow) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
-        self.looks.look(at.state.as_ref());
-        Ok(())
+        self.evidence.look(at.state.as_ref());
     }
 
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        let Some([start, end]) = step.ends() else { return Ok(()) };
+    /// After a step; whether there is no doubt any more that the run is unstable.
+    pub fn stepped(&mut self, step: &AcceptedStep<'_>, [start, end]: [&Point; 2]) -> bool {
         let LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical } = step.ledger;
         self.supplied = self.supplied.max(self.base - gravity + external_work);
         let there = kinetic + elastic;
@@ -223,10 +212,7 @@ impl Observer for Judge<'_> {
             }
         }
         self.blown |= share > BLOWN;
-        if self.blown || self.interrupt.load(Ordering::Relaxed) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        self.looks.stepped(&step);
-        Ok(())
+        self.evidence.stepped(step);
+        self.blown
     }
 }

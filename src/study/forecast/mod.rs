@@ -1,32 +1,31 @@
-//! What runs of a scene would cost, predicted from short trials, and the steps of an accuracy; nothing is written.
+//! Forecast of the cost of runs from short trials, and of the step that an accuracy needs. Nothing is written.
 //!
-//! A cheap adaptive run leads the way as far as a fraction of a second of processor time takes it ([`course`]); from
-//! states along that way every method makes a few real steps ([`sample`]), for the number of Newton iterations or of
-//! refused steps is not known otherwise. What these steps cost stands for the parts of the run around them
-//! ([`estimate`]); the memory is counted ([`memory`]). Adaptive steps are first made from the start ([`beginning`]),
-//! and where that does not come to the end the states stand for the rest. A scheme may need far smaller steps in its
-//! own motion than from states of another, so paces that differ make a figure a doubtful one.
-//!
-//! What a step delivers is not predicted but measured: runs with coarse steps, as far as is affordable, against a
-//! reference ([`yardstick`]), from which the longest step of an accuracy is found ([`search`]) and methods are ranked
-//! ([`advice`]) by what their work costs nominally ([`units`]). Where no reference is affordable an implicit run is
-//! compared with one of twice its step (`halving`).
+//! 1. A cheap adaptive run, limited to a fraction of a second, gives states along the whole run ([`states`]).
+//! 2. Every method makes a few real steps from these states ([`sample`]), because the number of Newton iterations and
+//!    of rejected steps is not known otherwise. Adaptive steps are first made from the start ([`beginning`]).
+//! 3. What these steps cost stands for the parts of the run around them ([`estimate`]); memory is counted ([`memory`]).
+//!    A forecast is marked doubtful if the step size differs much between these parts.
+//! 4. The accuracy of a step is measured: runs with coarse steps are compared with a reference, as far as is affordable
+//!    ([`coarse_reference`]). From them follows the longest step for an accuracy ([`search`]).
+//! 5. Methods are ranked by the nominal cost of their work ([`advice`], [`units`]). If no reference is affordable, an
+//!    implicit run is compared with one of twice its step (`step_doubling`).
 
 pub mod advice;
 pub mod beginning;
 pub mod budget;
+pub mod coarse_reference;
 pub mod cost;
-pub mod course;
+pub mod describe;
 pub mod estimate;
-mod halving;
 pub mod memory;
 pub mod output;
 pub mod sample;
 pub mod search;
+pub mod states;
+mod step_doubling;
 pub mod timing;
 mod trials;
 pub mod units;
-pub mod yardstick;
 
 use advice::{Advice, Adviser};
 use budget::Budget;
@@ -73,7 +72,7 @@ pub struct ForecastSpec<'a> {
 
 /// One method's prospects.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct Row {
+pub struct MethodForecast {
     /// name in a case
     pub method: &'static str,
     /// [-] order of accuracy
@@ -116,7 +115,7 @@ pub struct Forecast {
     /// [-] part of the run that the trials saw
     pub seen: f64,
     /// one row a method
-    pub methods: Vec<Row>,
+    pub methods: Vec<MethodForecast>,
     /// what to take for the wanted accuracy; null where no method came to a prediction
     pub advice: Option<Advice>,
 }
@@ -156,7 +155,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
             adaptive: step.fixed().is_none(),
             searches: trials.searches(candidate, step),
         };
-        Row {
+        MethodForecast {
             method: candidate.method.info.name,
             order: candidate.method.order(),
             family: candidate.method.info.family,
@@ -171,7 +170,7 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
             at_accuracy: None,
         }
     });
-    let mut methods: Vec<Row> = rows.collect();
+    let mut methods: Vec<MethodForecast> = rows.collect();
     let adviser = Adviser::new(spec, tangent.as_ref());
     let offers = adviser.offers(&mut trials);
     let whole = adviser.sees_all();

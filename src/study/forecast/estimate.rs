@@ -1,8 +1,8 @@
 //! The cost of a whole run, estimated from a few real steps sampled along it.
 
 use super::beginning::Beginning;
+use super::coarse_reference::Delivered;
 use super::sample::Sample;
-use super::yardstick::Delivered;
 
 /// [-] Paces of parts of a run that differ by more tell little of the parts between.
 const UNEVEN: f64 = 3.0;

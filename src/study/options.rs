@@ -11,7 +11,7 @@ const REPEAT: u32 = 3;
 
 /// What is asked for. A list that is not given is chosen; an empty one means none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Wishes {
+pub struct StudyOptions {
     /// methods
     pub methods: Option<Vec<Method>>,
     /// [s] fixed steps
@@ -26,7 +26,7 @@ pub struct Wishes {
 
 /// What was typed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Typed<'a> {
+pub struct TypedOptions<'a> {
     /// `--methods`
     pub methods: Option<&'a str>,
     /// `--steps`
@@ -39,12 +39,12 @@ pub struct Typed<'a> {
     pub stiffness_sweep: Option<&'a str>,
 }
 
-impl Wishes {
+impl StudyOptions {
     /// Flags win over the case's section.
     ///
     /// # Errors
     /// A list that cannot be read, or a number out of range.
-    pub fn of(typed: Typed<'_>, section: Option<&Study>) -> Result<Self, StudyError> {
+    pub fn of(typed: TypedOptions<'_>, section: Option<&Study>) -> Result<Self, StudyError> {
         let section = section.cloned().unwrap_or_default();
         let fraction = |x: f64| (x > 0.0 && x < 1.0).then_some(()).ok_or("above 0 and below 1");
         let positive = |x: f64| (x > 0.0 && x.is_finite()).then_some(()).ok_or("above 0");
@@ -52,7 +52,7 @@ impl Wishes {
             typed.map(|text| numbers(flag, text, of, allowed)).transpose()
         };
         let methods = typed.methods.map(methods).transpose()?;
-        Ok(Wishes {
+        Ok(StudyOptions {
             methods: methods.or(section.methods),
             steps: list("--steps", typed.steps, series, &positive)?.or(section.steps),
             tolerances: list("--tolerances", typed.tolerances, decades, &fraction)?.or(section.tolerances),
@@ -142,27 +142,27 @@ mod tests {
 
     #[test]
     fn lists_as_typed() {
-        let typed = Typed {
+        let typed = TypedOptions {
             methods: Some(r#"newmark, {"hht": {"alpha": -0.2}},rk4"#),
             steps: Some("1e-3..1e-2"),
             tolerances: Some("1e-2..1e-4,3e-5"),
-            ..Typed::default()
+            ..TypedOptions::default()
         };
-        let wishes = Wishes::of(typed, None).expect("good");
-        let names: Vec<String> = wishes.methods.expect("given").iter().map(super::super::row::label).collect();
+        let options = StudyOptions::of(typed, None).expect("good");
+        let names: Vec<String> = options.methods.expect("given").iter().map(super::super::row::label).collect();
         assert_eq!(names, ["newmark", "hht(alpha=-0.2)", "rk4"]);
-        assert_eq!(wishes.steps, Some(vec![1e-2, 5e-3, 2e-3, 1e-3]));
-        assert_eq!(wishes.tolerances, Some(vec![1e-2, 1e-3, 1e-4, 3e-5]));
-        assert_eq!((wishes.repeat, wishes.stiffness_sweep), (3, vec![]));
+        assert_eq!(options.steps, Some(vec![1e-2, 5e-3, 2e-3, 1e-3]));
+        assert_eq!(options.tolerances, Some(vec![1e-2, 1e-3, 1e-4, 3e-5]));
+        assert_eq!((options.repeat, options.stiffness_sweep), (3, vec![]));
     }
 
     #[test]
     fn flags_win_over_the_case_and_none_means_none() {
         let section =
             Study { steps: Some(vec![0.1]), tolerances: Some(vec![0.1]), repeat: Some(7), ..Study::default() };
-        let typed = Typed { steps: Some("none"), ..Typed::default() };
-        let wishes = Wishes::of(typed, Some(&section)).expect("good");
-        assert_eq!((wishes.steps, wishes.tolerances, wishes.repeat), (Some(vec![]), Some(vec![0.1]), 7));
+        let typed = TypedOptions { steps: Some("none"), ..TypedOptions::default() };
+        let options = StudyOptions::of(typed, Some(&section)).expect("good");
+        assert_eq!((options.steps, options.tolerances, options.repeat), (Some(vec![]), Some(vec![0.1]), 7));
     }
 
     #[test]
@@ -176,13 +176,13 @@ mod tests {
             ("methods", "rk4,,hht"),
             ("methods", r#"{"hht": {"alpha": 0.2}}"#),
         ] {
-            let mut typed = Typed::default();
+            let mut typed = TypedOptions::default();
             match flag {
                 "steps" => typed.steps = Some(text),
                 "tolerances" => typed.tolerances = Some(text),
                 _ => typed.methods = Some(text),
             }
-            let why = Wishes::of(typed, None).expect_err(text).to_string();
+            let why = StudyOptions::of(typed, None).expect_err(text).to_string();
             assert!(why.len() > 20, "{text}: {why}");
         }
     }

@@ -1,12 +1,12 @@
 //! Which method and which step to take for a wanted accuracy.
 
+use super::coarse_reference::CoarseReference;
 use super::cost::TangentCost;
 use super::estimate::Estimate;
-use super::halving::by_halving;
 use super::search::{Asked, CAREFUL, Found, Proof, Search, nice};
+use super::step_doubling::by_step_doubling;
 use super::trials::Trials;
 use super::units::Units;
-use super::yardstick::Yardstick;
 use super::{Candidate, ForecastSpec, planned, tolerance_of};
 use crate::drive::clock::Step;
 use crate::integrate::registry::Family;
@@ -86,14 +86,14 @@ impl<'s, 'a> Adviser<'s, 'a> {
     pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
         let ForecastSpec { scene, accuracy, .. } = *spec;
         let units = Units::new(scene, tangent);
-        let yardstick = Yardstick::of(spec);
-        let search = yardstick.map(|yardstick| Search { yardstick, units, accuracy });
+        let reference = CoarseReference::of(spec);
+        let search = reference.map(|reference| Search { reference, units, accuracy });
         Adviser { spec, units, search }
     }
 
     /// Whether runs were compared to their end.
     pub fn sees_all(&self) -> bool {
-        self.search.as_ref().is_some_and(|search| search.yardstick.seen() >= 1.0)
+        self.search.as_ref().is_some_and(|search| search.reference.seen() >= 1.0)
     }
 
     /// Methods with their steps, in the order of the candidates; those that cost clearly more than another of their
@@ -133,7 +133,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
             }
             let cheapest = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
             offers.extend(search.step(candidate, TIE * cheapest).map(|found| (candidate, found)));
-            self.spec.budget.spend(search.yardstick.spent());
+            self.spec.budget.spend(search.reference.spent());
         }
         offers
     }
@@ -142,7 +142,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
     fn halved(&self) -> Vec<Offer<'a>> {
         let own = self.spec.problem.method.info.name;
         let tried = self.family(true).find(|c| own == c.method.info.name || UNMEASURED.contains(&c.method.info.name));
-        tried.and_then(|c| by_halving(self.spec, self.units, c).map(|found| (c, found))).into_iter().collect()
+        tried.and_then(|c| by_step_doubling(self.spec, self.units, c).map(|found| (c, found))).into_iter().collect()
     }
 
     /// From what local errors let adaptive steps be.
@@ -184,7 +184,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let mut choose = |(candidate, found): Offer<'a>| self.choice(candidate, found, &mut complete);
         Some(Advice {
             accuracy: self.spec.accuracy,
-            compared: self.search.as_ref().map_or(0.0, |search| search.yardstick.seen()),
+            compared: self.search.as_ref().map_or(0.0, |search| search.reference.seen()),
             best: choose(best),
             runner_up: other.map(|offer| choose(*offer)),
             factor,
@@ -216,7 +216,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let Asked { tolerance, error, run: adaptive } = match &self.search {
             Some(search) if self.spec.budget.left() > 0.0 => {
                 let asked = search.tolerance(candidate, &found);
-                self.spec.budget.spend(search.yardstick.spent());
+                self.spec.budget.spend(search.reference.spent());
                 asked
             }
             _ => Asked::untried(self.spec.accuracy),

@@ -1,8 +1,8 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
+use super::coarse_reference::{CoarseReference, Delivered, RunBudget};
 use super::estimate::Estimate;
 use super::units::Units;
-use super::yardstick::{Delivered, Purse, Yardstick};
 use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::format_number::two_digits;
@@ -87,7 +87,7 @@ impl Asked {
 /// A search on one scene.
 pub struct Search<'a> {
     /// what errors are measured with
-    pub yardstick: Yardstick<'a>,
+    pub reference: CoarseReference<'a>,
     /// what work costs
     pub units: Units,
     /// [-] what is wanted
@@ -108,7 +108,7 @@ impl Search<'_> {
     /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be
     /// told.
     pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<Found> {
-        let Yardstick { span, whole, .. } = self.yardstick;
+        let CoarseReference { span, whole, .. } = self.reference;
         let method = &candidate.method;
         let mut longest = candidate.limit?.safe().min(LONGEST * whole).min(span / FEWEST);
         let known = method.info.family != Family::Implicit;
@@ -118,13 +118,13 @@ impl Search<'_> {
         let most = self.most(candidate);
         let shortest = span / most;
         let guess =
-            self.yardstick.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
+            self.reference.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
         // Two longer steps tell the order where the one that is sought is too dear.
         let from = if guess < shortest { 2.0 * shortest } else { guess };
         let mut h = nice(if from.is_finite() { from.min(longest) } else { longest }, whole);
         let mut tries: Vec<Try> = Vec::new();
         for _ in 0..RUNS[0] {
-            let Some(made) = self.yardstick.measure(method, Step::Fixed(h), self.purse(candidate, 2.0 * most)) else {
+            let Some(made) = self.reference.measure(method, Step::Fixed(h), self.budget(candidate, 2.0 * most)) else {
                 longest = h / 2.0;
                 h = nice(h / 3.0, whole);
                 if h < shortest { break } else { continue }
@@ -155,10 +155,10 @@ impl Search<'_> {
 
     /// The longest step that was good, or what they tell of shorter ones.
     fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<Found> {
-        let whole = self.yardstick.whole;
+        let whole = self.reference.whole;
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
         if let Some(&(step, made)) = good.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            let proof = if self.yardstick.seen() < 1.0 { Proof::Part } else { Proof::Run };
+            let proof = if self.reference.seen() < 1.0 { Proof::Part } else { Proof::Run };
             return Some(self.found(method, (step, made), step, made.error, proof));
         }
         let [_, .., (h, made)] = tries else { return None };
@@ -174,7 +174,7 @@ impl Search<'_> {
 
     /// A step, from a run with it or with a longer one.
     fn found(&self, method: &MethodChoice, from: Try, step: f64, error: f64, proof: Proof) -> Found {
-        let run = Some(from.1.run(self.yardstick.span, self.yardstick.whole, (self.yardstick.whole / step).ceil()));
+        let run = Some(from.1.run(self.reference.span, self.reference.whole, (self.reference.whole / step).ceil()));
         Found { step, error: Some(error), proof, seconds: self.cost(method, from, step), run }
     }
 
@@ -186,7 +186,7 @@ impl Search<'_> {
 
     /// [s] A step, before any was made.
     fn nominal(&self, candidate: &Candidate) -> f64 {
-        self.units.affordable(self.yardstick.scene, &candidate.method)
+        self.units.affordable(self.reference.scene, &candidate.method)
     }
 
     fn dear(&self, candidate: &Candidate) -> bool {
@@ -194,25 +194,25 @@ impl Search<'_> {
     }
 
     /// So many steps; implicit ones may turn out to need more iterations than was thought.
-    fn purse(&self, candidate: &Candidate, steps: f64) -> Purse {
+    fn budget(&self, candidate: &Candidate, steps: f64) -> RunBudget {
         let most = SPENT * RUN[usize::from(self.dear(candidate))];
         let implicit = candidate.method.info.family == Family::Implicit;
-        Purse { steps: steps as u64, work: implicit.then_some((self.units, most)) }
+        RunBudget { steps: steps as u64, work: implicit.then_some((self.units, most)) }
     }
 
     /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
     pub fn tolerance(&self, candidate: &Candidate, found: &Found) -> Asked {
         let untried = Asked::untried(self.accuracy);
-        let Yardstick { span, whole, .. } = self.yardstick;
+        let CoarseReference { span, whole, .. } = self.reference;
         let steps = span / found.step;
         if steps > 2.0 * self.most(candidate) {
             return untried;
         }
-        let most = 4.0 * steps + 4.0 * self.yardstick.frames() as f64 + 100.0;
+        let most = 4.0 * steps + 4.0 * self.reference.frames_compared() as f64 + 100.0;
         let mut tolerance = self.accuracy;
         for _ in 0..RUNS[1] {
             let step = Step::Adaptive(tolerance_of(tolerance));
-            let Some(made) = self.yardstick.measure(&candidate.method, step, self.purse(candidate, most)) else {
+            let Some(made) = self.reference.measure(&candidate.method, step, self.budget(candidate, most)) else {
                 break;
             };
             if made.error <= self.bound() {
@@ -230,12 +230,12 @@ impl Search<'_> {
 
     /// [-] The largest error that will do.
     fn bound(&self) -> f64 {
-        if self.yardstick.seen() < 1.0 { FROM_PART * self.accuracy } else { self.accuracy }
+        if self.reference.seen() < 1.0 { FROM_PART * self.accuracy } else { self.accuracy }
     }
 
     /// [s] The whole run with steps of `step` [s], from the work of another.
     fn cost(&self, method: &MethodChoice, (_, made): Try, step: f64) -> f64 {
-        self.units.as_made(method, &made, self.yardstick.whole / step)
+        self.units.as_made(method, &made, self.reference.whole / step)
     }
 }
 

@@ -3,11 +3,12 @@
 use super::beginning::{Beginning, beginning};
 use super::budget::Budget;
 use super::cost::{ForceCost, TangentCost};
-use super::course::{Course, Pilot, Window};
 use super::estimate::{Basis, Estimate};
 use super::sample::{Attempted, COLD, PATIENCE, Sample, SampleError, sample};
+use super::states::{Probe, SampledStates};
 use super::{Candidate, ForecastSpec, tolerance_of};
 use crate::analysis::critical::{has_limit, plainly_stable};
+use crate::drive::Snapshot;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
@@ -15,19 +16,19 @@ use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
 use crate::study::bench::nominal_step;
 
-/// [s] What a pilot may take.
-const PILOT: f64 = 0.3;
-/// [-] part of the run that the first pilot must come through, or another, with longer steps, is sent.
+/// [s] What a probe may take.
+const PROBE: f64 = 0.3;
+/// [-] part of the run that the first probe must come through, or another, with longer steps, is sent.
 const FAR: f64 = 0.5;
 /// States that a method is tried from.
-const WINDOWS: usize = 3;
+const STATES: usize = 3;
 /// [s] What a method may take from one state, with fixed steps and with adaptive ones.
 const ALLOWANCE: [f64; 2] = [0.015, 0.03];
 /// States for what adaptive steps leave of a run that was made from its start, and what a trial from one of them may
 /// take [s].
 const MANY: usize = 8;
 const BEYOND: f64 = 0.012;
-/// [s] What makes a pilot dear: a single Newton iteration, or ten force passes; a method is tried from fewer states
+/// [s] What makes a probe dear: a single Newton iteration, or ten force passes; a method is tried from fewer states
 /// long before that.
 const COSTLY: f64 = 0.03;
 /// [s] A single Newton iteration, or the setting up of its solver, that takes longer is tried with one method only.
@@ -56,9 +57,9 @@ pub struct Trials<'a> {
     frames_every: Option<f64>,
     force: &'a ForceCost,
     tangent: Option<&'a TangentCost>,
-    windows: Vec<Window>,
+    states: Vec<Snapshot>,
     /// for what is left of adaptive runs
-    many: Vec<Window>,
+    many: Vec<Snapshot>,
     /// [s]
     reached: f64,
     /// what dear implicit steps needed, by whether they were fixed
@@ -67,22 +68,22 @@ pub struct Trials<'a> {
 }
 
 impl<'a> Trials<'a> {
-    /// Sends pilots ahead.
+    /// Sends probes ahead.
     pub fn along(spec: &ForecastSpec<'a>, force: &'a ForceCost, tangent: Option<&'a TangentCost>) -> Self {
         let ForecastSpec { scene, problem, accuracy, .. } = *spec;
         let end = problem.time.end;
         let (solver, tolerance) = (problem.solver, tolerance_of(accuracy));
         let follow = |name: &str| {
             let method = MethodChoice::with_defaults(name).ok()?;
-            Some(Course::follow(scene, Pilot { method: &method, solver, end, tolerance, budget: PILOT }))
+            Some(SampledStates::follow(scene, Probe { method: &method, solver, end, tolerance, budget: PROBE }))
         };
-        let mut course = follow("velocity-verlet").unwrap_or_default();
+        let mut way = follow("velocity-verlet").unwrap_or_default();
         let cheap = tangent.is_some_and(|t| t.measured && t.iteration_seconds().max(t.analysis_seconds) < COSTLY);
-        if course.reached < FAR * end && cheap {
-            course = follow("newmark").filter(|other| other.reached > course.reached).unwrap_or(course);
+        if way.reached < FAR * end && cheap {
+            way = follow("newmark").filter(|other| other.reached > way.reached).unwrap_or(way);
         }
         let dear = 100.0 * force.pass_seconds > COSTLY * 10.0;
-        let [windows, many] = [WINDOWS, MANY].map(|count| course.windows(if dear { 1 } else { count }));
+        let [states, many] = [STATES, MANY].map(|count| way.states(if dear { 1 } else { count }));
         Trials {
             scene,
             solver,
@@ -90,9 +91,9 @@ impl<'a> Trials<'a> {
             frames_every: problem.output.frames_every,
             force,
             tangent,
-            windows,
+            states,
             many,
-            reached: course.reached,
+            reached: way.reached,
             learnt: [None; 2],
             budget: spec.budget,
         }
@@ -116,7 +117,7 @@ impl<'a> Trials<'a> {
     pub fn predict(&mut self, candidate: &Candidate, step: Step) -> Result<Estimate, String> {
         let steps = step.fixed().map(|h| FixedSteps::new(h, self.end).count());
         let implicit = candidate.method.info.family == Family::Implicit;
-        if !implicit && !self.budget.affords(self.beyond(&candidate.method, steps.is_none(), self.windows.len())) {
+        if !implicit && !self.budget.affords(self.beyond(&candidate.method, steps.is_none(), self.states.len())) {
             return self.by_passes(&candidate.method, steps);
         }
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
@@ -127,14 +128,14 @@ impl<'a> Trials<'a> {
             return Ok(estimate);
         }
         let Some(tangent) = self.tangent.filter(|_| implicit) else {
-            return self.by_steps(&candidate.method, step, self.windows.len(), steps);
+            return self.by_steps(&candidate.method, step, self.states.len(), steps);
         };
         let iteration = tangent.iteration_seconds() + self.force.pass_seconds;
         let slot = usize::from(steps.is_some());
         let count = match iteration.max(tangent.analysis_seconds) {
             spent if spent > 0.4 * COSTLY => 1,
             spent if spent > 0.05 * COSTLY => 2,
-            _ => self.windows.len(),
+            _ => self.states.len(),
         };
         let trial = self.beyond(&candidate.method, false, count);
         if !tangent.measured || self.learnt[slot].is_some() || !self.budget.affords(trial) {
@@ -157,12 +158,19 @@ impl<'a> Trials<'a> {
     /// nothing is told here.
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
-        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance: BEGINNING };
+        let tried = Attempted {
+            method,
+            solver: self.solver,
+            step,
+            end: self.end,
+            frames_every: self.frames_every,
+            allowance: BEGINNING,
+        };
         let made = beginning(self.scene, &mut stepper, tried).ok()?;
         let short = made.sample.simulated < PART * self.end;
         let mut later = Vec::new();
-        for window in self.many.iter().filter(|window| window.state.t > made.sample.simulated) {
-            match sample(self.scene, &mut stepper, Attempted { allowance: BEYOND, ..tried }, window) {
+        for sampled in self.many.iter().filter(|sampled| sampled.t > made.sample.simulated) {
+            match sample(self.scene, &mut stepper, Attempted { allowance: BEYOND, ..tried }, sampled) {
                 Ok(found) => later.push(found),
                 Err(_) if short => return None,
                 Err(_) => {}
@@ -181,7 +189,8 @@ impl<'a> Trials<'a> {
         let bound = Stepper::bind(method.scheme(self.solver), self.scene.abilities());
         let mut stepper = bound.map_err(|e| e.to_string())?;
         let allowance = ALLOWANCE[usize::from(steps.is_none())];
-        let tried = Attempted { method, step, end: self.end, frames_every: self.frames_every, allowance };
+        let tried =
+            Attempted { method, solver: self.solver, step, end: self.end, frames_every: self.frames_every, allowance };
         if let Some(steps) = steps
             && steps as f64 * nominal_step(self.scene, method) < WHOLE
         {
@@ -192,11 +201,11 @@ impl<'a> Trials<'a> {
             }
         }
         // Of fewer states those in the middle.
-        let skip = (self.windows.len() - count.min(self.windows.len())) / 2;
+        let skip = (self.states.len() - count.min(self.states.len())) / 2;
         let mut samples = Vec::new();
-        for window in self.windows.iter().skip(skip).take(count) {
+        for sampled in self.states.iter().skip(skip).take(count) {
             let failed = |why| self.at_first(tried, why).to_string();
-            samples.push(sample(self.scene, &mut stepper, tried, window).map_err(failed)?);
+            samples.push(sample(self.scene, &mut stepper, tried, sampled).map_err(failed)?);
         }
         Estimate::of(&samples, self.end, steps).ok_or_else(|| "no state to try it from".to_owned())
     }
@@ -213,9 +222,9 @@ impl<'a> Trials<'a> {
 
     /// [s] What trials of a method from so many states nominally take, where its steps are too dear for what trials are
     /// allowed.
-    fn beyond(&self, method: &MethodChoice, adaptive: bool, windows: usize) -> f64 {
+    fn beyond(&self, method: &MethodChoice, adaptive: bool, states: usize) -> f64 {
         let [step, allowed] = [nominal_step(self.scene, method), ALLOWANCE[usize::from(adaptive)]];
-        let times = if adaptive { ADAPTIVE } else { windows.max(1) as f64 };
+        let times = if adaptive { ADAPTIVE } else { states.max(1) as f64 };
         if step < allowed / STEPS { 0.0 } else { times * step * (PATIENCE * allowed / step).clamp(COLD as f64, STEPS) }
     }
 

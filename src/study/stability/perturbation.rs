@@ -12,17 +12,18 @@
 
 use super::StabilitySpec;
 use super::measure::PASSES;
+use crate::drive::Status;
 use crate::drive::clock::Step;
-use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
-use crate::drive::{self, Explain, RunSpec, Status};
+use crate::drive::observer::AcceptedStep;
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::mesh::random::pseudo_random;
+use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
-use crate::model::stop::Stop;
 use crate::model::system::Weights;
 use crate::scene::Scene;
+use crate::study::experiment::{self, Event, Experiment, Flow};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -127,51 +128,23 @@ fn moves_linearly(spec: &StabilitySpec<'_>, tangent: Tangent, h: f64, stop: &Ato
     let method = MethodChoice::with_defaults("rk4").ok()?;
     let passes = (PASSES[0] / spec.scene.n_dof().max(1) as f64).min(PASSES[1]);
     let steps = (spec.end / h).min(passes / f64::from(method.info.evaluations[1].max(1))).ceil().max(1.0);
-    let mut stepper = Stepper::bind(method.scheme(spec.solver), spec.scene.abilities()).ok()?;
-    let run = RunSpec {
-        end: steps * h,
-        step: Step::Fixed(h),
-        frames_every: None,
-        keep_going: false,
-        explain: Explain::Nothing,
-        interrupt: Stop::NEVER,
-        method: &method,
-    };
-    let left = AtomicBool::new(false);
     let every = (steps as u64).div_ceil(LOOKS) | 1;
-    let mut follower = Follower { scene: spec.scene, tangent, every, left: &left, stop };
-    let outcome = drive::run(spec.scene, &mut stepper, run, &mut [&mut follower], &left).ok()?;
-    Some(outcome.status == Status::Completed && !left.load(Ordering::Relaxed))
-}
-
-/// Follows a run for as long as the tangent stays the same.
-struct Follower<'a> {
-    scene: &'a dyn Scene,
-    tangent: Tangent,
-    every: u64,
-    /// set once it has not: the run stops
-    left: &'a AtomicBool,
-    /// the user's interrupt
-    stop: &'a AtomicBool,
-}
-
-impl Observer for Follower<'_> {
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        let look = step.step.is_multiple_of(self.every);
-        if self.stop.load(Ordering::Relaxed)
-            || look && !step.end.is_some_and(|end| self.tangent.is_same(self.scene, end.state.as_ref()))
-        {
-            self.left.store(true, Ordering::Relaxed);
+    let mut linear = true;
+    let same = |state: &State| tangent.is_same(spec.scene, state.as_ref());
+    let mut interrupted = false;
+    let experiment = Experiment::new(spec.scene, &method, spec.solver, Step::Fixed(h), steps * h);
+    let outcome = experiment.run(experiment::Start::Initial, None, &mut |event, _| {
+        match event {
+            Event::Step(AcceptedStep { step, end: Some(end), .. }) => {
+                interrupted |= stop.load(Ordering::Relaxed);
+                linear &= !step.is_multiple_of(every) || same(&end.state);
+            }
+            Event::Finished(last) => linear &= same(&last.state),
+            _ => {}
         }
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        if !self.tangent.is_same(self.scene, last.state.as_ref()) {
-            self.left.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
+        Flow::stop_if(interrupted || !linear)
+    });
+    Some(outcome.ok()?.status == Status::Completed && linear && !interrupted)
 }
 
 /// The state without velocities in which the forces at t = 0 are balanced: what an endless implicit step comes to rest

@@ -1,9 +1,9 @@
 //! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what
 //! their order tells of their errors.
 
+use super::coarse_reference::{CoarseReference, Delivered, RunBudget};
 use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
 use super::units::Units;
-use super::yardstick::{Delivered, Purse, Yardstick};
 use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 
@@ -19,7 +19,7 @@ const BOTH: f64 = 1.5;
 const SHORTER: f64 = 0.9;
 
 /// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they tell nothing.
-pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
+pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
     let cost = |h: f64| BOTH * units.untried(method, whole / h);
@@ -31,8 +31,8 @@ pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) 
         }
         left -= cost(h);
         spec.budget.spend(cost(h));
-        let purse = Purse { steps: u64::MAX, work: Some((units, SPENT * cost(h))) };
-        let Some((made, error)) = differing(spec, candidate, h, purse) else {
+        let budget = RunBudget { steps: u64::MAX, work: Some((units, SPENT * cost(h))) };
+        let Some((made, error)) = differing(spec, candidate, h, budget) else {
             h = nice(h / 3.0, whole);
             continue;
         };
@@ -56,10 +56,10 @@ pub fn by_halving(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) 
 
 /// A run and its error, told by one with twice the step; `None` where one of them fails, needs more than it may, or is
 /// nowhere near the other.
-fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, purse: Purse) -> Option<(Delivered, f64)> {
+fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(Delivered, f64)> {
     let method = &candidate.method;
-    let (yardstick, made) = Yardstick::by(spec.scene, spec.problem, method, Step::Fixed(h), purse)?;
-    let twice = yardstick.measure(method, Step::Fixed(2.0 * h), purse)?;
+    let (reference, made) = CoarseReference::by(spec.scene, spec.problem, method, Step::Fixed(h), budget)?;
+    let twice = reference.measure(method, Step::Fixed(2.0 * h), budget)?;
     let times = 2_f64.powi(method.order() as i32) - 1.0;
     (twice.error <= SATURATED).then_some((made, twice.error / times))
 }
@@ -70,9 +70,9 @@ mod tests {
     use crate::analysis::spectrum::Spectrum;
     use crate::case::Case;
     use crate::simulation::build_scene;
-    use crate::study::trial::budget::Budget;
-    use crate::study::trial::cost::tangent_cost;
-    use crate::study::trial::memory::Baseline;
+    use crate::study::forecast::budget::Budget;
+    use crate::study::forecast::cost::tangent_cost;
+    use crate::study::forecast::memory::Baseline;
     use std::path::Path;
 
     /// Without any other reference the error that is told is that of the run, within a factor of three, and below the
@@ -99,11 +99,12 @@ mod tests {
             let (scene, problem, baseline) = (&*scene, &problem, Baseline::now());
             let budget = &Budget::of(scene, problem);
             let spec = ForecastSpec { scene, problem, fields, candidates: &candidates, accuracy, baseline, budget };
-            let found = by_halving(&spec, Units::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
-            let purse = Purse::of(u64::MAX);
+            let found = by_step_doubling(&spec, Units::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
+            let budget = RunBudget::of(u64::MAX);
             let method = &candidates[0].method;
-            let (exact, _) = Yardstick::by(scene, problem, method, Step::Fixed(1e-4), purse).expect("a reference");
-            let made = exact.measure(method, Step::Fixed(found.step), purse).expect("a run").error;
+            let (exact, _) =
+                CoarseReference::by(scene, problem, method, Step::Fixed(1e-4), budget).expect("a reference");
+            let made = exact.measure(method, Step::Fixed(found.step), budget).expect("a run").error;
             let told = found.error.expect("told");
             assert!(made <= accuracy, "--step {}: {made:e} for {accuracy:e}", found.step);
             assert!(told < 3.0 * made && made < 3.0 * told, "--step {}: {made:e}, {told:e} told", found.step);

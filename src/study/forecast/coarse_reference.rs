@@ -6,7 +6,6 @@
 //! gives the same errors on every machine.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::sample;
 use super::timing::Clock;
@@ -14,15 +13,13 @@ use super::units::Units;
 use super::{Candidate, ForecastSpec};
 use crate::case::spec::Problem;
 use crate::drive::clock::Step;
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, Resumable};
-use crate::drive::{self, Explain, Outcome, RunSpec, Status};
+use crate::drive::{Outcome, Status};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
-use crate::integrate::stepper::Stepper;
-use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::study::bench::{interval, nominal_step, reference_tolerance};
+use crate::study::experiment::{Event, Experiment, Flow, Start};
 use crate::study::frames::{Distance, Frames, Sampler};
 
 /// The scheme of the reference.
@@ -42,7 +39,7 @@ const FRAMES: f64 = 10.0;
 const GROWTH: f64 = 1.5;
 
 /// A reference and what is needed to compare with it.
-pub struct Yardstick<'a> {
+pub struct CoarseReference<'a> {
     /// what moves
     pub scene: &'a dyn Scene,
     /// [s] end of the runs that are compared
@@ -51,7 +48,7 @@ pub struct Yardstick<'a> {
     pub whole: f64,
     solver: SolverSpec,
     every: f64,
-    reference: Frames,
+    frames: Frames,
     /// [m^2] squares of the motion, added up to each frame
     motion: Vec<f64>,
     /// [s] what its runs have taken, nominally
@@ -77,21 +74,21 @@ pub struct Delivered {
 
 /// What a run may take, by counts.
 #[derive(Clone, Copy, Debug)]
-pub struct Purse {
+pub struct RunBudget {
     /// steps
     pub steps: u64,
     /// [s] work, nominally, in these units; none where a step always costs the same
     pub work: Option<(Units, f64)>,
 }
 
-impl Purse {
+impl RunBudget {
     /// So many steps.
-    pub fn of(steps: u64) -> Purse {
-        Purse { steps, work: None }
+    pub fn of(steps: u64) -> RunBudget {
+        RunBudget { steps, work: None }
     }
 }
 
-impl<'a> Yardstick<'a> {
+impl<'a> CoarseReference<'a> {
     /// Makes the reference for an accuracy; `None` where it is not affordable far enough, or nothing moves.
     pub fn of(spec: &ForecastSpec<'a>) -> Option<Self> {
         let ForecastSpec { scene, problem, candidates, accuracy, budget, .. } = *spec;
@@ -108,12 +105,12 @@ impl<'a> Yardstick<'a> {
         }
         let every = if span < whole { frames.min(span / FRAMES) } else { frames };
         let relative = (FINER * accuracy).clamp(TOLERANCES[0], TOLERANCES[1]);
-        let mut yardstick = Yardstick::blank(scene, problem, (span, every));
-        let purse = Purse::of((2.0 * affordable / cost) as u64);
-        let (status, _) = yardstick.keep(method, Step::Adaptive(reference_tolerance(scene, relative)), purse)?;
-        budget.spend(yardstick.spent());
-        let far = matches!(status, Status::Completed | Status::Interrupted) && yardstick.span >= FEW * whole;
-        (far && yardstick.reference.motion.squares > 0.0).then_some(yardstick)
+        let mut reference = CoarseReference::blank(scene, problem, (span, every));
+        let run_budget = RunBudget::of((2.0 * affordable / cost) as u64);
+        let (status, _) = reference.keep(method, Step::Adaptive(reference_tolerance(scene, relative)), run_budget)?;
+        budget.spend(reference.spent());
+        let far = matches!(status, Status::Completed | Status::Interrupted) && reference.span >= FEW * whole;
+        (far && reference.frames.motion.squares > 0.0).then_some(reference)
     }
 
     /// A run of any method to the end as a reference, and what it took; `None` where it does not come to the end, or
@@ -123,39 +120,39 @@ impl<'a> Yardstick<'a> {
         problem: &Problem,
         method: &MethodChoice,
         step: Step,
-        purse: Purse,
+        budget: RunBudget,
     ) -> Option<(Self, Delivered)> {
         let whole = problem.time.end;
         let every = interval(problem, scene).max(whole / FRAMES);
-        let mut yardstick = Yardstick::blank(scene, problem, (whole, every));
-        let (status, made) = yardstick.keep(method, step, purse)?;
-        (status == Status::Completed && yardstick.reference.motion.squares > 0.0).then_some((yardstick, made))
+        let mut reference = CoarseReference::blank(scene, problem, (whole, every));
+        let (status, made) = reference.keep(method, step, budget)?;
+        (status == Status::Completed && reference.frames.motion.squares > 0.0).then_some((reference, made))
     }
 
     fn blank(scene: &'a dyn Scene, problem: &Problem, (span, every): (f64, f64)) -> Self {
         let (whole, solver) = (problem.time.end, problem.solver);
-        Yardstick {
+        CoarseReference {
             scene,
             span,
             whole,
             solver,
             every,
-            reference: Frames::default(),
+            frames: Frames::default(),
             motion: Vec::new(),
             spent: Cell::new(0.0),
         }
     }
 
     /// Makes the reference.
-    fn keep(&mut self, method: &MethodChoice, step: Step, purse: Purse) -> Option<(Status, Delivered)> {
-        let (stop, clock) = (AtomicBool::new(false), Clock::default());
+    fn keep(&mut self, method: &MethodChoice, step: Step, budget: RunBudget) -> Option<(Status, Delivered)> {
+        let clock = Clock::default();
         let before = clock.seconds();
-        let mut keeper = Attendant::new(Sampler::keeping(self.scene, self.every), purse, u64::MAX, &stop);
-        let outcome = self.drive(method, step, &mut keeper, &stop)?;
+        let mut sampler = Sampler::keeping(self.scene, self.every);
+        let (outcome, _) = self.drive(method, step, &mut sampler, (budget, u64::MAX))?;
         let made = Delivered::of(&outcome, 0.0, clock.seconds() - before);
         // The last state is a frame, wherever the run was stopped.
         self.span = outcome.t_end;
-        self.reference = keeper.sampler.into_frames();
+        self.frames = sampler.into_frames();
         self.add_up();
         Some((outcome.status, made))
     }
@@ -166,49 +163,57 @@ impl<'a> Yardstick<'a> {
     }
 
     /// Frames that are compared.
-    pub fn frames(&self) -> u64 {
-        self.reference.motion.frames
+    pub fn frames_compared(&self) -> u64 {
+        self.frames.motion.frames
     }
 
     /// [s] Period of what moves most.
     pub fn period(&self) -> f64 {
-        self.reference.motion.period()
+        self.frames.motion.period()
     }
 
     /// Makes a run; `None` where it fails, or needs more than it may.
-    pub fn measure(&self, method: &MethodChoice, step: Step, purse: Purse) -> Option<Delivered> {
-        let stop = AtomicBool::new(false);
-        let comparing = Sampler::comparing(self.scene, self.every, &self.reference, (0.0, Distance::default()));
-        let mut attendant = Attendant::new(comparing, purse, self.reference.motion.frames / 2, &stop);
+    pub fn measure(&self, method: &MethodChoice, step: Step, budget: RunBudget) -> Option<Delivered> {
+        let mut sampler = Sampler::comparing(self.scene, self.every, &self.frames, (0.0, Distance::default()));
         let clock = Clock::default();
         let before = clock.seconds();
-        let outcome = self.drive(method, step, &mut attendant, &stop)?;
+        let half = self.frames.motion.frames / 2;
+        let (outcome, halfway) = self.drive(method, step, &mut sampler, (budget, half))?;
         let seconds = clock.seconds() - before;
-        let [error, _] = attendant.sampler.distance().over(self.reference.motion)?;
-        let made = Delivered::of(&outcome, error * self.grown(error, attendant.halfway), seconds);
+        let [error, _] = sampler.distance().over(self.frames.motion)?;
+        let made = Delivered::of(&outcome, error * self.grown(error, halfway), seconds);
         (outcome.status == Status::Completed).then_some(made)
     }
 
+    /// Makes a run until its end or that of its budget. Returns also the distance once `half` frames were compared.
     fn drive(
         &self,
         method: &MethodChoice,
         step: Step,
-        observer: &mut Attendant<'_>,
-        stop: &AtomicBool,
-    ) -> Option<Outcome> {
-        let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
-        let spec = RunSpec {
-            end: self.span,
-            step,
-            frames_every: Some(self.every),
-            keep_going: false,
-            explain: Explain::Nothing,
-            interrupt: Stop::NEVER,
-            method,
-        };
-        let outcome = drive::run(self.scene, &mut stepper, spec, &mut [observer], stop).ok()?;
+        sampler: &mut Sampler<'_>,
+        (budget, half): (RunBudget, u64),
+    ) -> Option<(Outcome, Distance)> {
+        let frames_every = Some(self.every);
+        let experiment =
+            Experiment { frames_every, ..Experiment::new(self.scene, method, self.solver, step, self.span) };
+        let (mut made, mut halfway) = (0, Distance::default());
+        let run = experiment.run(Start::Initial, Some(sampler), &mut |event, distance| match event {
+            Event::Boundary(run) => {
+                let cost = |units: Units| units.cost(run.step as f64, work(run.counters));
+                Flow::stop_if(budget.work.is_some_and(|(units, most)| cost(units) > most))
+            }
+            Event::Step(_) => {
+                if halfway.frames == 0 && distance.frames >= half {
+                    halfway = distance;
+                }
+                made += 1;
+                Flow::stop_if(made >= budget.steps)
+            }
+            _ => Flow::Continue,
+        });
+        let outcome = run.ok()?;
         self.spent.set(self.spent.get() + outcome.steps as f64 * nominal_step(self.scene, method));
-        Some(outcome)
+        Some((outcome, halfway))
     }
 
     /// [s] What runs have taken since this was asked last, nominally.
@@ -235,7 +240,7 @@ impl<'a> Yardstick<'a> {
         let (mut start, mut rates) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
         self.scene.trace(state.as_ref(), &mut start, &mut rates);
         let mut sum = 0.0;
-        for frame in self.reference.positions.chunks_exact(nodes.max(1)) {
+        for frame in self.frames.positions.chunks_exact(nodes.max(1)) {
             let square = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
             sum += frame.iter().zip(&start).map(square).sum::<f64>();
             self.motion.push(sum);
@@ -260,51 +265,4 @@ impl Delivered {
 fn work(c: Counters) -> [f64; 4] {
     let [passes, assemblies, factorizations, solves, _] = sample::work(c).map(|n| n as f64);
     [passes, assemblies, factorizations, solves]
-}
-
-/// Visits the frames, notes the distance half-way, and ends a run that takes too much.
-struct Attendant<'a> {
-    sampler: Sampler<'a>,
-    purse: Purse,
-    /// frames after which half the way is made
-    half: u64,
-    halfway: Distance,
-    made: u64,
-    stop: &'a AtomicBool,
-}
-
-impl<'a> Attendant<'a> {
-    fn new(sampler: Sampler<'a>, purse: Purse, half: u64, stop: &'a AtomicBool) -> Self {
-        Attendant { sampler, purse, half, halfway: Distance::default(), made: 0, stop }
-    }
-}
-
-impl Observer for Attendant<'_> {
-    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if self.purse.work.is_some_and(|(units, most)| units.cost(run.step as f64, work(run.counters)) > most) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
-
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.sampler.started(at, ledger)
-    }
-
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        self.sampler.accepted(step)?;
-        let distance = self.sampler.distance();
-        if self.halfway.frames == 0 && distance.frames >= self.half {
-            self.halfway = distance;
-        }
-        self.made += 1;
-        if self.made >= self.purse.steps {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    }
-
-    fn finished(&mut self, last: &Point) -> Result<(), ObserveError> {
-        self.sampler.finished(last)
-    }
 }

@@ -1,21 +1,23 @@
-//! What `check` says of costs: force passes, tangents, runs of all methods, and what to take.
+//! The text of a forecast: costs of force passes and tangents, runs of all methods, and what is recommended.
 
 use std::fmt::Write;
 
+use super::advice::{Advice, Choice};
+use super::cost::{ForceCost, TangentCost};
+use super::estimate::{Basis, Estimate};
+use super::search::Proof;
+use super::{Forecast, MethodForecast};
 use crate::case::spec::Problem;
 use crate::format_number::figures;
 use crate::integrate::registry::Family;
 use crate::solve::Prediction;
-use crate::study::trial::advice::{Advice, Choice};
-use crate::study::trial::cost::{ForceCost, TangentCost};
-use crate::study::trial::estimate::{Basis, Estimate};
-use crate::study::trial::search::Proof;
-use crate::study::trial::{Forecast, Row};
 
 /// Factors below are within what predictions are worth.
 const TIE: f64 = 1.3;
 
-pub(super) fn describe_forecast(text: &mut String, problem: &Problem, forecast: &Forecast) {
+/// The forecast as text: the tangent, a force pass, the output, the runs of all methods, and what is recommended.
+pub fn describe(problem: &Problem, forecast: &Forecast) -> String {
+    let text = &mut String::new();
     describe_tangent(text, problem, forecast);
     let own = forecast.methods.iter().find(|row| row.method == problem.method.info.name);
     if let Some(row) = own {
@@ -36,6 +38,7 @@ pub(super) fn describe_forecast(text: &mut String, problem: &Problem, forecast: 
         describe_advice(text, advice);
     }
     text.push('\n');
+    std::mem::take(text)
 }
 
 fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
@@ -123,7 +126,7 @@ fn describe_runs(text: &mut String, problem: &Problem, forecast: &Forecast) {
     }
 }
 
-fn run_of(row: &Row) -> String {
+fn run_of(row: &MethodForecast) -> String {
     let Some(run) = &row.run else {
         // The first clause; the rest of a diagnosis is for those who run it.
         let why = row.refused.as_deref().unwrap_or("no prediction");
@@ -206,7 +209,7 @@ fn count(steps: f64) -> String {
 }
 
 /// A time in the unit that suits it.
-pub(super) fn seconds(t: f64) -> String {
+fn seconds(t: f64) -> String {
     let units = [(3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")];
     let (unit, name) = units.into_iter().find(|(unit, _)| t >= *unit).unwrap_or((1e-9, "ns"));
     format!("{} {name}", figures(t / unit, 3))

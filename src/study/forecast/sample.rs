@@ -1,22 +1,18 @@
 //! A few real steps of a method from a state on the way: what they cost, how far they go.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use super::course::Window;
 use super::timing::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
-use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Resumable, UpcomingStep, Wants};
 use crate::drive::watch::Watch;
-use crate::drive::{self, Explain, RunError, RunSpec, Snapshot, Status};
+use crate::drive::{RunError, Snapshot, Status};
 use crate::integrate::Counters;
+use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::model::stop::Stop;
-use crate::output::schedule::Schedule;
 use crate::scene::Scene;
+use crate::study::experiment::{Event, Experiment, Flow, Start};
 
 /// [-] A step this many times the one before is not yet the size the tolerance allows.
 const GROWING: f64 = 1.4;
@@ -32,6 +28,8 @@ pub(super) const COLD: u64 = 2;
 pub struct Attempted<'a> {
     /// the method
     pub method: &'a MethodChoice,
+    /// how implicit steps are solved
+    pub solver: SolverSpec,
     /// its steps
     pub step: Step,
     /// [s] end of the run it stands for
@@ -43,18 +41,10 @@ pub struct Attempted<'a> {
 }
 
 impl<'a> Attempted<'a> {
-    /// Its run.
-    pub(super) fn spec(self) -> RunSpec<'a> {
-        let Attempted { method, step, end, frames_every, .. } = self;
-        RunSpec {
-            end,
-            step,
-            frames_every,
-            keep_going: false,
-            explain: Explain::Nothing,
-            interrupt: Stop::NEVER,
-            method,
-        }
+    /// Its run, every step made singly.
+    pub(super) fn experiment(self, scene: &'a dyn Scene) -> Experiment<'a> {
+        let Attempted { method, solver, step, end, frames_every, .. } = self;
+        Experiment { frames_every, ..Experiment::new(scene, method, solver, step, end) }
     }
 }
 
@@ -120,12 +110,24 @@ pub fn sample(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
     tried: Attempted<'_>,
-    window: &Window,
+    sampled: &Snapshot,
 ) -> Result<Sample, SampleError> {
-    let snapshot = begin(scene, stepper, tried, &window.state)?;
-    let (stop, from) = (AtomicBool::new(false), snapshot.t);
-    let mut meter = Meter::new(tried, &stop);
-    let outcome = drive::resume(scene, stepper, tried.spec(), snapshot, &mut [&mut meter], &stop)?;
+    let snapshot = begin(scene, stepper, tried, sampled)?;
+    let from = snapshot.t;
+    let mut meter = Meter::new(tried);
+    // Steps are made in blocks as a run with these frames makes them, once the first ones were made.
+    let experiment = Experiment { single_steps: COLD, ..tried.experiment(scene) };
+    let outcome = experiment.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
+        match event {
+            Event::Boundary(run) if meter.due || meter.over => {
+                meter.due = false;
+                meter.mark(run.step, run.at.state.t, run.counters);
+            }
+            Event::Step(step) => meter.stepped(step.h()),
+            _ => {}
+        }
+        Flow::stop_if(meter.over)
+    })?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
     let sample = meter.sample();
     match (outcome.failure, outcome.status) {
@@ -173,28 +175,27 @@ struct Mark {
     counters: Counters,
 }
 
-/// Reads the clock now and then and ends the trial.
-struct Meter<'a> {
+/// Reads the clock now and then and says when the trial is over.
+struct Meter {
     clock: Clock,
-    stop: &'a AtomicBool,
     allowance: f64,
     adaptive: bool,
     /// [s] the step before
     before: f64,
-    /// steps after which it is read next
+    /// number of steps after which the clock is read next
     next: u64,
     made: u64,
     /// whether a mark is to be made
     due: bool,
-    frames_every: Option<f64>,
+    /// whether no more steps are to be made
+    over: bool,
     marks: Vec<Mark>,
 }
 
-impl<'a> Meter<'a> {
-    fn new(tried: Attempted<'_>, stop: &'a AtomicBool) -> Self {
+impl Meter {
+    fn new(tried: Attempted<'_>) -> Self {
         let (clock, allowance, adaptive) = (Clock::default(), tried.allowance, tried.step.fixed().is_none());
-        let (frames_every, marks) = (tried.frames_every, Vec::new());
-        Meter { clock, stop, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, frames_every, marks }
+        Meter { clock, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, over: false, marks: Vec::new() }
     }
 
     fn mark(&mut self, step: u64, t: f64, counters: Counters) {
@@ -217,32 +218,7 @@ impl<'a> Meter<'a> {
             work: std::array::from_fn(|i| after[i].saturating_sub(before[i]) as f64),
         })
     }
-}
 
-impl Observer for Meter<'_> {
-    fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        if self.due || self.stop.load(Ordering::Relaxed) {
-            self.due = false;
-            self.mark(run.step, run.at.state.t, run.counters);
-        }
-        Ok(())
-    }
-
-    /// As a run with these frames wants them, once the first steps have been made.
-    fn wants(&self, step: UpcomingStep) -> Wants {
-        if self.made < COLD {
-            return Wants::default();
-        }
-        Wants { states: Schedule::new(self.frames_every, step.from).states(step), strain: false }
-    }
-
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        self.stepped(step.h());
-        Ok(())
-    }
-}
-
-impl Meter<'_> {
     /// After a step of h [s].
     fn stepped(&mut self, h: f64) {
         self.made += 1;
@@ -254,9 +230,7 @@ impl Meter<'_> {
             self.next = self.made + 1 + self.made / 8;
             let spent = self.marks.first().map_or(0.0, |first| self.clock.seconds() - first.cpu);
             let over = spent > self.allowance && self.made >= LEAST && !grows;
-            if over || spent > PATIENCE * self.allowance && self.made >= 2 {
-                self.stop.store(true, Ordering::Relaxed);
-            }
+            self.over |= over || spent > PATIENCE * self.allowance && self.made >= 2;
         }
     }
 }

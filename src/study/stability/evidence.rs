@@ -5,7 +5,7 @@ use crate::drive::observer::AcceptedStep;
 use crate::model::state::{State, StateRef};
 use crate::scene::{BoundBuffer, Scene};
 
-/// Looks at the scene in a run.
+/// Number of states of a run that are measured.
 const LOOKS: u64 = 64;
 /// [-] Measures that differ by no more than this share are the same. Of states with the same the last is kept: the
 /// start is known already, and what the measure cannot tell, such as a motion across springs that have come under
@@ -13,7 +13,7 @@ const LOOKS: u64 = 64;
 const ROUNDING: f64 = 1e-7;
 
 /// Now and then a measure of the critical step, from one pass over the elements.
-pub(super) struct Looks<'a> {
+pub(super) struct Evidence<'a> {
     scene: &'a dyn Scene,
     every: u64,
     room: BoundBuffer,
@@ -21,12 +21,12 @@ pub(super) struct Looks<'a> {
     seen: [(f64, State); 2],
 }
 
-impl<'a> Looks<'a> {
+impl<'a> Evidence<'a> {
     pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
         let start = scene.initial_state();
         let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
         // Odd, so that a motion that alternates is seen on both sides.
-        Looks { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundBuffer::default(), seen }
+        Evidence { scene, every: steps.div_ceil(LOOKS) | 1, room: BoundBuffer::default(), seen }
     }
 
     pub fn look(&mut self, at: StateRef<'_>) {
