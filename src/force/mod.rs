@@ -7,10 +7,8 @@
 //! * [`schedule`]: blocks, threads, and several steps at once.
 //!
 //! # How to add a force
-//! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. The force itself is one
-//!    of
-//!    * two nodes, pulled along a difference: an [`kernel::edges::EdgeKernel`] with an `AxialLaw`, as
-//!    `relative_dashpot`;
+//! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
+//!    * two nodes, pulled along a difference: [`kernel::edges::EdgeKernel`] with an `AxialLaw`, see `relative_dashpot`;
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
 //!      `follower_pressure`;
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as `axial_dashpot`;

@@ -122,8 +122,8 @@ fn masses() -> [Vec<f64>; 2] {
 /// Where a step's first pass finds nodes, as equations.
 fn begun(from: &Point, scheme: KickDriftScheme, to: &mut State) {
     let [_, inverse_mass] = masses();
-    for i in 0..3 * NODES {
-        let (v_n, a_n) = (from.state.v[i], inverse_mass[i] * from.forces.total[i]);
+    for (i, inverse_mass) in inverse_mass.into_iter().enumerate() {
+        let (v_n, a_n) = (from.state.v[i], inverse_mass * from.forces.total[i]);
         let u = v_n + scheme.begin * a_n;
         to.x[i] = from.state.x[i] + scheme.drift * u;
         to.v[i] = if scheme.predicts { v_n + scheme.drift * a_n } else { u };
@@ -133,10 +133,10 @@ fn begun(from: &Point, scheme: KickDriftScheme, to: &mut State) {
 /// The kick after it.
 fn kicked(from: &Point, scheme: KickDriftScheme, v: &mut [f64], f: &[f64]) {
     let [_, inverse_mass] = masses();
-    for i in 0..3 * NODES {
-        let a_n = inverse_mass[i] * from.forces.total[i];
+    for (i, inverse_mass) in inverse_mass.into_iter().enumerate() {
+        let a_n = inverse_mass * from.forces.total[i];
         let u = if scheme.predicts { from.state.v[i] + scheme.begin * a_n } else { v[i] };
-        v[i] = u + scheme.end.unwrap_or_default() * (inverse_mass[i] * f[i]);
+        v[i] = u + scheme.end.unwrap_or_default() * (inverse_mass * f[i]);
     }
 }
 
