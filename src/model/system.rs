@@ -52,7 +52,7 @@ pub trait Onward: Around {
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
-pub trait System: Sync {
+pub trait System: Send + Sync {
     /// Number of degrees of freedom, fixed ones included.
     fn n_dof(&self) -> usize;
 

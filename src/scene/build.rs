@@ -35,14 +35,20 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
-    let mut builder =
-        Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new(), tables: Vec::new() };
+    let mut builder = Builder {
+        spec: &spec,
+        numbering: &numbering,
+        terms: Vec::new(),
+        springs: Vec::new(),
+        tables: Vec::new(),
+        wind: None,
+    };
     builder.springs_and_dashpots();
     builder.gravity(&fixed, &mass, &start);
     builder.air();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, tables, .. } = builder;
+    let Builder { terms, springs, tables, wind: wind_table, .. } = builder;
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
     let velocity_of = |node: usize| -> [f64; 3] {
@@ -64,6 +70,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
         gravity,
         corners,
         tables,
+        wind: wind_table,
         terms,
         springs,
         threads,
@@ -77,6 +84,7 @@ struct Builder<'a> {
     terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
     tables: Vec<Arc<dyn Tabled>>,
+    wind: Option<Arc<Table<3>>>,
 }
 
 impl Builder<'_> {
@@ -146,6 +154,7 @@ impl Builder<'_> {
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
         let wind = Table::new(air.wind.clone());
         self.tables.push(wind.clone());
+        self.wind = Some(wind.clone());
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, wind };
         self.terms.push(Box::new(Air::new(data)));
     }

@@ -1,11 +1,12 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::around::Moving;
 use crate::force::batch::Summand;
 use crate::force::between::Between;
-use crate::force::series::Tabled;
+use crate::force::series::{Table, Tabled};
 use crate::force::spring::{Coefficient, SpringData};
 use crate::force::staged::{ByStages, Ended};
 use crate::force::sweep::{Sweep, Terms};
@@ -38,6 +39,10 @@ pub struct Network {
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
+    /// set once a program adds forces from outside
+    pub(super) external: Option<ExternalForces>,
+    /// table of the wind, shared with the air
+    pub(super) wind: Option<Arc<Table<3>>>,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -73,6 +78,7 @@ pub(super) struct Parts {
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn Tabled>>,
+    pub wind: Option<Arc<Table<3>>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -109,6 +115,8 @@ impl Network {
             tables: p.tables,
             terms: p.terms,
             springs: p.springs,
+            external: None,
+            wind: p.wind,
             sweep,
             threads: p.threads,
             mesh: p.mesh,
@@ -210,27 +218,42 @@ impl System for Network {
             external: sized(Role::External),
             dissipative: sized(Role::Dissipative),
             reactions: vec![0.0; self.fixed_dofs.len()],
-            tallies: vec![Tally::default(); self.terms.len()],
+            tallies: vec![Tally::default(); self.infos.len()],
         }
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        self.pass_into(out, |sums, tallies| self.sweep.pass((self, node_state(at)), &self.threads, sums, tallies));
+        self.pass_into(out, |[total, external, dissipative], tallies| {
+            let (own, outside) = tallies.split_at_mut(self.terms.len());
+            let sums = [&mut *total, &mut *external, dissipative];
+            self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
+            outside.fill(self.add_external(at, [total, external]));
+        });
     }
 
     fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        if self.external.is_some() {
+            let n = 0..at.x.len();
+            around.before(n.clone(), &mut at.x, &mut at.v);
+            self.evaluate(at.as_ref(), out);
+            return around.after(n, &mut at.v, &out.total);
+        }
         let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
         self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
     }
 
     fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
+        if self.external.is_some() {
+            self.evaluate_around(at, out, around);
+            return self.evaluate(at.as_ref(), out);
+        }
         let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
         self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
     }
 
     fn longest_stride(&self) -> usize {
         let passes = if self.velocity_dependent() { 2 } else { 1 };
-        if self.still() { self.sweep.longest_stride(passes) } else { 0 }
+        if self.still() && self.external.is_none() { self.sweep.longest_stride(passes) } else { 0 }
     }
 
     fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
