@@ -8,7 +8,7 @@
 mod fixture;
 
 use canopy_fem::force::NodeState;
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, build_network};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -16,8 +16,8 @@ mod fixture;
 
 use canopy_fem::case::Case;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
-use canopy_fem::output::process::cpu_seconds;
 use canopy_fem::plot::chart::{Axis, Chart, Line, Marker, Stroke};
+use canopy_fem::process::cpu_seconds;
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::{bind, build_scene};
 use fixture::figure::{after, draw, wanted};

@@ -6,7 +6,7 @@
 
 mod fixture;
 
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::{AirSpec, DashpotKind, DashpotSpec, NetworkSpec, Series};
 use canopy_fem::model::system::System;
 use canopy_fem::scene::build_network;

@@ -17,7 +17,7 @@
 
 mod fixture;
 
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::system::System;
 use canopy_fem::model::workers::Workers;
 use canopy_fem::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Stroke};

@@ -8,7 +8,7 @@
 mod fixture;
 
 use canopy_fem::assembly::TangentSystem;
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::system::{System, Weights};
 use canopy_fem::model::workers::ALONE;
 use canopy_fem::scene::{Network, build_network};

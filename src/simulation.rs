@@ -1,8 +1,9 @@
 //! A simulation that a program drives: [`Simulation`] owns its scene, its scheme and its state.
 //!
 //! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says by
-//! which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the mesh;
-//! units are SI.
+//! which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
+//! mesh; units are SI. What a program adds of its own: a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
+//! ([`crate::integrate`]), an observer ([`Observer`]); `examples/` has one of each.
 //!
 //! ```
 //! use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
@@ -22,18 +23,19 @@
 mod builder;
 mod state;
 
+pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::NodalForce;
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::drive::{Failure, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
-use crate::force::threads::Threads;
+use crate::force::schedule::threads::Threads;
 use crate::integrate::StepReport;
 use crate::integrate::stepper::{NeedsNetwork, Scheme, Stepper};
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
-use crate::scene::{BuildError, Pendulum, Scene, build_network};
+use crate::scene::{BuildError, Pendulum, Scene, build_network, build_network_with};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -122,7 +124,7 @@ pub enum SimulationError {
     /// The scene has no such thing: a pendulum has no forces from outside, a network without air no wind.
     #[error("this scene has no {0}")]
     Unsupported(&'static str),
-    /// The first external force changes the scene, which the program has taken by [`Simulation::scene`] and still holds.
+    /// The first external force changes the scene, which the program still holds from [`Simulation::scene`].
     #[error("the scene is in use; add the first external force before taking it")]
     SceneInUse,
     /// The bytes are no snapshot of this version of the library.
@@ -175,8 +177,16 @@ impl Simulation {
     /// # Errors
     /// A specification that contradicts itself, settings out of range, or a method that cannot start.
     pub fn new(network: NetworkSpec, settings: RunSettings) -> Result<Self, SimulationError> {
+        Self::with_bars(network, &[], settings)
+    }
+
+    /// A network with bars of the program's own laws ([`BarLaw`]).
+    ///
+    /// # Errors
+    /// As [`Simulation::new`], and bars of nodes that do not exist or of rest lengths that are not finite.
+    pub fn with_bars(network: NetworkSpec, bars: &[Bars], settings: RunSettings) -> Result<Self, SimulationError> {
         let threads = Threads::new(settings.threads).map_err(SetupError::from)?;
-        let scene = build_network(network, threads).map_err(SetupError::from)?;
+        let scene = build_network_with(network, bars, threads).map_err(SetupError::from)?;
         Self::of_scene(Arc::new(scene), settings)
     }
 
@@ -213,7 +223,8 @@ impl Simulation {
         Ok(Simulation { scene, scheme, settings, state, pending: None, wind: None, changed: false })
     }
 
-    /// Makes one step: of the fixed size, or of the size that the tolerance allows.
+    /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
+    /// found from two halves counts as two.
     ///
     /// # Errors
     /// [`SimulationError::Failed`] with the state unchanged, or [`SimulationError::Ended`].
@@ -296,8 +307,8 @@ impl Simulation {
         .map_err(Into::into)
     }
 
-    /// Computes the next step without accepting it: [`Simulation::attempted`] shows where it ends. For implicit coupling,
-    /// where the forces of a step depend on its end.
+    /// Computes the next step without accepting it: [`Simulation::attempted`] shows where it ends. For implicit
+    /// coupling, where the forces of a step depend on its end.
     ///
     /// # Errors
     /// As [`Simulation::step`], and when an attempted step still waits.

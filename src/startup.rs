@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::process;
+use crate::process;
 
 /// A phase before the first step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ mod common;
 use canopy_fem::drive::clock::{Step, Tolerance};
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer};
 use canopy_fem::drive::{Explain, RunSpec, run};
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{Family, MethodChoice, methods};

@@ -13,7 +13,7 @@ use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::Status;
 use canopy_fem::model::spec::{DashpotKind, NetworkSpec, Slack};
 use canopy_fem::model::stop::Stop;
-use canopy_fem::output::process::cpu_seconds;
+use canopy_fem::process::cpu_seconds;
 use canopy_fem::solve::newton::Strategy;
 use canopy_fem::study::bench::{Bench, Try, choice};
 use canopy_fem::study::frames::{Frames, Sampler};

@@ -2,7 +2,7 @@
 
 use canopy_fem::case::Case;
 use canopy_fem::drive::Outcome;
-use canopy_fem::output::process::cpu_seconds;
+use canopy_fem::process::cpu_seconds;
 use canopy_fem::simulation::{FollowSpec, Seen, follow};
 use std::error::Error;
 use std::path::Path;

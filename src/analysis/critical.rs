@@ -4,7 +4,7 @@
 use super::limit::critical_step;
 use super::operators::{DAMPING, STIFFNESS};
 use super::rates::Rates;
-use crate::figures::{figures, two_digits};
+use crate::format_number::{figures, two_digits};
 use crate::integrate::linear_step::Pencil;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::state::StateRef;

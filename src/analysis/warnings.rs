@@ -4,7 +4,7 @@
 use super::critical::{Confidence, CriticalStep, Effort, has_limit, plainly_stable, remedy};
 use super::rates::Rates;
 use super::spectrum::Spectrum;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::{State, StateRef};
 use crate::model::stop::Stop;

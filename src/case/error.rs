@@ -1,8 +1,8 @@
 //! Why a case cannot be used. Every variant ends a program with status 2, but a file that is there and cannot be read
 //! ([`CaseError::Read`]), which is 1.
 
-use super::fault::Fault;
-use super::picture::render;
+use super::diagnostics::Fault;
+use super::render::render;
 
 /// Why a case cannot be used.
 #[derive(Debug, thiserror::Error)]

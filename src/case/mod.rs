@@ -5,40 +5,36 @@
 //! ```
 //!
 //! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one
-//! reads the text again (`tolerant`), compares it with the schema (`walk`), replaces what is wrong by stand-ins and
-//! checks ranges and meaning of the rest, so that all faults are told at once. [`fault`] holds what a fault looks like,
-//! [`place`] where it was written.
+//! reads the text again (`jsonc_tree`), compares it with the schema (`schema_check`), replaces what is wrong by stand-ins and
+//! checks ranges and meaning of the rest, so that all faults are told at once. [`diagnostics`] holds what a fault looks like,
+//! [`span`] where it was written.
 
-mod choice;
-mod comments;
+pub mod diagnostics;
 mod ergun;
 mod error;
-pub mod fault;
-mod findings;
 pub mod fingerprint;
+mod jsonc;
+mod jsonc_tree;
 mod lower;
 mod overrides;
-mod picture;
-pub mod place;
 pub mod pointer;
+mod render;
 pub mod schema;
 mod schema_check;
-mod shape;
 mod source;
+pub mod span;
 pub mod spec;
-mod strict;
 mod text;
-mod tolerant;
 mod typed;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use diagnostics::{Fault, FaultTarget};
 pub use error::CaseError;
-pub use fault::{Fault, Part};
-pub use place::Place;
 pub use schema::json_schema;
 pub use source::Source;
+pub use span::Location;
 pub use spec::Problem;
 
 use crate::warning::Warning;

@@ -5,14 +5,12 @@
 //! checked here. The walk knows the part of JSON Schema that schemars makes of this case: `$ref`, `oneOf` of
 //! words, of objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
-use super::choice::Choice;
-use super::fault::{Fault, Part, did_you_mean, excerpt, nearest, one_of};
-use super::findings::Findings;
+use super::diagnostics::Findings;
+use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of};
 use super::pointer::Pointer;
 use super::schema::json_schema;
-use super::shape::{describe, kind, largest, length, meant, nullable, stand_in};
 
 /// Finds every wrong type and key of a case and puts stand-ins in their places.
 pub(crate) fn walk(json: &mut Value, findings: &mut Findings) {
@@ -48,7 +46,7 @@ impl<'a> Walk<'a> {
 
     /// Notes that the whole value is wrong, and puts a stand-in in its place.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
-        self.note(at, Part::Value, value, allowed, None);
+        self.note(at, FaultTarget::Value, value, allowed, None);
         self.replace(schema, value, at);
     }
 
@@ -57,7 +55,7 @@ impl<'a> Walk<'a> {
         self.findings.leave_unread(at);
     }
 
-    fn note(&mut self, at: &Pointer, part: Part, value: &Value, allowed: String, hint: Option<String>) {
+    fn note(&mut self, at: &Pointer, part: FaultTarget, value: &Value, allowed: String, hint: Option<String>) {
         let pointer = at.as_str().to_owned();
         self.findings.note(|| Fault { pointer, part, value: excerpt(value), allowed, hint, place: None });
     }
@@ -70,7 +68,7 @@ impl<'a> Walk<'a> {
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };
             let hint = did_you_mean(&key, names.iter().copied());
-            self.note(&at.key(&key), Part::Key, &value, one_of("known keys here", &names), hint);
+            self.note(&at.key(&key), FaultTarget::Key, &value, one_of("known keys here", &names), hint);
             match nearest(&key, names.iter().copied()).filter(|near| !map.contains_key(*near)) {
                 Some(near) => {
                     self.findings.rename(&at.key(near), &at.key(&key));
@@ -104,7 +102,7 @@ impl<'a> Walk<'a> {
             Value::String(word) if !choice.words.is_empty() => {
                 let names = choice.names();
                 let hint = did_you_mean(word, names.iter().copied());
-                self.note(at, Part::Value, value, one_of("known names here", &names), hint);
+                self.note(at, FaultTarget::Value, value, one_of("known names here", &names), hint);
                 self.replace(schema, value, at);
             }
             Value::Object(map) if !choice.tags.is_empty() => {
@@ -125,7 +123,7 @@ impl<'a> Walk<'a> {
         let (Some(key), None) = (keys.next(), keys.next()) else {
             let allowed =
                 format!("an object with exactly one key; {}", one_of("known names here", &choice.tag_names()));
-            self.note(at, Part::Value, &Value::Object(map.clone()), allowed, None);
+            self.note(at, FaultTarget::Value, &Value::Object(map.clone()), allowed, None);
             return false;
         };
         drop(keys);
@@ -137,12 +135,12 @@ impl<'a> Walk<'a> {
         let value = map.remove(&key).unwrap_or_default();
         if choice.words.contains(&key.as_str()) {
             let allowed = format!("the plain word \"{key}\" in double quotes, without braces");
-            self.note(&below, Part::Key, &value, allowed, None);
+            self.note(&below, FaultTarget::Key, &value, allowed, None);
             return false;
         }
         let names = choice.names();
         let hint = did_you_mean(&key, names.iter().copied());
-        self.note(&below, Part::Key, &value, one_of("known names here", &names), hint);
+        self.note(&below, FaultTarget::Key, &value, one_of("known names here", &names), hint);
         let Some((near, branch)) = nearest(&key, choice.tag_names()).and_then(|near| Some((near, choice.tag(near)?)))
         else {
             return false;
@@ -151,5 +149,161 @@ impl<'a> Walk<'a> {
         map.insert(near.to_owned(), value);
         self.object(branch, map, at);
         true
+    }
+}
+
+/// A `oneOf` sorted by how its branches are told apart.
+struct Choice<'a> {
+    /// plain words: `"all"`
+    words: Vec<&'a str>,
+    /// objects with one key: `{"ids": [...]}`
+    tags: Vec<(&'a str, &'a Value)>,
+    /// numbers and lists
+    others: Vec<&'a Value>,
+}
+
+impl<'a> Choice<'a> {
+    /// The choice that a schema is, if it is one.
+    fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
+        let mut choice = Self { words: Vec::new(), tags: Vec::new(), others: Vec::new() };
+        for branch in schema.get("oneOf")?.as_array()? {
+            let branch = meant(root, branch);
+            let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
+            match (branch.get("const").and_then(Value::as_str), key) {
+                (Some(word), _) => choice.words.push(word),
+                (None, Some(key)) => choice.tags.push((key, branch)),
+                (None, None) => choice.others.push(branch),
+            }
+        }
+        Some(choice)
+    }
+
+    /// The branch of an object with this key.
+    fn tag(&self, key: &str) -> Option<&'a Value> {
+        self.tags.iter().find(|(tag, _)| *tag == key).map(|(_, branch)| *branch)
+    }
+
+    /// The keys of the objects.
+    fn tag_names(&self) -> Vec<&'a str> {
+        self.tags.iter().map(|(tag, _)| *tag).collect()
+    }
+
+    /// All names, of words and of objects, each once.
+    fn names(&self) -> Vec<&'a str> {
+        let tags = self.tag_names().into_iter().filter(|tag| !self.words.contains(tag));
+        self.words.iter().copied().chain(tags).collect()
+    }
+
+    /// The branch for a number or a list. Of two kinds of list most of the entries tell which is meant.
+    fn of_type(&self, value: &Value) -> Option<&'a Value> {
+        let Value::Array(list) = value else {
+            let number = |branch: &&Value| value.is_number() && kind(branch) == "number";
+            return self.others.iter().copied().find(|branch| number(branch));
+        };
+        let nested = 2 * list.iter().filter(|entry| entry.is_array()).count() >= list.len();
+        let lists = || self.others.iter().copied().filter(|branch| kind(branch) == "array");
+        let fits = |branch: &&Value| branch.pointer("/items/type").is_some_and(|t| t == "array") == nested;
+        lists().find(|branch| fits(branch)).or_else(|| lists().next())
+    }
+
+    /// What is allowed, in the words of a case file.
+    fn describe(&self, root: &Value) -> String {
+        let mut parts: Vec<String> = self.others.iter().map(|branch| describe(root, branch)).collect();
+        match (self.words.is_empty(), self.tags.is_empty()) {
+            (true, true) => {}
+            (true, false) => parts.push("an object {...} with one key".to_owned()),
+            (false, true) => parts.push("a word in double quotes".to_owned()),
+            (false, false) => parts.push("a word in double quotes or an object {...} with one key".to_owned()),
+        }
+        let names = self.names();
+        let known = if names.is_empty() { String::new() } else { format!("; {}", one_of("known names here", &names)) };
+        format!("{}{known}", parts.join(" or "))
+    }
+}
+
+/// [-] Stands in for a number. Large, so that nothing else seems too large beside it.
+const NUMBER: u32 = 1_000_000_000;
+
+/// The schema itself, references and the choice between something and null resolved.
+fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
+    let referred = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
+    if let Some(target) = referred.and_then(|pointer| root.pointer(pointer)) {
+        return meant(root, target);
+    }
+    let branches = schema.get("anyOf").and_then(Value::as_array);
+    let branch = branches.and_then(|list| list.iter().find(|branch| kind(branch) != "null"));
+    branch.map_or(schema, |branch| meant(root, branch))
+}
+
+/// The type of a value, null aside; empty where the schema names none.
+fn kind(schema: &Value) -> &str {
+    match schema.get("type") {
+        Some(Value::String(name)) => name,
+        Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).find(|n| *n != "null").unwrap_or("null"),
+        _ => "",
+    }
+}
+
+/// Whether null may stand for an absent value.
+fn nullable(schema: &Value) -> bool {
+    let null = |v: &Value| v == "null";
+    let named = schema.get("type").and_then(Value::as_array).is_some_and(|names| names.iter().any(null));
+    let branches = schema.get("anyOf").and_then(Value::as_array);
+    named || branches.is_some_and(|list| list.iter().any(|branch| kind(branch) == "null"))
+}
+
+/// The length of a list that has exactly one.
+fn length(schema: &Value) -> Option<usize> {
+    let bound = |key| schema.get(key).and_then(Value::as_u64).and_then(|n| usize::try_from(n).ok());
+    bound("maxItems").filter(|n| bound("minItems") == Some(*n))
+}
+
+/// The largest whole number that its Rust type holds.
+fn largest(schema: &Value) -> u64 {
+    if schema.get("format").is_some_and(|format| format == "uint32") { u64::from(u32::MAX) } else { u64::MAX }
+}
+
+/// What is allowed, in the words of a case file.
+fn describe(root: &Value, schema: &Value) -> String {
+    let schema = meant(root, schema);
+    if let Some(choice) = Choice::new(root, schema) {
+        return choice.describe(root);
+    }
+    match (kind(schema), length(schema)) {
+        ("object", _) => "an object {...}".to_owned(),
+        ("array", Some(3)) if schema.pointer("/items/type").is_some_and(|t| t == "number") => {
+            "a vector [x, y, z] of exactly 3 numbers".to_owned()
+        }
+        ("array", Some(n)) => format!("a list of exactly {n} entries"),
+        ("array", None) => "a list [...]".to_owned(),
+        ("number", _) => "a number".to_owned(),
+        ("integer", _) if largest(schema) < u64::MAX => format!("a whole number, 0 to {}", largest(schema)),
+        ("integer", _) => "a whole number, 0 or more".to_owned(),
+        ("string", _) => "a text in double quotes".to_owned(),
+        ("boolean", _) => "true or false".to_owned(),
+        (other, _) => other.to_owned(),
+    }
+}
+
+/// A value of the right type, so that the rest of the case can be read; its range need not be right.
+fn stand_in(root: &Value, schema: &Value) -> Value {
+    let schema = meant(root, schema);
+    if let Some(first) = schema.get("oneOf").and_then(Value::as_array).and_then(|list| list.first()) {
+        return first.get("const").cloned().unwrap_or_else(|| stand_in(root, first));
+    }
+    match kind(schema) {
+        "object" => {
+            let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
+            let member = |key: &str| Some((key.to_owned(), stand_in(root, schema.get("properties")?.get(key)?)));
+            Value::Object(required.filter_map(Value::as_str).filter_map(member).collect::<Map<_, _>>())
+        }
+        "array" => {
+            let item = schema.get("items").map_or(Value::Null, |items| stand_in(root, items));
+            Value::Array(vec![item; length(schema).unwrap_or(0)])
+        }
+        "number" | "integer" => json!(NUMBER),
+        "string" => json!("x"),
+        "boolean" => json!(false),
+        _ => Value::Null,
     }
 }

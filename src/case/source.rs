@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::comments::blank;
-use super::fault::{Fault, Faults, Part};
-use super::findings::{Findings, Told};
+use super::diagnostics::{Fault, FaultTarget, Faults};
+use super::diagnostics::{Findings, Reported};
+use super::jsonc::blank;
+use super::jsonc_tree::Tree;
 use super::lower::geometry::Geometry;
 use super::lower::{Built, build};
-use super::place::{Place, Written};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::walk;
+use super::span::{Location, Written};
 use super::text::{NoJson, parse};
-use super::tolerant::Tree;
 use super::typed::typed;
 use super::{Case, CaseError, overrides};
 
@@ -80,10 +80,10 @@ impl Source {
     /// All faults of a text that is not JSON: those of the text, and those of what can be read of it.
     fn broken(self, offset: usize, reason: &str, allowed: &str) -> CaseError {
         let at = |offset: usize, value: String, allowed: &str| Fault {
-            part: Part::Text,
+            part: FaultTarget::Text,
             value,
             allowed: allowed.to_owned(),
-            place: Some(Place::in_text(&self.text, offset..offset + 1)),
+            place: Some(Location::in_text(&self.text, offset..offset + 1)),
             ..Fault::default()
         };
         let first = at(offset, format!("not JSON: {reason}"), allowed);
@@ -98,7 +98,7 @@ impl Source {
                 if lines.contains('\n') {
                     faults.push(at(later, "not JSON either, and nothing can be read from here on".to_owned(), "JSON"));
                 }
-                return self.refused(Told { faults, more: 0 });
+                return self.refused(Reported { faults, more: 0 });
             }
         };
         // What the tolerant reader allows and JSON does not, it notes; depth is the rest.
@@ -122,7 +122,7 @@ impl Source {
     }
 
     /// The faults of a case in which faults were found, with those of its ranges and meaning.
-    fn rest(&self, json: &Value, mut found: Findings, known: Option<Arc<Geometry>>) -> Told {
+    fn rest(&self, json: &Value, mut found: Findings, known: Option<Arc<Geometry>>) -> Reported {
         match typed(json) {
             Ok(file) => self.build(json, &file, found, known).err().unwrap_or_default(),
             Err(fault) => {
@@ -140,7 +140,7 @@ impl Source {
         file: &CaseFile,
         found: Findings,
         known: Option<Arc<Geometry>>,
-    ) -> Result<Built, Told> {
+    ) -> Result<Built, Reported> {
         let mut faults = Faults::new(json, found);
         let built = build(file, &self.base, known, &mut faults);
         let warnings = faults.finish()?;
@@ -156,14 +156,14 @@ impl Source {
                     hint: Some("this is a defect of the program: please report it with the case".to_owned()),
                     ..Fault::default()
                 };
-                Err(Told { faults: vec![fault], more: 0 })
+                Err(Reported { faults: vec![fault], more: 0 })
             }
         }
     }
 
     /// The error that shows these faults at their places.
-    fn refused(self, told: Told) -> CaseError {
-        let Told { mut faults, more } = told;
+    fn refused(self, told: Reported) -> CaseError {
+        let Reported { mut faults, more } = told;
         let clean = blank(&self.text).unwrap_or_default();
         let tree = Tree::parse(&clean).ok();
         Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::comments::blank;
 use super::error::CaseError;
-use super::strict::Strict;
+use super::jsonc::Strict;
+use super::jsonc::blank;
 use crate::input_file::open_stream;
 
 /// [bytes] Largest case file: one that is larger is a mistake (or `/dev/zero`).

@@ -4,7 +4,7 @@
 use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
-use super::fault::{Fault, excerpt};
+use super::diagnostics::{Fault, excerpt};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 

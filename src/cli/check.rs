@@ -10,7 +10,7 @@ use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::spec::NetworkSpec;
 use crate::model::state::State;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::spec::Problem;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::Family;
 use crate::solve::Prediction;
 use crate::study::trial::advice::{Advice, Choice};

@@ -7,7 +7,7 @@ use crate::analysis::critical::CriticalStep;
 use crate::analysis::warnings::{Planned, slack_warning, step_warning};
 use crate::case::spec::Problem;
 use crate::case::{CaseError, Source};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::implicit::{SolverSpec, refusal};
 use crate::integrate::registry::Family;
 use crate::model::stop::Stop;

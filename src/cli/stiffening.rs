@@ -9,7 +9,7 @@ use crate::analysis::critical::{CriticalStep, Effort, remedy};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;

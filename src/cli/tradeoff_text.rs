@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::study::answers::{Answer, Answers, unfinished, used};
 use crate::study::plan::Plan;
 use crate::study::row::{Row, RowStatus};

@@ -5,7 +5,7 @@ use crate::analysis::critical::{Confidence, CriticalStep, Effort, has_limit, imp
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::analysis::spectrum::Spectrum;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::model::forces::Role;
 use crate::model::state::State;

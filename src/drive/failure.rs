@@ -4,7 +4,7 @@ use super::cause::{Answer, Question};
 use super::observer::LedgerRow;
 use super::outcome::Explain;
 use super::watch::{Gain, Trouble};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::StepError;
 use crate::integrate::registry::MethodChoice;
 use crate::model::forces::Role;

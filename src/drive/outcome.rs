@@ -5,7 +5,7 @@ use super::error::RunError;
 use super::failure::Failure;
 use super::observer::LedgerRow;
 use super::watch::DOUBTFUL;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;

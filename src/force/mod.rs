@@ -2,17 +2,19 @@
 //!
 //! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see [the crate's first page](crate)).
 //!
+//! * [`law`]: the physics, one file a force.
+//! * [`kernel`]: loops over elements of one shape. They find nodes in the local buffers of a block, and know no scene.
+//! * [`schedule`]: blocks, threads, and several steps at once.
+//!
 //! # How to add a force
-//! 1. Write `force/<name>.rs` with a struct of plain arrays. If it has elements (springs, triangles), write a
-//!    [`batch::Kernel`] for it and `impl ForceTerm` for its [`batch::Batch`]; if it acts on nodes, [`batch::Summand`]
-//!    and [`ForceTerm`]. Either adds to one tile of the scene at a time (`sweep`): that is what keeps results the same
-//!    for every number of threads. A kernel's `add` is [`batch::Elements::each`], an element after the other; or, where
-//!    speed matters, equations on four elements at once: a `PullLaw` and an [`edges::EdgeKernel`] for two nodes that
-//!    pull along a difference (`pull`, see `relative_dashpot`), a `PushLaw` and a [`faces::FaceKernel`] for triangles
-//!    that are pushed along their normal (`push`, see `follower_pressure`), or `phases` for other shapes. All read
-//!    nodes in the tile's windows, and say which of them they want: in steps that are made several at once a scene has
-//!    no state of its own. Nodes of a term are kept in ascending order, so that those of a tile (`Tile::own`) are one
-//!    piece of them: see `nodal`.
+//! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. The force itself is one
+//!    of
+//!    * two nodes, pulled along a difference: an [`kernel::edges::EdgeKernel`] with an `AxialLaw`, as
+//!    `relative_dashpot`;
+//!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
+//!      `follower_pressure`;
+//!    * any other element: a [`kernel::batch::Kernel`], element by element, as `axial_dashpot`;
+//!    * nodes: [`kernel::batch::Summand`], as `nodal`.
 //! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name.
 //!    `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`); `on_triangles` lets a
 //!    failure name one. A term with elastic energy also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and
@@ -22,55 +24,18 @@
 //! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`,
 //!    which says what must be the same for a run to go on; the compiler asks for the last.
 //! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
-//!    states, what its [`TermInfo`] says with its forces, copies of it in several tiles with one alone, and steps made
+//!    states, what its [`TermInfo`] says with its forces, copies of it in several blocks with one alone, and steps made
 //!    several at once with steps one by one.
 //!
-//! A program that only uses the library builds scenes from [`crate::model::spec`]; a force of one's own means a changed
-//! copy of this crate.
+//! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars by
+//! [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.
 
-pub mod air;
-pub(crate) mod around;
-pub mod axial_dashpot;
-pub mod batch;
-pub(crate) mod between;
-pub mod coefficient;
-pub mod edges;
-pub mod faces;
-mod fans;
-pub mod follower_pressure;
-mod fronts;
-pub mod gravity;
-mod incidence;
-pub mod neighbours;
-pub mod nodal;
-pub mod one_sided;
-mod pairs;
-mod phases;
-mod pull;
-mod push;
-pub mod rayleigh;
-pub mod relative_dashpot;
-mod resident;
-mod room;
-pub mod series;
-mod shelf;
-pub mod slack;
-pub mod spring;
-pub mod staged;
-mod step_samples;
-mod stretch;
-mod stride;
-pub(crate) mod sweep;
-mod tension;
-pub mod threads;
-pub mod tile;
-mod tiling;
-mod told;
-pub mod triangle;
-pub mod window;
+pub mod kernel;
+pub mod law;
+pub mod schedule;
 
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -99,7 +64,7 @@ pub trait TangentSink {
 }
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
-pub trait ForceTerm: batch::Summand {
+pub trait ForceTerm: kernel::batch::Summand {
     /// Its name in reports, its role in the ledger and what diagnoses ask of it; the same at every state.
     fn info(&self) -> TermInfo;
 

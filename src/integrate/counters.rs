@@ -3,8 +3,8 @@
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
-use crate::model::stride::{Passed, Stages};
-use crate::model::system::{Around, Onward, System};
+use crate::model::stride::Passed;
+use crate::model::system::{KickDriftBlock, System};
 
 /// What a run cost, in operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -44,41 +44,15 @@ impl Counters {
         system.evaluate(at, out);
     }
 
-    /// Counted force passes of several steps, if the system makes them in one go.
-    pub fn stride<S: System + ?Sized>(
+    /// A block of steps with its force passes counted; see [`System::advance`].
+    pub fn advance<S: System + ?Sized>(
         &mut self,
         system: &S,
         to: &mut Point,
-        scheme: &dyn Onward,
+        block: KickDriftBlock<'_>,
         passed: &mut [Passed],
-    ) -> bool {
-        let made = system.stride(&mut to.state, &mut to.forces, scheme, passed);
-        self.force_evaluations += if made { (scheme.kicks().passes() * passed.len()) as u64 } else { 0 };
-        made
-    }
-
-    /// The same by stages, from a point on.
-    pub fn stride_by_stages<S: System + ?Sized>(
-        &mut self,
-        system: &S,
-        to: &mut Point,
-        (from, stages): (&Point, Stages<'_>),
-        passed: &mut [Passed],
-    ) -> bool {
-        let made = system.stride_by_stages((from, stages), &mut to.state, &mut to.forces, passed);
-        self.force_evaluations += if made { (stages.passes() * passed.len()) as u64 } else { 0 };
-        made
-    }
-
-    /// A counted force pass with what comes before and after it.
-    pub fn evaluate_around<S: System + ?Sized>(&mut self, system: &S, to: &mut Point, around: &dyn Around) {
-        self.force_evaluations += 1;
-        system.evaluate_around(&mut to.state, &mut to.forces, around);
-    }
-
-    /// The same, then a counted force pass at the velocities that what came after has left.
-    pub fn evaluate_twice<S: System + ?Sized>(&mut self, system: &S, to: &mut Point, around: &dyn Around) {
-        self.force_evaluations += 2;
-        system.evaluate_twice(&mut to.state, &mut to.forces, around);
+    ) {
+        self.force_evaluations += (block.scheme.passes() * passed.len().max(1)) as u64;
+        system.advance(&mut to.state, &mut to.forces, block, passed);
     }
 }

@@ -149,7 +149,7 @@ impl Equations<'_> {
 
     /// Rebuilds the reused factor if an attempt since the last accepted step has overwritten it.
     pub fn rebuild_factor(&mut self) -> Result<(), LinearError> {
-        let Some((at, w, make)) = self.linear.cache.to_rebuild() else { return Ok(()) };
+        let Some((at, w, make)) = self.linear.cache.outdated() else { return Ok(()) };
         let mut spent = Counters::default();
         self.linear.tangents.freeze(self.system, at, w, make, &mut spent)?;
         if self.linear.cache.rebuilt() {

@@ -7,13 +7,11 @@
 //! ```
 //! Undamped oscillations grow by (w h)^4/8 a step.
 
-use super::strides::stride_by_stages;
 use super::updates::{Slopes, follow, power, weigh};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::model::stride::{Passed, Stage, Stages};
 use crate::model::system::System;
 
 /// Euler-Richardson; carries nothing, holds the midpoint.
@@ -48,17 +46,5 @@ impl Integrator<dyn System> for EulerRichardson {
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let work = weigh([(h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
-    }
-
-    fn stride(
-        &mut self,
-        step: StepInput<'_, dyn System>,
-        to: &mut Point,
-        passed: &mut [Passed],
-        counters: &mut Counters,
-    ) -> bool {
-        let h = step.h;
-        let middle = Stage { reach: 0.5 * h, weight: h };
-        stride_by_stages(Stages { first: None, others: &[middle] }, step, to, passed, counters)
     }
 }

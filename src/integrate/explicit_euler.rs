@@ -7,11 +7,10 @@
 //! Undamped oscillations grow for every h: the amplitude by sqrt(1 + (w h)^2) a step. With damping ratio zeta the limit
 //! is w h < 2 zeta (oscillating case).
 
-use super::updates::{BeforeAndAfter, Product, add_product, add_scaled, nothing};
+use super::updates::{Product, add_product, add_scaled};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::system::System;
-use std::ops::Range;
 
 /// Explicit Euler; carries nothing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,12 +29,12 @@ impl Integrator<dyn System> for ExplicitEuler {
     ) -> Result<StepReport, StepError> {
         let (n, a_n) = (&from.state, Product { inverse_mass: system.inverse_mass(), f: &from.forces.total });
         to.state.t = t_next;
-        let before = |r: Range<usize>, x: &mut [f64], v: &mut [f64]| {
+        system.workers().both((&mut to.state.x, &mut to.state.v), |r, x, v| {
             let v_n = &n.v[r.clone()];
             add_scaled(x, &n.x[r.clone()], h, v_n);
             add_product(v, v_n, h, a_n.of(r));
-        };
-        counters.evaluate_around(system, to, &BeforeAndAfter { before, after: nothing });
+        });
+        counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
 }

@@ -63,7 +63,7 @@ impl FactorCache {
     }
 
     /// State, weights and request of the factor that must be rebuilt before an attempt, if any.
-    pub fn to_rebuild(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
+    pub fn outdated(&mut self) -> Option<(StateRef<'_>, Weights, FactorRequest)> {
         self.attempted = self.accepted;
         if self.state == CacheState::Valid {
             return None;

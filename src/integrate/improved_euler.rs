@@ -7,13 +7,11 @@
 //! ```
 //! Undamped oscillations grow by (w h)^4/8 a step.
 
-use super::strides::stride_by_stages;
 use super::updates::{Slopes, accumulate_slopes, follow, power, weigh};
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::model::stride::{Passed, Stage, Stages};
 use crate::model::system::System;
 
 /// Heun's method; carries nothing, holds the predicted state.
@@ -49,17 +47,5 @@ impl Integrator<dyn System> for ImprovedEuler {
         counters.evaluate(system, to.state.as_ref(), &mut to.forces);
         let work = weigh([(0.5 * h, power(system, &from.forces)), (0.5 * h, power(system, &self.forces))]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
-    }
-
-    fn stride(
-        &mut self,
-        step: StepInput<'_, dyn System>,
-        to: &mut Point,
-        passed: &mut [Passed],
-        counters: &mut Counters,
-    ) -> bool {
-        let h = step.h;
-        let end = Stage { reach: h, weight: 0.5 * h };
-        stride_by_stages(Stages { first: Some(0.5 * h), others: &[end] }, step, to, passed, counters)
     }
 }

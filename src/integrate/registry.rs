@@ -2,7 +2,7 @@
 //! all read it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
-use super::euler_cromer::EulerCromer;
+use super::euler_cromer::EULER_CROMER;
 use super::euler_richardson::EulerRichardson;
 use super::explicit_euler::ExplicitEuler;
 use super::generalized_alpha::GeneralizedAlpha;
@@ -16,7 +16,7 @@ use super::newmark::Newmark;
 use super::rk4::Rk4;
 use super::stage::NewmarkParameters;
 use super::stepper::Scheme;
-use super::velocity_verlet::VelocityVerlet;
+use super::velocity_verlet::VELOCITY_VERLET;
 use super::{dop853, dormand_prince};
 
 mod method;
@@ -51,7 +51,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, 2 (sqrt(1 + zeta^2) - zeta) damped; symplectic",
         linear: LinearStep { pencil: Some(Pencil::EULER_CROMER), ..LinearStep::PARTITIONED },
         source: "Cromer 1981; thesis Eq. 15-16",
-        build: |_, _| Scheme::Explicit(Box::new(EulerCromer)),
+        build: |_, _| Scheme::Explicit(Box::new(EULER_CROMER)),
     },
     MethodInfo {
         name: "euler-richardson",
@@ -99,7 +99,7 @@ static METHODS: &[MethodInfo] = &[
         stability: "w h < 2 undamped, 1.84 at damping ratio 0.1; symplectic without damping",
         linear: LinearStep { fixed_velocity: Some(2.0), ..LinearStep::PARTITIONED },
         source: "Swope et al. 1982; thesis Eq. 37-40",
-        build: |_, _| Scheme::Explicit(Box::new(VelocityVerlet)),
+        build: |_, _| Scheme::Explicit(Box::new(VELOCITY_VERLET)),
     },
     MethodInfo {
         name: "rk4",

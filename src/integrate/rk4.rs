@@ -10,13 +10,11 @@
 //! ```
 //! Limit on the imaginary axis w h < 2 sqrt 2.
 
-use super::strides::stride_by_stages;
 use super::updates::{Slopes, accumulate_slopes, follow, follow_on, power, weigh};
 use super::{Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::model::stride::{Passed, Stage, Stages};
 use crate::model::system::System;
 
 /// Stages from the second on: c_i, the only nonzero a_ij of the row, and weight b_i.
@@ -66,17 +64,5 @@ impl Integrator<dyn System> for Rk4 {
         let [p1, p2, p3, p4] = powers;
         let work = weigh([(h / 6.0, p1), (h / 3.0, p2), (h / 3.0, p3), (h / 6.0, p4)]);
         Ok(StepReport { work: Some(work), forces_at_end: true, ..Default::default() })
-    }
-
-    fn stride(
-        &mut self,
-        step: StepInput<'_, dyn System>,
-        to: &mut Point,
-        passed: &mut [Passed],
-        counters: &mut Counters,
-    ) -> bool {
-        let h = step.h;
-        let others = STAGES.map(|(c, b)| Stage { reach: c * h, weight: b * h });
-        stride_by_stages(Stages { first: Some(h / 6.0), others: &others }, step, to, passed, counters)
     }
 }

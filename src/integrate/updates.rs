@@ -2,7 +2,7 @@
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};
-use crate::model::system::{Around, System};
+use crate::model::system::System;
 use multiversion::multiversion;
 use std::ops::Range;
 
@@ -98,54 +98,6 @@ impl Product<'_> {
 pub(super) fn add_product(out: &mut [f64], v: &[f64], h: f64, p: Product<'_>) {
     for (((out, v), f), inverse_mass) in out.iter_mut().zip(v).zip(p.f).zip(p.inverse_mass) {
         *out = v + h * (inverse_mass * f);
-    }
-}
-
-/// What a scheme does around a force pass, of two functions of a range of degrees of freedom: of x and v before it; of
-/// v and the forces after it.
-pub(super) struct BeforeAndAfter<B, A> {
-    pub before: B,
-    pub after: A,
-}
-
-impl<B, A> Around for BeforeAndAfter<B, A>
-where
-    B: Fn(Range<usize>, &mut [f64], &mut [f64]) + Sync,
-    A: Fn(Range<usize>, &mut [f64], &[f64]) + Sync,
-{
-    fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]) {
-        (self.before)(dofs, x, v);
-    }
-
-    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
-        (self.after)(dofs, v, f);
-    }
-}
-
-/// Nothing comes after.
-pub(super) fn nothing(_: Range<usize>, _: &mut [f64], _: &[f64]) {}
-
-/// How far a kick and a drift go.
-#[derive(Clone, Copy)]
-pub(super) struct Sizes {
-    /// [s] of the forces
-    pub kick: f64,
-    /// [s] of the new velocities
-    pub drift: f64,
-}
-
-/// v = v_n + k M^-1 f, then x = x_n + h v
-#[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn kick_then_drift(
-    (x, v): (&mut [f64], &mut [f64]),
-    (x_n, v_n): (&[f64], &[f64]),
-    p: Product<'_>,
-    h: Sizes,
-) {
-    let from = x_n.iter().zip(v_n).zip(p.f.iter().zip(p.inverse_mass));
-    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v.iter_mut()).zip(from) {
-        *v = v_n + h.kick * (inverse_mass * f);
-        *x = x_n + h.drift * *v;
     }
 }
 

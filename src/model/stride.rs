@@ -6,12 +6,10 @@
 //! step ("time skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its
 //! bits are those of steps made one by one.
 
-mod kicks;
-mod stages;
+mod kick_drift;
 mod work;
 
-pub use kicks::{Kicks, Nodes};
-pub use stages::{Stage, Staged, Stages};
+pub use kick_drift::{KickDriftScheme, Nodes, StepStart};
 pub use work::work;
 
 use super::bounds::Bounds;

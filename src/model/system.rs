@@ -7,7 +7,7 @@
 use super::forces::{Forces, Role};
 use super::point::Point;
 use super::state::{State, StateRef};
-use super::stride::{Kicks, Passed, Stages};
+use super::stride::{KickDriftScheme, Passed, StepStart};
 use super::workers::{ALONE, Workers};
 use std::ops::Range;
 
@@ -27,28 +27,13 @@ pub struct TermInfo {
     pub on_triangles: bool,
 }
 
-/// What a scheme does around a force pass. Called for ranges that together are all degrees of freedom, in any order,
-/// once each.
-pub trait Around: Sync {
-    /// Moves some degrees of freedom to where the pass is to find them.
-    fn before(&self, dofs: Range<usize>, x: &mut [f64], v: &mut [f64]);
-
-    /// What follows from their forces f [N], which at fixed ones need not be 0. No force of this pass reads these
-    /// velocities any more.
-    fn after(&self, dofs: Range<usize>, v: &mut [f64], f: &[f64]) {
-        let _ = (dofs, v, f);
-    }
-}
-
-/// What a scheme does around the force passes of a [stride](super::stride): [`Around::before`] before the first, and
-/// [`Around::after`] after it where steps predict; then what its kicks say. Both say the same of the first step: a
-/// small scene begins it by kicks from that point, in its windows.
-pub trait Onward: Around {
-    /// Where a step ends, and the next begins.
-    fn kicks(&self) -> Kicks;
-
-    /// Where the first step begins.
-    fn from(&self) -> &Point;
+/// Steps of one size by a scheme that kicks and drifts.
+#[derive(Clone, Copy, Debug)]
+pub struct KickDriftBlock<'a> {
+    /// what a step is made of
+    pub scheme: KickDriftScheme,
+    /// where the first begins
+    pub from: &'a Point,
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
@@ -68,47 +53,19 @@ pub trait System: Send + Sync {
     /// One force pass: overwrites `out` with f(t, x, v), its split and every term's energy or power.
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
 
-    /// The same where a scheme has something to do with nodes just before and just after, which may then happen while
-    /// they are in cache: `around.before` for all degrees of freedom, [`System::evaluate`], `around.after` for all.
-    fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        let n = 0..at.x.len();
-        around.before(n.clone(), &mut at.x, &mut at.v);
-        self.evaluate(at.as_ref(), out);
-        around.after(n, &mut at.v, &out.total);
-    }
-
-    /// [`System::evaluate_around`], then [`System::evaluate`] at the same positions with the velocities that
-    /// `around.after` has left. What follows from positions alone may be found once, and the first pass may add forces
-    /// in an order of its own.
-    fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        self.evaluate_around(at, out, around);
-        self.evaluate(at.as_ref(), out);
-    }
-
-    /// Steps of a stride at most; fewer than two where there are no strides of any kind.
+    /// Steps of a block at most; fewer than two where steps are made one by one.
     fn longest_stride(&self) -> usize {
         0
     }
 
-    /// Several steps on end, an entry of `passed` each: `scheme.before` for all degrees of freedom, then for every step
-    /// [`System::evaluate`] (or, where steps predict, [`System::evaluate_twice`]) and what [`Onward::kicks`] do at its
-    /// end; their times are in `passed`. `false` where there is no such thing, and nothing was done.
-    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
-        let _ = (at, out, scheme, passed);
-        false
-    }
-
-    /// The same of steps by `stages` from a point on: several of them with their force passes, an entry of `passed`
-    /// each. `false` where there is no such thing, and nothing was done.
-    fn stride_by_stages(
-        &self,
-        (from, stages): (&Point, Stages<'_>),
-        at: &mut State,
-        out: &mut Forces,
-        passed: &mut [Passed],
-    ) -> bool {
-        let _ = (from, stages, at, out, passed);
-        false
+    /// Makes a block of steps from a point on: moves `at` to the end of the last and overwrites `out` with the forces
+    /// there. `passed` has an entry a step, of which it tells time and summary; it is empty for a single step, of which
+    /// nothing but `out` is told. The time at the end is in `at` before. Bits are those of steps made one by one.
+    ///
+    /// Systems whose [`System::longest_stride`] is below two make the single step alone.
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+        debug_assert!(passed.is_empty(), "this system makes steps one by one");
+        single_step(self, at, out, block);
     }
 
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
@@ -146,6 +103,22 @@ pub trait System: Send + Sync {
 
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
     fn velocity_dependent(&self) -> bool;
+}
+
+/// Makes the single step of [`System::advance`] by whole force passes.
+pub(crate) fn single_step<S: System + ?Sized>(
+    system: &S,
+    at: &mut State,
+    out: &mut Forces,
+    KickDriftBlock { scheme, from }: KickDriftBlock<'_>,
+) {
+    let start = StepStart::of(from, system.inverse_mass(), 0..at.x.len());
+    scheme.begin(start, &mut at.x, &mut at.v);
+    system.evaluate(at.as_ref(), out);
+    scheme.kick_again(start, &mut at.v, &out.total);
+    if scheme.predicts {
+        system.evaluate(at.as_ref(), out);
+    }
 }
 
 /// Weights of W = m M + c C + k K.

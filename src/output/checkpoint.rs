@@ -17,11 +17,11 @@ use serde::{Deserialize, Serialize};
 
 use super::file_prefix::open_plain;
 use super::files::FilesProgress;
-use super::process::Cost;
 use super::recorder::RecorderState;
 use super::resume::ResumeError;
 use crate::case::fingerprint::Fingerprint;
 use crate::drive::Snapshot;
+use crate::process::Cost;
 
 /// Number of the file's layout.
 pub const FORMAT: u32 = 8;

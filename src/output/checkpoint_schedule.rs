@@ -2,11 +2,11 @@
 
 use super::checkpoint::Checkpoint;
 use super::files::FilesProgress;
-use super::process::Stopwatch;
 use super::recorder::RecorderState;
 use super::schedule::Intervals;
 use crate::case::fingerprint::Fingerprint;
 use crate::drive::observer::{Occasion, Resumable};
+use crate::process::Stopwatch;
 
 /// How checkpoints are kept.
 #[derive(Clone, Debug)]

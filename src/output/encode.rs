@@ -9,48 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 use flate2::write::ZlibEncoder;
 
-/// How appended bytes are spelt.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
-    /// As they are: the smallest and fastest, but not text, which some builds of ParaView 9.1-9.2 refuse.
-    #[default]
-    Raw,
-    /// As base64 text: 4/3 of the size, read by everything.
-    Base64,
-}
-
-/// Whether appended bytes are compressed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Compression {
-    /// As they are.
-    #[default]
-    None,
-    /// zlib level 1 in blocks of 1 MiB.
-    Zlib,
-}
-
-/// How many digits numbers keep.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Precision {
-    /// All sixteen.
-    #[default]
-    F64,
-    /// Seven, in half the room: enough for pictures. Positions keep sixteen.
-    F32,
-}
-
-/// The spelling of a .vtu file's arrays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct VtuFormat {
-    /// raw or base64
-    pub encoding: Encoding,
-    /// none or zlib
-    pub compression: Compression,
-    /// of fields; positions, times and ledgers keep all digits
-    pub precision: Precision,
-}
+use crate::case::spec::{Compression, Encoding, VtuFormat};
 
 /// [byte] uncompressed size of a zlib block
 const BLOCK: usize = 1 << 20;

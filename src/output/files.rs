@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use super::atomic::{Durability, part_path, replace};
 use super::checkpoint::Checkpoint;
 use super::csv::write_fault;
-use super::encode::VtuFormat;
 use super::file_prefix::FilePrefix;
 use super::folder::{CHECKPOINT, SUMMARY};
 use super::frame::{Fields, Frame};
@@ -17,6 +16,7 @@ use super::history::{History, HistoryRow};
 use super::probes::{Probe, Probes};
 use super::pvd::{Collection, CollectionMark};
 use super::resume::ResumeError;
+use crate::case::spec::VtuFormat;
 use crate::drive::observer::ObserveError;
 
 /// Folder of the frames, beside the .pvd.

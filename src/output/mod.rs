@@ -23,7 +23,6 @@ pub mod hermite;
 pub mod history;
 mod lock;
 pub mod probes;
-pub mod process;
 pub mod pvd;
 pub mod recorder;
 mod request;

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::encode::VtuFormat;
 use super::files::FilesSpec;
 use super::frame::Fields;
 use super::probes::Probe;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
+use crate::case::spec::VtuFormat;
 use crate::case::spec::{Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::cells::Width;
-use super::encode::Precision;
 use super::frame::Fields;
+use crate::case::spec::Precision;
 use crate::model::picture::Picture;
 
 /// [byte] The XML around the arrays of a frame, about.

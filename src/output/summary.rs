@@ -12,7 +12,7 @@ use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
 use crate::integrate::Counters;
 use crate::model::system::System;
-use crate::output::process::{self, Cost};
+use crate::process::{self, Cost};
 use crate::solve::{LinearChoice, LinearStats, Prediction};
 use crate::startup::Startup;
 

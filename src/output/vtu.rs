@@ -9,9 +9,10 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use super::cells::{CellTable, Width};
-use super::encode::{Appender, Compression, Encoding, Precision, VtuFormat, little_endian, little_endian_f32};
+use super::encode::{Appender, little_endian, little_endian_f32};
 use super::sanitize::xml_attribute;
 use super::vectored_write::{Appended, Segment};
+use crate::case::spec::{Compression, Encoding, Precision, VtuFormat};
 
 /// What never changes: how many points there are and which of them make the cells.
 #[derive(Clone, Copy, Debug)]

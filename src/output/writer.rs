@@ -257,7 +257,7 @@ fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::encode::VtuFormat;
+    use crate::case::spec::VtuFormat;
     use crate::output::frame::Fields;
     use crate::output::frame_files::frames_in;
 

@@ -102,17 +102,17 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-/// A picture under the pen.
-pub(super) struct Pen<'a> {
+/// The SVG picture that is drawn on.
+pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
-impl<'a> Pen<'a> {
+impl<'a> Canvas<'a> {
     /// A white picture whose text goes to `text`.
     pub(super) fn new(text: &'a mut String, size: Size) -> Result<Self, PlotError> {
         let area = SVGBackend::with_string(text, (fine_u(size.width), fine_u(size.height))).into_drawing_area();
         area.fill(&RGBColor(0xFF, 0xFF, 0xFF)).map_err(refused)?;
-        Ok(Pen { area })
+        Ok(Canvas { area })
     }
 
     /// Ends the picture.

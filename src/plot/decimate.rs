@@ -3,11 +3,11 @@
 //! All places are shares of the frame: the picture is the square from 0 to 1.
 
 /// A place in the frame, across and up.
-pub(super) type Place = (f64, f64);
+pub(super) type UnitPoint = (f64, f64);
 
 /// The parts of a line inside the frame. A missing place interrupts the line.
-pub(super) fn cut(places: impl IntoIterator<Item = Option<Place>>) -> Vec<Vec<Place>> {
-    let mut pieces: Vec<Vec<Place>> = Vec::new();
+pub(super) fn cut(places: impl IntoIterator<Item = Option<UnitPoint>>) -> Vec<Vec<UnitPoint>> {
+    let mut pieces: Vec<Vec<UnitPoint>> = Vec::new();
     let mut open = false;
     let mut last = None;
     for place in places {
@@ -31,13 +31,13 @@ pub(super) fn cut(places: impl IntoIterator<Item = Option<Place>>) -> Vec<Vec<Pl
 }
 
 /// Whether a place is inside the frame.
-pub(super) fn inside(place: Place) -> bool {
+pub(super) fn inside(place: UnitPoint) -> bool {
     (0.0..=1.0).contains(&place.0) && (0.0..=1.0).contains(&place.1)
 }
 
 /// The part of a straight line inside the frame (Liang & Barsky 1984). Ends that are inside stay as they are, bit by
 /// bit.
-fn segment(from: Place, to: Place) -> Option<(Place, Place)> {
+fn segment(from: UnitPoint, to: UnitPoint) -> Option<(UnitPoint, UnitPoint)> {
     let along = (to.0 - from.0, to.1 - from.1);
     let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
     for (start, step) in [(from.0, along.0), (from.1, along.1)] {
@@ -60,7 +60,7 @@ fn segment(from: Place, to: Place) -> Option<(Place, Place)> {
 /// At most about `most` points that look the same: of every stretch of the line its extremes in both directions, and
 /// both ends. For a curve over time these are first, last, smallest and largest (M4: Jugel, Jerzak, Hackenbroich &
 /// Markl 2014).
-pub(super) fn thin(points: &[Place], most: usize) -> Vec<Place> {
+pub(super) fn thin(points: &[UnitPoint], most: usize) -> Vec<UnitPoint> {
     if points.len() <= most {
         return points.to_vec();
     }
@@ -91,7 +91,8 @@ mod tests {
     /// Thinning keeps both ends and every extreme: a lone spike of one point in a hundred thousand stays.
     #[test]
     fn thinning_keeps_extremes() {
-        let mut points: Vec<Place> = (0..100_000).map(|i| (f64::from(i) / 1e5, (f64::from(i) * 0.37).sin())).collect();
+        let mut points: Vec<UnitPoint> =
+            (0..100_000).map(|i| (f64::from(i) / 1e5, (f64::from(i) * 0.37).sin())).collect();
         points[54_321].1 = 7.0;
         points[54_322].1 = -9.0;
         let thin = thin(&points, 2000);

@@ -3,8 +3,8 @@
 use super::PlotError;
 use super::chart::{Axis, Chart, Line, Size, Stroke};
 use super::curve::{Curve, Limits, Timed, limits, times};
-use super::label::{joined, labels, title};
 use super::results::Run;
+use super::series::{joined, labels, title};
 use super::view::View;
 use crate::drive::observer::LedgerRow;
 

@@ -1,12 +1,12 @@
 //! From charts to SVG text: where everything stands in a picture.
 
 use super::PlotError;
-use super::canvas::{Anchor, FINE, FINE_GRID, GRID, LETTERS, Look, Pen, Spot};
+use super::axis::AxisScale;
+use super::canvas::{Anchor, Canvas, FINE, FINE_GRID, GRID, LETTERS, Look, Spot};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
-use super::decimate::{Place, cut, inside, thin};
+use super::decimate::{UnitPoint, cut, inside, thin};
 use super::legend::{Entry, Legend};
 use super::margin_panel::PanelLayout;
-use super::ruler::Ruler;
 
 /// Most points of a line, and of all lines of a chart together: more cannot be told apart in a picture, and browsers
 /// grow slow.
@@ -29,9 +29,9 @@ pub(super) struct Field {
 
 /// Both axes of a chart.
 #[derive(Clone, Copy, Debug)]
-struct Rulers {
-    x: Ruler,
-    y: Ruler,
+struct AxisScales {
+    x: AxisScale,
+    y: AxisScale,
 }
 
 /// Charts side by side and one under the other, with the legend of the first to their right.
@@ -47,13 +47,13 @@ pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError
     let legend = Legend::new(entries.map(|(line, look)| Entry { label: &line.label, look: *look }).collect(), size);
     let cell = Spot { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
     let mut text = String::new();
-    let pen = Pen::new(&mut text, size)?;
+    let canvas = Canvas::new(&mut text, size)?;
     for (i, chart) in charts.iter().enumerate() {
         let from = Spot { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
-        draw_chart(&pen, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
+        draw_chart(&canvas, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
     }
-    legend.draw(&pen, Spot { x: width - legend.width(), y: 40.0 })?;
-    pen.finish()?;
+    legend.draw(&canvas, Spot { x: width - legend.width(), y: 40.0 })?;
+    canvas.finish()?;
     Ok(shown_at(&text, size))
 }
 
@@ -65,7 +65,7 @@ fn shown_at(text: &str, Size { width, height }: Size) -> String {
     text.replacen(&drawn, &shown, 1)
 }
 
-fn draw_chart(pen: &Pen<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError> {
+fn draw_chart(canvas: &Canvas<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError> {
     let top = if chart.title.is_empty() { 18.0 } else { 42.0 };
     let whole = Field {
         from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
@@ -73,126 +73,131 @@ fn draw_chart(pen: &Pen<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError
     };
     let strip = chart.strip.as_ref().map(|strip| PanelLayout::of(strip, whole));
     let field = strip.as_ref().map_or(whole, PanelLayout::rest);
-    let rulers = rulers(chart, field)?;
+    let scales = scales(chart, field)?;
     let middle = f64::midpoint(whole.from.x, whole.to.x);
-    pen.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above)?;
-    draw_axes(pen, chart, rulers, field)?;
+    canvas.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above)?;
+    draw_axes(canvas, chart, scales, field)?;
     let looks = looks(&chart.lines);
     for (line, look) in chart.lines.iter().zip(looks) {
-        draw_line(pen, line, look, &Canvas { rulers, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) })?;
+        draw_line(
+            canvas,
+            line,
+            look,
+            &PlotArea { scales, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) },
+        )?;
     }
     for note in &chart.notes {
-        draw_note(pen, note, &Canvas { rulers, field, share: 1 })?;
+        draw_note(canvas, note, &PlotArea { scales, field, share: 1 })?;
     }
     match &strip {
-        Some(strip) => strip.draw(pen, [rulers.x, rulers.y]),
+        Some(strip) => strip.draw(canvas, [scales.x, scales.y]),
         None => Ok(()),
     }
 }
 
-fn draw_note(pen: &Pen<'_>, note: &Note, canvas: &Canvas) -> Result<(), PlotError> {
-    let Some(place) = canvas.place(note.at) else { return Ok(()) };
-    let Spot { x, y } = canvas.spot(place);
+fn draw_note(canvas: &Canvas<'_>, note: &Note, area: &PlotArea) -> Result<(), PlotError> {
+    let Some(place) = area.place(note.at) else { return Ok(()) };
+    let Spot { x, y } = area.spot(place);
     let (x, y, anchor) = match note.align {
         Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
         Align::Left => (x - 5.0, y - 9.0, Anchor::End),
         Align::RightBelow => (x + 5.0, y + 10.0, Anchor::Start),
         Align::Above => (x, y - 4.0, Anchor::Above),
     };
-    pen.write(&note.text, LETTERS[2], Spot { x, y }, anchor)
+    canvas.write(&note.text, LETTERS[2], Spot { x, y }, anchor)
 }
 
-fn rulers(chart: &Chart, field: Field) -> Result<Rulers, PlotError> {
+fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
     let nothing = || PlotError::NothingToDraw { title: chart.title.clone() };
     let points = || chart.lines.iter().flat_map(|line| line.points.iter().copied());
     let placed = |scale: Scale, v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
     // A point without a place on one axis says nothing of the range of the other.
     let drawable = || points().filter(|p| placed(chart.x.scale, p.0) && placed(chart.y.scale, p.1));
-    let ruler = |axis: &Axis, values: &mut dyn Iterator<Item = f64>| match axis.range {
-        Some((low, high)) => Ruler::between(axis.scale, (low, high)).ok_or_else(|| PlotError::BadRange {
+    let scale = |axis: &Axis, values: &mut dyn Iterator<Item = f64>| match axis.range {
+        Some((low, high)) => AxisScale::between(axis.scale, (low, high)).ok_or_else(|| PlotError::BadRange {
             title: chart.title.clone(),
             axis: axis.label.clone(),
             low,
             high,
         }),
-        None => Ruler::around(axis.scale, values).ok_or_else(nothing),
+        None => AxisScale::around(axis.scale, values).ok_or_else(nothing),
     };
     // What a note or a strip tells is worth a picture, too.
     let told = !chart.notes.is_empty() || chart.strip.is_some();
     if !told {
         drawable().next().ok_or_else(nothing)?;
     }
-    let x = ruler(&chart.x, &mut drawable().map(|p| p.0))?;
-    let y = ruler(&chart.y, &mut drawable().map(|p| p.1))?;
+    let x = scale(&chart.x, &mut drawable().map(|p| p.0))?;
+    let y = scale(&chart.y, &mut drawable().map(|p| p.1))?;
     if !chart.equal_units {
-        return Ok(Rulers { x, y });
+        return Ok(AxisScales { x, y });
     }
     let (across, down) = (field.to.x - field.from.x, field.to.y - field.from.y);
     let unit = (x.span() / across).max(y.span() / down);
-    Ok(Rulers { x: x.widened(unit * across), y: y.widened(unit * down) })
+    Ok(AxisScales { x: x.widened(unit * across), y: y.widened(unit * down) })
 }
 
-fn draw_axes(pen: &Pen<'_>, chart: &Chart, rulers: Rulers, field: Field) -> Result<(), PlotError> {
+fn draw_axes(canvas: &Canvas<'_>, chart: &Chart, scales: AxisScales, field: Field) -> Result<(), PlotError> {
     let Field { from, to } = field;
     let (across, down) = (to.x - from.x, to.y - from.y);
-    let ticks_x = rulers.x.ticks((across / 70.0) as usize);
-    let ticks_y = rulers.y.ticks((down / 55.0) as usize);
+    let ticks_x = scales.x.ticks((across / 70.0) as usize);
+    let ticks_y = scales.y.ticks((down / 55.0) as usize);
     let ink = |label: &str| if label.is_empty() { FINE_GRID } else { GRID };
     for tick in &ticks_x {
         let x = from.x + tick.at * across;
-        pen.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label))?;
-        pen.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below)?;
+        canvas.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label))?;
+        canvas.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below)?;
     }
     for tick in &ticks_y {
         let y = to.y - tick.at * down;
-        pen.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label))?;
-        pen.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End)?;
+        canvas.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label))?;
+        canvas.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End)?;
     }
-    pen.frame(from, to)?;
+    canvas.frame(from, to)?;
     let below = Spot { x: f64::midpoint(from.x, to.x), y: to.y + 32.0 };
-    pen.write(&chart.x.label, LETTERS[1], below, Anchor::Below)?;
+    canvas.write(&chart.x.label, LETTERS[1], below, Anchor::Below)?;
     let beside = Spot { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
-    pen.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards)
+    canvas.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards)
 }
 
 /// What a line is drawn on.
-struct Canvas {
-    rulers: Rulers,
+struct PlotArea {
+    scales: AxisScales,
     field: Field,
     /// most points of this line
     share: usize,
 }
 
-impl Canvas {
-    fn place(&self, (x, y): (f64, f64)) -> Option<Place> {
-        Some((self.rulers.x.place(x)?, self.rulers.y.place(y)?))
+impl PlotArea {
+    fn place(&self, (x, y): (f64, f64)) -> Option<UnitPoint> {
+        Some((self.scales.x.place(x)?, self.scales.y.place(y)?))
     }
 
-    fn spot(&self, (across, up): Place) -> Spot {
+    fn spot(&self, (across, up): UnitPoint) -> Spot {
         let Field { from, to } = self.field;
         Spot { x: from.x + across * (to.x - from.x), y: to.y - up * (to.y - from.y) }
     }
 }
 
-fn draw_line(pen: &Pen<'_>, line: &Line, look: Look, canvas: &Canvas) -> Result<(), PlotError> {
-    let places = || line.points.iter().map(|p| canvas.place(*p));
+fn draw_line(canvas: &Canvas<'_>, line: &Line, look: Look, area: &PlotArea) -> Result<(), PlotError> {
+    let places = || line.points.iter().map(|p| area.place(*p));
     if look.stroke != Stroke::None {
         let pieces = cut(places());
         let all: usize = pieces.iter().map(Vec::len).sum();
-        let most = MOST_POINTS.min(canvas.share);
+        let most = MOST_POINTS.min(area.share);
         if look.stroke == Stroke::Filled {
-            pen.area(&places().flatten().map(|p| canvas.spot(p)).collect::<Vec<_>>(), look)?;
+            canvas.area(&places().flatten().map(|p| area.spot(p)).collect::<Vec<_>>(), look)?;
         }
         for piece in pieces {
             let share = (most * piece.len()).div_ceil(all.max(1)).max(8);
-            let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| canvas.spot(p)).collect();
-            pen.line(&spots, look)?;
+            let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| area.spot(p)).collect();
+            canvas.line(&spots, look)?;
         }
     }
     if look.marker != Marker::None {
-        let within: Vec<Place> = places().flatten().filter(|p| inside(*p)).collect();
-        for place in thin(&within, MOST_POINTS.min(canvas.share)) {
-            pen.mark(canvas.spot(place), look)?;
+        let within: Vec<UnitPoint> = places().flatten().filter(|p| inside(*p)).collect();
+        for place in thin(&within, MOST_POINTS.min(area.share)) {
+            canvas.mark(area.spot(place), look)?;
         }
     }
     Ok(())

@@ -1,10 +1,10 @@
 //! The strip beside a picture: marks along one axis that have no place on the other.
 
 use super::PlotError;
-use super::canvas::{Anchor, GRID, LETTERS, Look, Pen, Spot};
+use super::axis::AxisScale;
+use super::canvas::{Anchor, Canvas, GRID, LETTERS, Look, Spot};
 use super::chart::{Side, Strip, Stroke};
 use super::layout::Field;
-use super::ruler::Ruler;
 
 /// [px] From one mark to the next, so that they do not touch.
 const PITCH: f64 = 12.0;
@@ -56,12 +56,12 @@ impl<'a> PanelLayout<'a> {
         self.rest
     }
 
-    /// Draws the strip; of the rulers of both axes it takes the one it stands along.
-    pub(super) fn draw(&self, pen: &Pen<'_>, [x, y]: [Ruler; 2]) -> Result<(), PlotError> {
+    /// Draws the strip; of the scales of both axes it takes the one it stands along.
+    pub(super) fn draw(&self, canvas: &Canvas<'_>, [x, y]: [AxisScale; 2]) -> Result<(), PlotError> {
         let Field { from, to } = self.field;
         let right = self.strip.side == Side::Right;
-        let (ruler, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
-        let places: Vec<_> = self.strip.marks.iter().map(|m| (m, m.at.and_then(|at| ruler.place(at)))).collect();
+        let (scale, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
+        let places: Vec<_> = self.strip.marks.iter().map(|m| (m, m.at.and_then(|at| scale.place(at)))).collect();
         let without = places.iter().filter(|(_, place)| place.is_none()).count();
         let band = (without.div_ceil(self.lanes) as f64 * PITCH).min(WITHOUT * length);
         // From the strip's lower end on, as the axis counts.
@@ -79,15 +79,15 @@ impl<'a> PanelLayout<'a> {
             } else {
                 [Spot { x: from.x + band, y: from.y }, Spot { x: from.x + band, y: to.y }]
             };
-            pen.rule(a, b, GRID)?;
+            canvas.rule(a, b, GRID)?;
         }
-        pen.frame(from, to)?;
+        canvas.frame(from, to)?;
         let (label, anchor) = if right {
             (Spot { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
         } else {
             (Spot { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
         };
-        pen.write(&self.strip.label, LETTERS[2], label, anchor)?;
+        canvas.write(&self.strip.label, LETTERS[2], label, anchor)?;
         let mut lower = Lanes::new(self.lanes, [0.0, band]);
         let mut upper = Lanes::new(self.lanes, [if without > 0 { band } else { 0.0 }, length]);
         for (mark, place) in places {
@@ -96,7 +96,7 @@ impl<'a> PanelLayout<'a> {
                 None => lower.put(0.0),
             };
             let look = Look { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
-            pen.mark(spot(along, lane), look)?;
+            canvas.mark(spot(along, lane), look)?;
         }
         Ok(())
     }

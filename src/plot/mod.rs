@@ -2,20 +2,19 @@
 //!
 //! [`chart`] draws and knows nothing of runs; [`results`] reads a result folder back; [`view`] makes charts of it.
 
+mod axis;
 mod canvas;
 pub mod chart;
 mod curve;
 mod decimate;
 mod energy;
 mod error;
-mod label;
 mod layout;
 mod legend;
 mod margin_panel;
 mod reference_positions;
 pub mod results;
-mod ruler;
-mod select;
+mod series;
 mod table;
 mod trajectory;
 pub mod view;

@@ -86,7 +86,7 @@ fn unpacked(data: &[u8]) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::encode::{Compression, Precision, VtuFormat};
+    use crate::case::spec::{Compression, Precision, VtuFormat};
     use crate::output::vtu::{Array, Cells, Snapshot, Values, VtuWriter};
 
     fn frame() -> Vec<u8> {

@@ -7,9 +7,9 @@
 use super::PlotError;
 use super::chart::{Axis, Chart, Stroke};
 use super::curve::{Curve, Limits, Timed, limits, times};
-use super::label::title;
 use super::results::{Moment, Run, Track};
-use super::select::{Group, groups, main_direction, subject};
+use super::series::title;
+use super::series::{Group, groups, main_direction, subject};
 use super::view::{Direction, View};
 use std::f64::consts::TAU;
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::mesh::components::components;
 use crate::model::spec::{NetworkSpec, PressureKind};
 use crate::warning::{Warning, WarningCode};

@@ -6,7 +6,7 @@ use std::fmt;
 use glam::DVec3;
 
 use super::parts::joined;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::{Warning, WarningCode};
 

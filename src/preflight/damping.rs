@@ -7,7 +7,7 @@
 use std::fmt;
 
 use super::parts::Parts;
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::model::spec::{DashpotKind, NetworkSpec, RayleighSpec};
 use crate::warning::{Warning, WarningCode};
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::mesh::Topology;
 use crate::model::spec::{NetworkSpec, PressureKind};
 use crate::warning::{Warning, WarningCode};

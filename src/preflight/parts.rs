@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::mesh::components::components;
 use crate::model::spec::NetworkSpec;
 use crate::warning::{Warning, WarningCode};

@@ -5,7 +5,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::warning::{Warning, WarningCode};
 

@@ -6,7 +6,7 @@
 //! start, and k times the area below zero is the impulse missing from a taut one.
 
 use super::network::{Network, SpringBatch, by_node};
-use crate::force::slack::clamped;
+use crate::force::law::slack::clamped;
 use crate::model::state::StateRef;
 use glam::DVec3;
 

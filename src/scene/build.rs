@@ -1,19 +1,20 @@
 //! From a plain specification to force terms in internal numbering.
 
-use super::check::{BuildError, check};
+use super::check::{BuildError, check, check_bars};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
-use crate::force::air::{Air, AirData};
-use crate::force::axial_dashpot::{AxialDashpots, AxialData};
-use crate::force::follower_pressure::{FollowerData, FollowerPressure};
-use crate::force::gravity::Gravity;
-use crate::force::nodal::{DeadPressure, FORCES, NodalForces};
-use crate::force::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::relative_dashpot::{RelativeDashpots, RelativeData};
-use crate::force::series::{Table, Tabled, scalar};
-use crate::force::spring::{Coefficient, SpringData, Springs};
-use crate::force::threads::Threads;
+use crate::force::law::air::{Air, AirData};
+use crate::force::law::axial_dashpot::{AxialDashpots, AxialData};
+use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
+use crate::force::law::gravity::Gravity;
+use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
+use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
+use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
+use crate::force::law::series::{Table, Tabled, scalar};
+use crate::force::law::spring::{Coefficient, SpringData, Springs};
+use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
 use crate::startup::{Phase, timed};
 use glam::DVec3;
@@ -24,9 +25,19 @@ use std::sync::Arc;
 /// # Errors
 /// A specification that contradicts itself.
 pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, BuildError> {
+    build_network_with(spec, &[], threads)
+}
+
+/// The same with bars of a program's own laws. Kang's filter and tensions by edge know only the springs.
+///
+/// # Errors
+/// As [`build_network`], and bars of nodes that do not exist or of rest lengths that are not finite.
+pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) -> Result<Network, BuildError> {
     check(&spec)?;
+    bars.iter().try_for_each(|bars| check_bars(bars, spec.mesh.nodes.len()))?;
     let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let links = spec.mesh.edges.iter().copied().chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
+    let links = spec.mesh.edges.iter().chain(bars.iter().flat_map(|bars| &bars.pairs)).copied();
+    let links = links.chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
     let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();
@@ -44,6 +55,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
         wind: None,
     };
     builder.springs_and_dashpots();
+    bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
     builder.air();
     builder.loads(&start);
@@ -116,6 +128,15 @@ impl Builder<'_> {
                 }
             });
         }
+    }
+
+    fn bars(&mut self, bars: &Bars) {
+        let ends = |pair: &[u32; 2]| pair.map(|node| self.node(node));
+        let mut order: Vec<([u32; 2], f64)> =
+            bars.pairs.iter().map(ends).zip(bars.rest_length.iter().copied()).collect();
+        order.sort_by_key(|([a, b], _)| (*a.min(b), *a.max(b)));
+        let (nodes, rest_length) = order.into_iter().unzip();
+        self.terms.push(Box::new(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
     fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {

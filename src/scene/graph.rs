@@ -1,9 +1,9 @@
 //! A network's springs as a graph, for schemes that filter along it.
 
 use super::network::{Network, SpringBatch, by_node};
-use crate::force::coefficient::Coefficient;
-use crate::force::neighbours::Neighbours;
-use crate::force::one_sided::OneSided;
+use crate::force::kernel::coefficient::Coefficient;
+use crate::force::kernel::neighbours::Neighbours;
+use crate::force::law::one_sided::OneSided;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepFilter, Viscosity};

@@ -17,7 +17,7 @@ mod suspect;
 mod tangent;
 
 pub use bound::BoundBuffer;
-pub use build::build_network;
+pub use build::{build_network, build_network_with};
 pub use check::BuildError;
 pub use external::{ExternalForces, NodalForce};
 pub use network::Network;

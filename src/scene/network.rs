@@ -3,22 +3,20 @@
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::around::Moving;
-use crate::force::batch::Summand;
-use crate::force::between::Between;
-use crate::force::series::{Table, Tabled};
-use crate::force::spring::{Coefficient, SpringData};
-use crate::force::staged::{ByStages, Ended};
-use crate::force::sweep::{Sweep, Terms};
-use crate::force::threads::{SUMS, Threads};
+use crate::force::kernel::batch::Summand;
+use crate::force::law::series::{Table, Tabled};
+use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_boundary::StepBoundary;
+use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
-use crate::model::point::Point;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::{self, Passed, Stages};
-use crate::model::system::{Around, Onward, System, TermInfo};
+use crate::model::stride::{self, Passed};
+use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
@@ -175,7 +173,7 @@ impl Terms for Network {
         (&*self.terms[i], sum)
     }
 
-    fn still(&self) -> bool {
+    fn is_position_only(&self) -> bool {
         (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.infos[i].velocity_dependent)
     }
 }
@@ -231,68 +229,22 @@ impl System for Network {
         });
     }
 
-    fn evaluate_around(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        if self.external.is_some() {
-            let n = 0..at.x.len();
-            around.before(n.clone(), &mut at.x, &mut at.v);
-            self.evaluate(at.as_ref(), out);
-            return around.after(n, &mut at.v, &out.total);
-        }
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
-        self.pass_into(out, |sums, tallies| self.sweep.pass_around((self, moving), &self.threads, sums, tallies));
-    }
-
-    fn evaluate_twice(&self, at: &mut State, out: &mut Forces, around: &dyn Around) {
-        if self.external.is_some() {
-            self.evaluate_around(at, out, around);
-            return self.evaluate(at.as_ref(), out);
-        }
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around };
-        self.pass_into(out, |sums, tallies| self.sweep.pass_twice((self, moving), &self.threads, sums, tallies));
-    }
-
     fn longest_stride(&self) -> usize {
-        let passes = if self.velocity_dependent() { 2 } else { 1 };
-        if self.still() && self.external.is_none() { self.sweep.longest_stride(passes) } else { 0 }
+        if self.external.is_some() {
+            return 0;
+        }
+        self.sweep.longest_stride(if self.velocity_dependent() { 2 } else { 1 })
     }
 
-    fn stride(&self, at: &mut State, out: &mut Forces, scheme: &dyn Onward, passed: &mut [Passed]) -> bool {
-        if self.longest_stride() < 2 || passed.is_empty() {
-            return false;
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+        if self.external.is_some() {
+            return single_step(self, at, out, block);
         }
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v, around: scheme };
-        let between = Between { scheme, mass: &self.mass, inverse_mass: &self.inverse_mass };
+        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
+        let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
-            self.sweep.stride((self, moving), between, &self.threads, sums, passed);
-            if let Some(last) = passed.last() {
-                tallies.copy_from_slice(&last.tallies);
-            }
+            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, passed));
         });
-        true
-    }
-
-    fn stride_by_stages(
-        &self,
-        (from, stages): (&Point, Stages<'_>),
-        at: &mut State,
-        out: &mut Forces,
-        passed: &mut [Passed],
-    ) -> bool {
-        // Where the account asks for work, it asks for that of every stage.
-        let works = self.has_role(Role::External) || self.has_role(Role::Dissipative);
-        if works || !self.sweep.resides() || passed.is_empty() {
-            return false;
-        }
-        let (mass, inverse_mass) = (&self.mass, &self.inverse_mass);
-        self.pass_into(out, |[f, ..], tallies| {
-            let (by_stages, to) =
-                (ByStages { from, stages, mass, inverse_mass }, Ended { x: &mut at.x, v: &mut at.v, f });
-            self.sweep.stride_by_stages(self, by_stages, &self.threads, to, passed);
-            if let Some(last) = passed.last() {
-                tallies.copy_from_slice(&last.tallies);
-            }
-        });
-        true
     }
 
     fn inverse_mass(&self) -> &[f64] {
@@ -308,15 +260,16 @@ impl System for Network {
     }
 
     fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        self.sweep
-            .by_strips(&self.threads, |nodes| motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic)
+        self.sweep.by_node_blocks(&self.threads, |nodes| {
+            motion(&v[3 * nodes.start..3 * nodes.end], &self.mass[nodes]).kinetic
+        })
     }
 
     fn work(&self, forces: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         if forces[0].is_empty() {
             return 0.0;
         }
-        self.sweep.by_strips(&self.threads, |nodes| {
+        self.sweep.by_node_blocks(&self.threads, |nodes| {
             let dofs = 3 * nodes.start..3 * nodes.end;
             let forces = forces.map(|f| &f[dofs.clone()]);
             let [begun, ended] = stride::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);

@@ -1,8 +1,8 @@
 //! A network for output, in the user's numbering.
 
 use super::network::{Network, by_node, node_state};
-use crate::force::axial_dashpot::AxialData;
-use crate::force::spring::Carried;
+use crate::force::law::axial_dashpot::AxialData;
+use crate::force::law::spring::Carried;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
 use crate::model::picture::Picture;
@@ -70,7 +70,7 @@ impl Picture for Network {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::threads::Threads;
+    use crate::force::schedule::threads::Threads;
     use crate::mesh::Mesh;
     use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, Slack, SpringGroup};
     use crate::model::system::System;

@@ -230,8 +230,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// The whole state as bytes, with forces and wind that were set. A simulation of the same scene and settings goes on
-    /// from it with the same bits.
+    /// The whole state as bytes, with forces and wind that were set. A simulation of the same scene and settings goes
+    /// on from it with the same bits.
     ///
     /// # Errors
     /// When an attempted step waits.

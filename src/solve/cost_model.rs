@@ -18,8 +18,8 @@ use std::sync::Arc;
 const EASIER: f64 = 0.65;
 /// [-] Relative residual of the trial. Solves may leave its square, which takes twice as many iterations.
 const TRIAL: f64 = 0.0316;
-/// [-] The first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little to
-/// set up and real solves soon show if it is dearer; the cost of a factor that is not needed is lost.
+/// [-] The first matrix gets CG even if the trial predicts this many times the affordable iterations. CG costs little
+/// to set up and real solves soon show if it is dearer; the cost of an unneeded factor is lost.
 const DOUBT: f64 = 1.3;
 
 /// Costs of solvers in units of work: a multiplication and addition at the speed of memory, about 0.14 ns. The values

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::front::{TIE, cheapest};
 use super::plan::Plan;
 use super::row::{Pace, Row, RowStatus};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::Family;
 
 /// Accuracies asked about: powers of ten from here down to the reference's error.

@@ -1,6 +1,6 @@
 //! Where a case differs from the one that a study was planned for, key by key.
 
-use crate::case::fault::excerpt;
+use crate::case::diagnostics::excerpt;
 use serde_json::Value;
 
 /// How many keys are told.

@@ -12,9 +12,9 @@ use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::drive::{Outcome, RunError, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::stop::Stop;
-use crate::output::process::{Cost, Stopwatch};
+use crate::process::{Cost, Stopwatch};
 
 /// An unfinished run is kept this often, so that a kill costs no more.
 const KEPT_EVERY: Duration = Duration::from_secs(20);

@@ -22,12 +22,12 @@ use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer};
 use crate::drive::{Outcome, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
-use crate::output::process::Stopwatch;
+use crate::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::case::schema::Method;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
 

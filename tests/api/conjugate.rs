@@ -6,7 +6,7 @@ use crate::common::{Random, spring_group, square};
 use canopy_fem::assembly::{Pattern, TangentSystem};
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;

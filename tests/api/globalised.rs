@@ -6,7 +6,7 @@ use crate::common::{patch, spring_group};
 use canopy_fem::assembly::TangentSystem;
 use canopy_fem::case::Case;
 use canopy_fem::drive::Status;
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::Slack;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::build_network;

@@ -3,7 +3,7 @@
 
 use crate::common::{Random, patch, spring_group, square};
 use canopy_fem::assembly::{Assembler, Pattern, TangentSystem};
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, Weights};

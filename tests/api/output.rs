@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::read_vtu::{self, Vtu};
 use canopy_fem::case::spec::RowEvery;
+use canopy_fem::case::spec::{Compression, Encoding, VtuFormat};
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
-use canopy_fem::output::encode::{Compression, Encoding, VtuFormat};
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::probes::Probe;
 use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};

@@ -16,9 +16,6 @@ use std::sync::atomic::AtomicBool;
 /// Schemes that have strides.
 const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
 
-/// Schemes that have them on nets of one tile with springs and weight alone.
-const BY_STAGES: [&str; 3] = ["rk4", "improved-euler", "euler-richardson"];
-
 /// Lets steps be made in one go, or does not, and counts.
 struct Witness {
     lets: bool,
@@ -48,8 +45,7 @@ const SIZES: [[u32; 2]; 2] = [[69, 79], [18, 22]];
 
 /// Sizes and schemes that have strides there.
 fn striding() -> impl Iterator<Item = ([u32; 2], &'static str)> {
-    let kicked = SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method)));
-    kicked.chain(BY_STAGES.map(|method| (SIZES[1], method)))
+    SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method)))
 }
 
 fn sheet() -> Value {
@@ -248,28 +244,6 @@ fn who_leaves_the_scene_is_told_at_its_step() {
     }
 }
 
-/// The same of steps by stages, which have other limits.
-#[test]
-fn a_divergence_of_stages_is_found_at_its_step() {
-    let case = case_of(&sheet_of(SIZES[1]), &[("time.end", "0.9"), ("output.frames", "null")]);
-    for (method, step, diverges, at_least) in [
-        ("rk4", "4.6e-3", true, 0),
-        ("rk4", "4.53e-3", true, 0),
-        ("rk4", "3e-3", false, 290),
-        ("improved-euler", "1.7e-3", true, 0),
-        ("improved-euler", "1.4e-3", true, 32),
-        ("euler-richardson", "1.7e-3", true, 0),
-        ("euler-richardson", "1.4e-3", true, 32),
-    ] {
-        let case = changed(&case, &[("time.method", method), ("time.step", step)]);
-        let (outcome, in_strides) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
-        assert_same(&case, How { threads: 1, keep_going: true }, &format!("{method}, {step}, and on"));
-        assert_eq!(outcome.status == Status::Diverged, diverges, "{method}, {step}");
-        assert_eq!(outcome.failure.map(|failure| failure.step), diverges.then_some(outcome.steps + 1));
-        assert!(in_strides >= at_least, "{method}, {step}: {in_strides} of {} steps", outcome.steps);
-    }
-}
-
 /// A warning within a stride is that of the step that gives it; the run then goes on in strides.
 #[test]
 fn a_doubt_is_had_at_its_step() {
@@ -284,13 +258,12 @@ fn a_doubt_is_had_at_its_step() {
     assert!(in_strides > 60, "{in_strides} of {} steps", outcome.steps);
 }
 
-/// Other schemes go step by step, and so do stages of large scenes.
+/// Other schemes go step by step.
 #[test]
 fn nothing_else_is_made_in_one_go() {
     for size in SIZES {
         let case = case_of(&sheet_of(size), &[("time.end", "0.012")]);
-        let strides = |method| striding().any(|striding| striding == (size, method));
-        for method in methods().iter().filter(|method| !strides(method.name)) {
+        for method in methods().iter().filter(|method| !STRIDING.contains(&method.name)) {
             let case = changed(&case, &[("time.method", method.name)]);
             let (_, in_strides) = assert_same(&case, until_the_end(1), method.name);
             assert_eq!(in_strides, 0, "{}", method.name);
@@ -301,9 +274,7 @@ fn nothing_else_is_made_in_one_go() {
 /// Nodes held in some directions only, and velocities that are zeros below zero where a node is held.
 #[test]
 fn held_directions_stay_where_they_are() {
-    for (method, fix) in
-        BY_STAGES.into_iter().chain(STRIDING).flat_map(|method| ["z", "xy", "xyz"].map(|fix| (method, fix)))
-    {
+    for (method, fix) in STRIDING.into_iter().flat_map(|method| ["z", "xy", "xyz"].map(|fix| (method, fix))) {
         let mut scene = sheet_of(SIZES[1]);
         let [columns, rows] = SIZES[1].map(|n| n as usize);
         let inside = |node: usize| {
@@ -317,20 +288,6 @@ fn held_directions_stay_where_they_are() {
         let case = case_of(&scene, &[("time.method", method), ("output.frames", r#"{"every": 0.02}"#)]);
         let (outcome, in_strides) = assert_same(&case, until_the_end(1), &format!("{method}, {fix}"));
         assert_eq!((outcome.status, in_strides > 50), (Status::Completed, true), "{method}, {fix}: {in_strides}");
-    }
-}
-
-/// Where forces do work that the account asks of every stage, steps by stages are made one by one.
-#[test]
-fn stages_do_work_step_by_step() {
-    for (number, (key, force)) in forces().into_iter().enumerate() {
-        for method in BY_STAGES {
-            let mut scene = sheet_of(SIZES[1]);
-            scene["system"]["network"][key] = force.clone();
-            let case = case_of(&scene, &[("time.method", method), ("time.end", "0.012")]);
-            let (outcome, in_strides) = assert_same(&case, until_the_end(1), &format!("{number}, {method}"));
-            assert_eq!((outcome.status, in_strides), (Status::Completed, 0), "{number}, {method}");
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The same bytes for every number of threads, for every scheme, with every kind of term.
 
 use crate::common::{spring_group, square};
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{MethodChoice, methods};

@@ -3,8 +3,8 @@
 use super::geometry::{Geometry, Needs, triangles};
 use super::numbers::{fraction, not_negative, positive};
 use super::series::series;
+use crate::case::diagnostics::Faults;
 use crate::case::ergun::coefficients;
-use crate::case::fault::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Aero, PorousLaw, Wind};
 use crate::model::spec::{AirSpec, Series};

@@ -1,9 +1,9 @@
 //! Digits that coordinates leave to lengths: far from the origin a double has none left for a short spring.
 
 use super::geometry::Geometry;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::WarningCode;
 

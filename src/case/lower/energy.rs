@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::geometry::Geometry;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 
 const ALLOWED: &str = "a start whose energy is within the range of a double";

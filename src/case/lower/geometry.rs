@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::mesh::read::Imported;
 use crate::mesh::source::MeshSource;

@@ -1,10 +1,10 @@
 //! Initial displacement and velocity.
 
 use super::geometry::Geometry;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Initial, Vectors};
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::model::spec::SpringGroup;
 
 /// What the initial state is checked against.

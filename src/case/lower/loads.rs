@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::geometry::{Geometry, Needs, triangles};
 use super::select;
 use super::series::series;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Load, PressureKindKey};
 use crate::model::spec::{NodalLoad, PressureKind, PressureLoad, Series};

@@ -2,7 +2,7 @@
 
 use super::geometry::{Geometry, Needs, triangles};
 use super::numbers::not_negative;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Mass, PerNode};
 

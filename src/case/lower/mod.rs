@@ -24,7 +24,7 @@ mod time;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::fault::Faults;
+use super::diagnostics::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
 use super::spec::{Problem, SystemSpec};

@@ -1,6 +1,6 @@
 //! Range checks of single numbers.
 
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 
 /// Notes a fault unless `x` is above 0 and finite; says whether it is good, which a stand-in is not.

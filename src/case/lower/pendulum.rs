@@ -1,7 +1,7 @@
 //! The simple pendulum.
 
 use super::numbers::{not_negative, positive};
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::Pendulum;
 use crate::model::spec::PendulumSpec;

@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::geometry::Geometry;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::PorousLaw;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec};
 use crate::preflight::air::{Stream, excess_pressure};
 use crate::warning::WarningCode;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::geometry::Geometry;
 use super::numbers::positive;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, NodeSelection};
 use crate::mesh::EdgeKind;

@@ -1,6 +1,6 @@
 //! Tables over time.
 
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::model::spec::Series;
 

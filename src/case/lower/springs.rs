@@ -5,11 +5,11 @@ use super::mass;
 use super::numbers::not_negative;
 use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{SlackRule, SpringRule};
 use crate::drive::clock::Step;
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::model::spec::{Slack, SpringGroup};
 use crate::warning::WarningCode;
 

@@ -2,11 +2,11 @@
 
 use super::geometry::{Geometry, Needs, triangles};
 use super::numbers::{not_negative, positive};
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Dashpot, DashpotRule, SpringRule};
 use crate::drive::clock::Step;
-use crate::figures::first_few;
+use crate::format_number::first_few;
 use crate::model::spec::{DashpotKind, DashpotSpec};
 use crate::warning::WarningCode;
 

@@ -2,7 +2,7 @@
 
 use super::numbers::{fraction, positive};
 use super::time::method;
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::Study;
 

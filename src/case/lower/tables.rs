@@ -1,9 +1,9 @@
 //! Tables with pulses that fixed steps do not resolve.
 
-use crate::case::fault::Faults;
+use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Network, Wind};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::warning::WarningCode;
 
 /// [-] A pulse shorter than this many steps loses its shape.

@@ -1,7 +1,7 @@
 //! The time and solver sections.
 
 use super::numbers::{fraction, positive};
-use crate::case::fault::{Faults, did_you_mean, one_of};
+use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{self, Linear, Method, Solver, System, Time};
 use crate::case::spec::TimeSpec;

@@ -1,7 +1,7 @@
 //! Numbers that no scene has, which a wrong unit makes.
 
 use super::Question;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::model::state::State;
 
 /// [m/s] speed of light

@@ -2,7 +2,7 @@
 
 use super::Question;
 use crate::analysis::buckling;
-use crate::figures::figures;
+use crate::format_number::figures;
 
 /// [-] of the largest tension, and a strain: what rounding of positions makes.
 const ROUNDING: f64 = 1e-12;

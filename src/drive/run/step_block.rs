@@ -70,8 +70,8 @@ impl Run<'_> {
     }
 
     /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
-    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be resumed
-    /// before it. Says of each step what its summary is to hold.
+    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be
+    /// resumed before it. Says of each step what its summary is to hold.
     fn coming(&self, observers: &[&mut dyn Observer], summaries: &mut [Passed]) -> ([UpcomingStep; LONGEST], usize) {
         let mut coming = [UpcomingStep::default(); LONGEST];
         let Pace::Fixed(clock) = &self.state.pace else { return (coming, 0) };
@@ -110,7 +110,7 @@ impl Run<'_> {
             }
             let (scene, from, to) = (self.scene, &self.state.from, &self.state.to);
             let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
-            // Schemes with stages make blocks only where no force does work that enters the account.
+            // Schemes that integrate work by stages make their steps one by one.
             let (by_stages, step_number) = (false, step.step);
             let watched =
                 Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };

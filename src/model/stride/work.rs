@@ -5,7 +5,7 @@
 //! ```
 //! Either half is a sum for itself: in a stride the first is taken when a step begins, and the other when it ends.
 
-use super::kicks::{columns, filled, groups};
+use super::kick_drift::{columns, filled, groups};
 use crate::model::motion::BLOCK;
 use crate::model::quad::{self, Quad, VectorUnit};
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::study::plan::Plan;
 
 /// What is simulated, for how long, and how often it is compared.

@@ -2,7 +2,7 @@
 
 use super::figure::{Span, nothing, rows, strip, title};
 use super::style::{BLACK, Style, entry};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Side, Stroke};
 use crate::study::plan::Variant;
 use crate::study::row::{Pace, Row};

@@ -2,7 +2,7 @@
 
 use super::style::{BLACK, Style, entry, failure, legend, styles};
 use super::{convergence, stiffness};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::plot::chart::{
     Align, Axis, Chart, Line, Marker, Note, Scale, Side, Size, Strip, StripMark, Stroke, svg_grid,
 };

@@ -6,7 +6,7 @@ use super::figure::Figure;
 use super::machine::{Machine, Rerun};
 use super::table::{self, Table, short};
 use super::{case, csv};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::study::answers::{Answer, Answers, Pick, unfinished};
 use crate::study::error::StudyError;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::csv;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::Family;
 use crate::study::error::StudyError;
 use crate::study::row::{Pace, Row, RowStatus};

@@ -5,7 +5,7 @@ use super::verdict::STAYS;
 use super::{Kind, KnownBy, Row, Start, Verdict};
 use crate::analysis::critical::{CriticalStep, Effort};
 use crate::analysis::spectrum::Spectrum;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::Family;
 use crate::model::state::State;
 use crate::scene::place_of;

@@ -11,7 +11,7 @@ use crate::analysis::critical::has_limit;
 use crate::analysis::limit::critical_step;
 use crate::analysis::rates::Rates;
 use crate::analysis::spectrum::Spectrum;
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::plot::PlotError;
 use crate::plot::chart::{Axis, Chart, Line, Marker, Size, Stroke, svg_grid};

@@ -2,7 +2,7 @@
 
 use super::row::AGREES;
 use super::{AsGiven, KnownBy, Row, Stability, Status};
-use crate::figures::figures;
+use crate::format_number::figures;
 use crate::output::sanitize::csv_field;
 use std::fmt::Write;
 

@@ -5,10 +5,10 @@
 //! small motion  its equilibrium x with f(x, v = 0) = 0
 //! both          every free coordinate moved by up to 1e-8 of the scene's size
 //! ```
-//! The displacement gives every motion something to grow from, also in a scene at rest, and is pseudo_random so that none is
-//! left out. Near its limit a step (or a stage within it) may reach far beyond the motion there is: from the start as
-//! given it may leave the range in which a scene's forces are linear although the scene's own motion never does. Such a
-//! scene is measured from small motion, where the limit of the linear scene shows.
+//! The displacement gives every motion something to grow from, also in a scene at rest, and is pseudo-random so that
+//! none is left out. Near its limit a step (or a stage within it) may reach far beyond the motion there is: from the
+//! start as given it may leave the range in which a scene's forces are linear although the scene's own motion never
+//! does. Such a scene is measured from small motion, where the limit of the linear scene shows.
 
 use super::StabilitySpec;
 use super::measure::PASSES;
@@ -90,7 +90,7 @@ pub(super) fn small_motion(spec: &StabilitySpec<'_>, reference: f64, stop: &Atom
     tangent.is_same(spec.scene, rest.as_ref()).then(|| seeded(spec.scene, rest))
 }
 
-/// K and C, as they act on one pseudo_random vector.
+/// K and C, as they act on one pseudo-random vector.
 #[derive(Clone)]
 struct Tangent {
     pseudo_random: Vec<f64>,

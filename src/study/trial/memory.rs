@@ -5,7 +5,7 @@ use super::output::OutputCost;
 use crate::analysis::critical::Effort;
 use crate::analysis::modes::search_numbers;
 use crate::integrate::registry::Family;
-use crate::output::process;
+use crate::process;
 use crate::scene::Scene;
 
 /// [byte] the program itself and the libraries it uses.

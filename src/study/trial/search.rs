@@ -5,7 +5,7 @@ use super::units::Units;
 use super::yardstick::{Delivered, Purse, Yardstick};
 use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
-use crate::figures::two_digits;
+use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].

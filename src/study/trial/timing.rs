@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::output::process;
+use crate::process;
 
 /// [s] A sample is made at least so long, by repeating the work: far above the clock's grain.
 const SAMPLE: f64 = 20e-6;

@@ -1,7 +1,7 @@
 //! The second pass: all faults of a file at once, each at its place, and none that only follows from another.
 
 use canopy_fem::case::schema::CaseFile;
-use canopy_fem::case::{Fault, Place};
+use canopy_fem::case::{Fault, Location};
 use serde_json::{Value, json};
 
 use super::common::{BASE, base_with, faults, text_with};
@@ -249,7 +249,7 @@ fn slips_hide_nothing() {
     let lines: Vec<usize> = list
         .iter()
         .filter_map(|f| match f.place {
-            Some(Place::Text { line, .. }) => Some(line),
+            Some(Location::Text { line, .. }) => Some(line),
             _ => None,
         })
         .collect();

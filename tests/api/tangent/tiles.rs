@@ -2,7 +2,7 @@
 //! what the small scene feels alone.
 
 use super::{Sample, build, scenes::scenes};
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::MethodChoice;

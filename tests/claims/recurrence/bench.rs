@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Counters;
 use canopy_fem::integrate::implicit::SolverSpec;
 use canopy_fem::integrate::registry::{Family, MethodChoice, methods};

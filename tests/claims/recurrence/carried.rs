@@ -1,6 +1,6 @@
 //! What a scheme carries: saved, restored, and untouched by steps that are dropped.
 
-use canopy_fem::force::threads::Threads;
+use canopy_fem::force::schedule::threads::Threads;
 use canopy_fem::integrate::Carried;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;

@@ -11,8 +11,8 @@ use canopy_fem::drive::{self, Outcome, Status};
 use canopy_fem::integrate::registry::{Family, methods};
 use canopy_fem::output::checkpoint::Checkpoint;
 use canopy_fem::output::frame::Fields;
-use canopy_fem::output::process::{Cost, Stopwatch};
 use canopy_fem::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
+use canopy_fem::process::{Cost, Stopwatch};
 use canopy_fem::simulation::{bind, build_scene};
 use serde_json::{Value, json};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use canopy_fem::output::checkpoint::Checkpoint;
-use canopy_fem::output::process::Cost;
+use canopy_fem::process::Cost;
 use serde_json::Value;
 
 use crate::bench::contents;

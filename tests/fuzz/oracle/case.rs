@@ -8,7 +8,7 @@ use canopy_fem::analysis::limit::critical_step;
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::fingerprint::Fingerprint;
 use canopy_fem::case::spec::{Problem, SystemSpec};
-use canopy_fem::case::{Case, CaseError, Place};
+use canopy_fem::case::{Case, CaseError, Location};
 use canopy_fem::drive::clock::Step;
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::drive::{self, Outcome, Status};
@@ -85,7 +85,7 @@ fn refused(error: &CaseError) -> Result<(), String> {
             if fault.allowed.trim().is_empty() || fault.heading().trim().is_empty() {
                 return Err(format!("a fault says nothing: {fault:?}"));
             }
-            if let Some(Place::Text { range, line, column }) = &fault.place {
+            if let Some(Location::Text { range, line, column }) = &fault.place {
                 let lines = text.split('\n').count();
                 if text.get(range.clone()).is_none() || *line == 0 || *line > lines || *column == 0 {
                     return Err(format!("a fault is nowhere: {fault:?}"));

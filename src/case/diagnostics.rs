@@ -1,0 +1,339 @@
+//! A fault of a case: where it is, what stands there, what may stand there.
+//!
+//! The checks know pointers only, nothing of text; [`super::place`] finds the place in the file, `picture` draws it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use serde_json::Value;
+
+use super::pointer::Pointer;
+use super::span::Location;
+use crate::warning::{Warning, WarningCode};
+
+/// Longest excerpt of a value in a message, in characters.
+const EXCERPT: usize = 80;
+
+/// What of a place is wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FaultTarget {
+    /// the value that the pointer leads to
+    #[default]
+    Value,
+    /// the key that the pointer ends with
+    Key,
+    /// the text itself, which is not JSON
+    Text,
+}
+
+/// One thing that is wrong with a case.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fault {
+    /// JSON pointer, e.g. `/time/step`; empty for the whole case, and where the text is not JSON
+    pub pointer: String,
+    /// what of it is wrong
+    pub part: FaultTarget,
+    /// what stands there, shortened
+    pub value: String,
+    /// what may stand there, as a sentence part: "a number above 0"
+    pub allowed: String,
+    /// what to do about it, if there is more to say
+    pub hint: Option<String>,
+    /// where it was written, if that can be told
+    pub place: Option<Location>,
+}
+
+impl Fault {
+    /// The first line of a message: where, and what stands there.
+    pub fn heading(&self) -> String {
+        match (self.part, self.pointer.as_str()) {
+            (FaultTarget::Text, _) => self.value.clone(),
+            (_, "") => format!("/: {}", self.value),
+            (_, pointer) => format!("{pointer}: {}", self.value),
+        }
+    }
+
+    /// The last lines of a message: what is allowed, and what to do.
+    pub fn advice(&self) -> String {
+        let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        format!("  allowed: {}{hint}", self.allowed)
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}\n{}", self.heading(), self.advice())
+    }
+}
+
+/// A value as a message shows it: compact JSON, cut after 80 characters.
+pub fn excerpt(value: &Value) -> String {
+    // A mesh written into the case can be megabytes long: print no more of it than is shown.
+    match value {
+        Value::Array(list) if list.len() > EXCERPT => format!("a list of {} entries", list.len()),
+        Value::Object(map) if map.len() > EXCERPT => format!("an object with {} keys", map.len()),
+        other => shorten(&other.to_string()),
+    }
+}
+
+/// A text as a message shows it: cut after 80 characters.
+pub fn shorten(text: &str) -> String {
+    if text.chars().count() <= EXCERPT {
+        return text.to_owned();
+    }
+    let head: String = text.chars().take(EXCERPT - 1).collect();
+    format!("{head}…")
+}
+
+/// "known keys here: a, b".
+pub(crate) fn one_of<T: AsRef<str>>(what: &str, names: &[T]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    if names.is_empty() { "no key at all".to_owned() } else { format!("{what}: {}", names.join(", ")) }
+}
+
+/// The known name that looks most like `name`, if one does.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // 0.6 finds slips and swaps of letters, and lets words of another meaning go.
+    const ALIKE: f64 = 0.6;
+    let likeness = |k: &str| strsim::normalized_damerau_levenshtein(name, k);
+    let best = known.into_iter().map(|k| (likeness(k), k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= ALIKE).then_some(best.1)
+}
+
+/// "did you mean" the known name that looks most like `name`, if one does.
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(name, known).map(|k| format!("did you mean \"{k}\"?"))
+}
+
+/// Collects the faults and warnings of one pass over a case.
+#[derive(Debug)]
+pub(crate) struct Faults<'a> {
+    json: &'a Value,
+    found: Findings,
+    /// faults kept back as consequences of others
+    kept_back: usize,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Faults<'a> {
+    /// Starts a collection for the case whose values messages quote, with what an earlier pass has found.
+    pub fn new(json: &'a Value, found: Findings) -> Self {
+        Self { json, found, kept_back: 0, warnings: Vec::new() }
+    }
+
+    /// Notes that the value at `at` is not what is allowed there.
+    pub fn add(&mut self, at: &Pointer, allowed: impl Into<String>) {
+        self.add_value(at, self.shown(at), allowed, None);
+    }
+
+    /// The same with advice.
+    pub fn add_hint(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+        self.add_value(at, self.shown(at), allowed, Some(hint.into()));
+    }
+
+    /// The same where the key at the end of `at` is wrong.
+    pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
+        self.put(at, FaultTarget::Key, self.shown(at), allowed.into(), Some(hint.into()));
+    }
+
+    /// The same where the wrong value is not the one written at `at`, but follows from it.
+    pub fn add_value(
+        &mut self,
+        at: &Pointer,
+        value: impl Into<String>,
+        allowed: impl Into<String>,
+        hint: Option<String>,
+    ) {
+        self.put(at, FaultTarget::Value, value.into(), allowed.into(), hint);
+    }
+
+    fn put(&mut self, at: &Pointer, part: FaultTarget, value: String, allowed: String, hint: Option<String>) {
+        if !self.readable(at) {
+            self.kept_back = self.kept_back.saturating_add(1);
+            return;
+        }
+        let hint = hint.filter(|text| !text.is_empty());
+        self.found.note(|| Fault { pointer: at.as_str().to_owned(), part, value, allowed, hint, place: None });
+    }
+
+    /// Whether the case has something at `at`.
+    pub fn is_there(&self, at: &Pointer) -> bool {
+        self.json.pointer(at.as_str()).is_some()
+    }
+
+    /// Notes something doubtful that does not stop a run.
+    pub fn warn(&mut self, code: WarningCode, text: impl Into<String>) {
+        self.pass_on(Warning::new(code, text));
+    }
+
+    /// The same for a warning that was made elsewhere.
+    pub fn pass_on(&mut self, warning: Warning) {
+        self.warnings.push(warning);
+    }
+
+    /// Whether what stands at `at`, above it and below it is what the file says. Where an earlier pass found a fault a
+    /// stand-in is, and what follows from a stand-in is no fault of the user's.
+    pub fn readable(&self, at: &Pointer) -> bool {
+        self.found.readable(at)
+    }
+
+    /// Whether a stand-in is at `at` itself or above it.
+    pub fn unread(&self, at: &Pointer) -> bool {
+        self.found.unread(at)
+    }
+
+    /// Number of faults so far, with those not shown and those kept back.
+    pub fn count(&self) -> usize {
+        self.found.count().saturating_add(self.kept_back)
+    }
+
+    /// Ends the collection: the warnings if there was no fault, else the faults.
+    pub fn finish(self) -> Result<Vec<Warning>, Reported> {
+        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
+    }
+
+    fn shown(&self, at: &Pointer) -> String {
+        self.json.pointer(at.as_str()).map_or_else(|| "(missing)".to_owned(), excerpt)
+    }
+}
+
+/// More than this many faults help nobody; the rest is counted.
+const SHOWN: usize = 50;
+
+/// Faults, and what they leave unread.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Findings {
+    list: Vec<Fault>,
+    dropped: usize,
+    /// places with a stand-in, and keys that were taken away
+    unread: BTreeSet<String>,
+    /// places of misspelt keys: read as the known key, written otherwise
+    renamed: BTreeMap<String, String>,
+}
+
+/// What is told of the faults of a case.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Reported {
+    /// the faults that are shown
+    pub faults: Vec<Fault>,
+    /// number of those that are not
+    pub more: usize,
+}
+
+impl Findings {
+    /// Notes a fault; it is only made if it will be shown.
+    pub fn note(&mut self, fault: impl FnOnce() -> Fault) {
+        if self.list.len() < SHOWN {
+            self.list.push(fault());
+        } else {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// Marks a place whose value was not read.
+    pub fn leave_unread(&mut self, at: &Pointer) {
+        self.unread.insert(at.as_str().to_owned());
+    }
+
+    /// Marks a place where a misspelt key is read as the known one it looks like.
+    pub fn rename(&mut self, known: &Pointer, written: &Pointer) {
+        // What the reader of the text left unread below goes by the written key still.
+        let below =
+            |path: &&String| path.strip_prefix(written.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('/'));
+        for path in self.unread.iter().filter(below).cloned().collect::<Vec<_>>() {
+            self.unread.remove(&path);
+            self.unread.insert(path.replacen(written.as_str(), known.as_str(), 1));
+        }
+        self.renamed.insert(known.as_str().to_owned(), written.as_str().to_owned());
+    }
+
+    /// Whether `at` or something above it was left unread.
+    pub fn unread(&self, at: &Pointer) -> bool {
+        let path = at.as_str();
+        path.match_indices('/').filter_map(|(i, _)| path.get(..i)).chain([path]).any(|p| self.unread.contains(p))
+    }
+
+    /// Whether nothing at `at`, above it or below it was left unread.
+    pub fn readable(&self, at: &Pointer) -> bool {
+        // Most cases have no fault, and ask this for every number.
+        if self.unread.is_empty() {
+            return true;
+        }
+        let below = format!("{}/", at.as_str());
+        let next = self.unread.range(below.clone()..).next();
+        !self.unread(at) && !next.is_some_and(|p| p.starts_with(&below))
+    }
+
+    /// Number of faults, the ones not shown included.
+    pub fn count(&self) -> usize {
+        self.list.len().saturating_add(self.dropped)
+    }
+
+    /// Ends the search: the faults with pointers as the file spells them.
+    pub fn told(mut self) -> Reported {
+        let mut faults = std::mem::take(&mut self.list);
+        for fault in &mut faults {
+            fault.pointer = self.written(&fault.pointer);
+        }
+        Reported { faults, more: self.dropped }
+    }
+
+    /// A pointer with the keys that are in the file.
+    fn written(&self, pointer: &str) -> String {
+        let ends = pointer.match_indices('/').map(|(i, _)| i).chain([pointer.len()]);
+        let found = ends.filter_map(|end| Some((self.renamed.get(pointer.get(..end)?)?, end))).next_back();
+        match found {
+            // A misspelt key may stand below another one.
+            Some((spelt, end)) => {
+                let (above, last) = spelt.rsplit_once('/').unwrap_or(("", spelt));
+                format!("{}/{last}{}", self.written(above), pointer.get(end..).unwrap_or_default())
+            }
+            None => pointer.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(path: &str) -> Pointer {
+        Pointer::root().below(path)
+    }
+
+    /// A case with a fault in every entry of a long list gives a message of bounded length that says what it left out.
+    #[test]
+    fn bounds_the_number_of_faults() {
+        let mut found = Findings::default();
+        for _ in 0..1000 {
+            found.note(Fault::default);
+        }
+        assert_eq!(found.count(), 1000);
+        let told = found.told();
+        assert_eq!((told.faults.len(), told.more), (SHOWN, 950));
+    }
+
+    /// A place is doubtful with what is above and below it; its neighbours, also those of a similar name, are not.
+    #[test]
+    fn unread_places_reach_up_and_down() {
+        let mut found = Findings::default();
+        found.leave_unread(&at("/a/b"));
+        for (path, readable) in [("", false), ("/a", false), ("/a/b", false), ("/a/b/0", false), ("/a/bc", true)] {
+            assert_eq!(found.readable(&at(path)), readable, "{path}");
+        }
+        assert!(found.readable(&at("/a-b")) && found.readable(&at("/c")));
+    }
+
+    /// Misspelt keys at several depths lead back to the text.
+    #[test]
+    fn pointers_are_spelt_as_in_the_file() {
+        let mut found = Findings::default();
+        found.rename(&at("/system"), &at("/sytem"));
+        found.rename(&at("/system/network"), &at("/system/netwrk"));
+        for (read, written) in
+            [("/system", "/sytem"), ("/system/network/mesh", "/sytem/netwrk/mesh"), ("/time/end", "/time/end")]
+        {
+            assert_eq!(found.written(read), written);
+        }
+    }
+}

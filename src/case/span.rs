@@ -1,0 +1,122 @@
+//! Where a fault was written: a range of the file's text, or an assignment on the command line.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::diagnostics::{Fault, FaultTarget, shorten};
+use super::jsonc_tree::Tree;
+use super::pointer::Pointer;
+
+/// Where a fault was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Location {
+    /// in the file
+    Text {
+        /// [byte] what of the text is at fault
+        range: Range<usize>,
+        /// line of its start, from 1
+        line: usize,
+        /// column of its start in characters, from 1
+        column: usize,
+    },
+    /// on the command line
+    Assignment {
+        /// dotted path
+        key: String,
+        /// what was to be put there, shortened
+        value: String,
+    },
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text { line, column, .. } => write!(f, "{line}:{column}"),
+            Self::Assignment { key, value } => write!(f, "--set {key}={value}"),
+        }
+    }
+}
+
+impl Location {
+    /// A range of a text.
+    pub(crate) fn in_text(text: &str, range: Range<usize>) -> Self {
+        let start = floor(text, range.start);
+        let head = text.get(..start).unwrap_or_default();
+        let line_start = head.rfind('\n').map_or(0, |i| i + 1);
+        let column = 1 + head.get(line_start..).unwrap_or_default().chars().count();
+        let line = 1 + head.bytes().filter(|b| *b == b'\n').count();
+        Self::Text { range: start..floor(text, range.end.max(start)), line, column }
+    }
+}
+
+/// The offset, moved back to the start of its character and into the text.
+fn floor(text: &str, offset: usize) -> usize {
+    let mut offset = offset.min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
+/// What a case was written in.
+#[derive(Clone, Debug)]
+pub(crate) struct Written<'a> {
+    /// the file
+    pub text: &'a str,
+    /// the same with its comments blanked, read as far as it can be
+    pub tree: Option<Tree<'a>>,
+    /// assignments of the command line, in the order they apply
+    pub overrides: &'a [(String, String)],
+}
+
+impl Written<'_> {
+    /// Gives every fault its place and puts them in the order of the text; assignments come last.
+    pub fn locate(&self, faults: &mut [Fault]) {
+        for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {
+            fault.place = self.place(fault);
+        }
+        faults.sort_by_key(|fault| match &fault.place {
+            Some(Location::Text { range, .. }) => (0, range.start),
+            Some(Location::Assignment { .. }) => (1, 0),
+            None => (2, 0),
+        });
+    }
+
+    fn place(&self, fault: &Fault) -> Option<Location> {
+        // The longest part of the pointer that the text has, and one key more: who assigns below that has made it.
+        let made = self.tree.as_ref().map(|tree| tree.reach(&fault.pointer).len()).and_then(|reached| {
+            let step = fault.pointer.get(reached + 1..)?;
+            fault.pointer.get(..reached + 1 + step.find('/').unwrap_or(step.len()))
+        });
+        let assigned = self.overrides.iter().rev().find(|(key, _)| {
+            let at = key.split('.').fold(Pointer::root(), |at, step| at.key(step));
+            within(&fault.pointer, at.as_str()) || made.is_some_and(|made| within(at.as_str(), made))
+        });
+        if let Some((key, value)) = assigned {
+            return Some(Location::Assignment { key: key.clone(), value: shorten(value) });
+        }
+        Some(Location::in_text(self.text, self.tree.as_ref()?.range(&fault.pointer, fault.part)))
+    }
+}
+
+/// Whether a pointer leads to what another one leads to, or to something in it.
+fn within(pointer: &str, other: &str) -> bool {
+    pointer.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines and columns count from 1, columns in characters; offsets within a character or beyond the end are moved.
+    #[test]
+    fn lines_and_columns() {
+        let text = "a\n  é b";
+        for (offset, expected) in [(0, (1, 1)), (2, (2, 1)), (4, (2, 3)), (5, (2, 3)), (7, (2, 5)), (99, (2, 6))] {
+            let Location::Text { line, column, .. } = Location::in_text(text, offset..offset + 1) else {
+                panic!("a text")
+            };
+            assert_eq!((line, column), expected, "byte {offset}");
+        }
+    }
+}

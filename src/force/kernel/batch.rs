@@ -1,0 +1,128 @@
+//! The interface of what a pass over the blocks sums into nodes ([`Summand`]), and an implementation for many elements
+//! of one kind ([`Batch`]; for springs and what acts as they do `edges`, for triangles that are pushed along their
+//! normal `faces`).
+
+use crate::force::kernel::element_block::ElementBlock;
+pub use crate::force::kernel::element_block::Elements;
+pub use crate::force::kernel::local_buffer::Records;
+use crate::model::forces::Tally;
+use std::ops::Range;
+
+/// The local buffers of a block that are read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wants {
+    /// positions
+    pub x: bool,
+    /// velocities
+    pub v: bool,
+}
+
+impl Wants {
+    /// What either wants.
+    pub(in crate::force) fn or(self, other: Wants) -> Wants {
+        Wants { x: self.x | other.x, v: self.v | other.v }
+    }
+}
+
+/// Something that is summed into nodes, block after block: every force term.
+pub trait Summand: Send + Sync {
+    /// Number of elements (springs, triangles, nodes) that a pass goes over.
+    fn elements(&self) -> usize;
+
+    /// What it reads of the local buffers; what nothing reads is not copied.
+    fn wants(&self) -> Wants;
+
+    /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in
+    /// ascending order of their smallest node.
+    fn element(&self, number: usize) -> Option<&[u32]> {
+        let _ = number;
+        None
+    }
+
+    /// Hears which elements a block has, and where the records of their nodes begin in its local buffers. Called for
+    /// one block after the other; from the first again where a scene is cut anew.
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let _ = (block, elements, place);
+    }
+
+    /// Adds its forces [N], or whatever it sums, to a block's local buffer: those of the elements it has taken, and
+    /// those on the block's own nodes; returns their energy [J] or power [W].
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally;
+
+    /// [-] Largest l^2/l0^2 of the springs among a block's elements; -inf where there is none.
+    fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
+        let _ = block;
+        f64::NEG_INFINITY
+    }
+}
+
+/// The forces of like elements with `N` nodes each.
+pub trait Kernel<const N: usize>: Send + Sync {
+    /// What it reads of the local buffers.
+    const WANTS: Wants;
+
+    /// Node numbers of every element, in ascending order of their smallest.
+    fn elements(&self) -> &[[u32; N]];
+
+    /// Adds the forces [N] of a block's elements, or whatever it sums, to its local buffer; returns their energy [J] or
+    /// power [W].
+    fn add(&self, block: Elements<'_, N>, f: &mut Records) -> Tally;
+}
+
+/// A kernel, and its elements by blocks.
+#[derive(Debug)]
+pub struct Batch<K, const N: usize> {
+    kernel: K,
+    /// every element's nodes by where their records begin in the block's local buffers
+    local: Vec<[u16; N]>,
+    /// elements of every block
+    blocks: Vec<Range<usize>>,
+}
+
+impl<K: Kernel<N>, const N: usize> Batch<K, N> {
+    /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and elements in ascending
+    /// order of their smallest node.
+    pub fn new(kernel: K) -> Self {
+        Batch { kernel, local: Vec::new(), blocks: Vec::new() }
+    }
+
+    /// The kernel.
+    pub fn kernel(&self) -> &K {
+        &self.kernel
+    }
+
+    /// A block's elements, if it has any.
+    fn elements_of<'a>(&'a self, block: &'a ElementBlock<'_>) -> Option<Elements<'a, N>> {
+        let elements = self.blocks.get(block.number).filter(|elements| !elements.is_empty())?;
+        let nodes = &self.local[elements.clone()];
+        Some(Elements { t: block.t, x: block.x, v: block.v, nodes, first: elements.start })
+    }
+}
+
+impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
+    fn elements(&self) -> usize {
+        self.kernel.elements().len()
+    }
+
+    fn wants(&self) -> Wants {
+        K::WANTS
+    }
+
+    fn element(&self, number: usize) -> Option<&[u32]> {
+        self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
+    }
+
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        if block == 0 {
+            self.blocks.clear();
+            self.local.clear();
+            self.local.reserve_exact(self.kernel.elements().len());
+        }
+        self.local.extend(self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)));
+        self.blocks.push(elements);
+    }
+
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        self.elements_of(block).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
+    }
+}

@@ -1,0 +1,83 @@
+//! A block as kernels see it: the nodes of a run of a scene, in local buffers of records of four numbers (`local
+//! buffer`), and the elements that begin there.
+
+use crate::force::kernel::local_buffer::{RECORD, Records, record, set_record};
+use glam::DVec3;
+use std::ops::Range;
+
+/// A block of the scene.
+#[derive(Debug)]
+pub struct ElementBlock<'a> {
+    /// which one
+    pub number: usize,
+    /// its own nodes, whose records come first in its local buffers; those that its elements reach beyond follow. Empty
+    /// where an earlier block of the node block has them
+    pub own: Range<usize>,
+    /// [s]
+    pub t: f64,
+    /// [m] positions of the local buffers' nodes, if some term wants them
+    pub x: &'a Records,
+    /// [m/s] their velocities, if some term wants them
+    pub v: &'a Records,
+}
+
+/// Where the record of one of a block's own nodes begins, counted from the first.
+#[inline]
+pub(in crate::force) fn place(own: usize) -> u16 {
+    (RECORD * own) as u16
+}
+
+/// The elements of a block as a kernel sees them.
+#[derive(Clone, Copy)]
+pub struct Elements<'a, const N: usize> {
+    /// [s]
+    pub t: f64,
+    /// [m] positions of the local buffer's nodes, where the kernel wants them
+    pub x: &'a Records,
+    /// [m/s] their velocities, where the kernel wants them
+    pub v: &'a Records,
+    /// every element's nodes, by where their records begin in the local buffer
+    pub nodes: &'a [[u16; N]],
+    /// number of the first element
+    pub first: usize,
+}
+
+impl<const N: usize> Elements<'_, N> {
+    /// Numbers of the elements.
+    pub fn range(&self) -> Range<usize> {
+        self.first..self.first + self.nodes.len()
+    }
+
+    /// Adds elements one by one: `element` tells force [N] and energy or power of each from its number and the places
+    /// of its nodes, `signs` how it acts on them.
+    pub fn each(
+        &self,
+        signs: [f64; N],
+        f: &mut Records,
+        mut element: impl FnMut(usize, [u16; N]) -> (DVec3, f64),
+    ) -> f64 {
+        let mut sum = 0.0;
+        for (&nodes, number) in self.nodes.iter().zip(self.range()) {
+            let (force, amount) = element(number, nodes);
+            sum += amount;
+            for (node, sign) in nodes.into_iter().zip(signs) {
+                add(f, node, sign * force);
+            }
+        }
+        sum
+    }
+}
+
+/// The vector whose record begins at a place.
+#[inline(always)]
+pub(in crate::force) fn vector(records: &Records, at: u16) -> DVec3 {
+    let [x, y, z, _] = record(records, at);
+    DVec3::new(x, y, z)
+}
+
+/// Adds a force [N] to the record that begins at a place.
+#[inline(always)]
+pub(in crate::force) fn add(f: &mut Records, at: u16, force: DVec3) {
+    let [x, y, z, _] = record(f, at);
+    set_record(f, at, [x + force.x, y + force.y, z + force.z, 0.0]);
+}

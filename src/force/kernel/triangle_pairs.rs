@@ -1,0 +1,171 @@
+//! Triangles in pairs: two that share a side, four such pairs side by side.
+//!
+//! In a net nearly every triangle has another for itself. A pair has four nodes to be read and added to, where two
+//! triangles have six. Triangles that are left over are left to [`crate::force::kernel::pressure_kernel`].
+//!
+//! Measuring, the law, and adding follow each other one group apart, as in [`crate::force::kernel::star_batches`].
+
+use crate::force::kernel::incidence::Incidence;
+use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
+use crate::force::kernel::pressure_kernel::{PressureLaw, Push};
+use crate::model::quad::{self, Pass, Quad, VectorUnit};
+
+/// Pairs side by side.
+pub(in crate::force) const PAIRS: usize = 4;
+
+/// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
+pub(in crate::force) type Group = [[u16; 4]; PAIRS];
+
+/// A block's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the
+/// first that is left and has one of its sides the other way round.
+pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
+    let around = Incidence::new(triangles);
+    let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
+    for (number, &[i, j, k]) in triangles.iter().enumerate() {
+        if taken[number] {
+            continue;
+        }
+        let found = [[i, j, k], [j, k, i], [k, i, j]].into_iter().find_map(|[a, b, c]| {
+            let (other, d) =
+                across(triangles, &around, [a, c]).find(|(other, _)| *other != number && !taken[*other])?;
+            Some((other, [a, b, c, d]))
+        });
+        if let Some((other, pair)) = found {
+            (taken[number], taken[other]) = (true, true);
+            pairs.push(([number, other], pair));
+        }
+    }
+    let (groups, left) = pairs.as_chunks::<PAIRS>();
+    left.iter().flat_map(|(numbers, _)| numbers).for_each(|&number| taken[number] = false);
+    let others = triangles.iter().zip(taken).filter(|(_, taken)| !taken).map(|(nodes, _)| *nodes);
+    (groups.iter().map(|group| group.each_ref().map(|(_, pair)| *pair)).collect(), others.collect())
+}
+
+/// Those of `triangles` with the side from `a` to `c`, and their third node.
+fn across<'a>(
+    triangles: &'a [[u16; 3]],
+    around: &'a Incidence,
+    [a, c]: [u16; 2],
+) -> impl Iterator<Item = (usize, u16)> {
+    around.at(a).iter().filter_map(move |&number| {
+        let [i, j, k] = triangles[number];
+        let turned = [[i, j, k], [j, k, i], [k, i, j]];
+        turned.into_iter().find_map(|[from, to, d]| ([from, to] == [a, c]).then_some((number, d)))
+    })
+}
+
+/// Adds the forces [N] of pairs to a local buffer, and returns their energy or power; `x` and `v` are the positions [m]
+/// and velocities [m/s] of its nodes.
+pub(in crate::force) fn push_pairs<L: PressureLaw>(
+    law: &L,
+    groups: &[Group],
+    [x, v]: [&Records; 2],
+    f: &mut Records,
+) -> f64 {
+    quad::run(Pushing { law, groups, x, v, f })
+}
+
+struct Pushing<'a, L> {
+    law: &'a L,
+    groups: &'a [Group],
+    x: &'a Records,
+    v: &'a Records,
+    f: &'a mut Records,
+}
+
+/// What is kept of a group from one stage to the next, of first and of second triangles, component by component.
+#[derive(Clone, Copy, Default)]
+#[repr(align(32))]
+struct Kept {
+    /// S, then a vertex's force
+    s: [[PaddedVec3; 3]; 2],
+    /// sums of the vertices' velocities
+    v: [[PaddedVec3; 3]; 2],
+}
+
+impl<L: PressureLaw> Pass for Pushing<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> f64 {
+        let Pushing { law, groups, x, v, f } = self;
+        // One more than there are stages: a power of two is cheaper to count through.
+        let mut kept = [Kept::default(); 4];
+        let mut sums = [unit.splat(0.0); 2];
+        for i in 0..groups.len() + 2 {
+            if let Some(nodes) = groups.get(i) {
+                measure(unit, nodes, [x, v], &mut kept[i % 4]);
+            }
+            if (1..=groups.len()).contains(&i) {
+                let Kept { s, v } = &mut kept[(i - 1) % 4];
+                for ((s, v), sum) in s.iter_mut().zip(v).zip(&mut sums) {
+                    let [area, v] = [quads(unit, s), quads(unit, v)];
+                    let Push { share, amount } = law.push(unit, area, v);
+                    *s = numbers(scaled(share, area));
+                    *sum = *sum + amount;
+                }
+            }
+            if let Some(nodes) = groups.get(i.wrapping_sub(2)) {
+                add(unit, nodes, &kept[(i - 2) % 4].s, f);
+            }
+        }
+        let [a, b, c, d] = (sums[0] + sums[1]).numbers();
+        (a + b) + (c + d)
+    }
+}
+
+#[inline(always)]
+fn measure<U: VectorUnit>(unit: U, nodes: &Group, [x, v]: [&Records; 2], kept: &mut Kept) {
+    let mut sides = [[unit.splat(0.0); PAIRS]; 3];
+    let mut speeds = [[unit.splat(0.0); PAIRS]; 2];
+    for (q, &[a, b, c, d]) in nodes.iter().enumerate() {
+        let from = unit.quad(record(x, a));
+        sides[0][q] = unit.quad(record(x, b)) - from;
+        sides[1][q] = unit.quad(record(x, c)) - from;
+        sides[2][q] = unit.quad(record(x, d)) - from;
+        let both = unit.quad(record(v, a)) + unit.quad(record(v, c));
+        speeds[0][q] = both + unit.quad(record(v, b));
+        speeds[1][q] = both + unit.quad(record(v, d));
+    }
+    let [b, c, d] = [U::Quad::columns(sides[0]), U::Quad::columns(sides[1]), U::Quad::columns(sides[2])];
+    kept.s = [numbers(area(unit, b, c)), numbers(area(unit, c, d))];
+    kept.v = [numbers(U::Quad::columns(speeds[0])), numbers(U::Quad::columns(speeds[1]))];
+}
+
+/// S = 1/2 a x b, of four triangles by two sides.
+#[inline(always)]
+pub(in crate::force) fn area<U: VectorUnit>(unit: U, a: [U::Quad; 3], b: [U::Quad; 3]) -> [U::Quad; 3] {
+    let half = unit.splat(0.5);
+    [half * (a[1] * b[2] - a[2] * b[1]), half * (a[2] * b[0] - a[0] * b[2]), half * (a[0] * b[1] - a[1] * b[0])]
+}
+
+#[inline(always)]
+fn add<U: VectorUnit>(unit: U, nodes: &Group, [one, two]: &[[PaddedVec3; 3]; 2], f: &mut Records) {
+    let [one, two] = [U::Quad::rows(quads(unit, one)), U::Quad::rows(quads(unit, two))];
+    for (q, &[a, b, c, d]) in nodes.iter().enumerate() {
+        let both = one[q] + two[q];
+        for (node, force) in [(a, both), (b, one[q]), (c, both), (d, two[q])] {
+            set_record(f, node, (unit.quad(record(f, node)) + force).numbers());
+        }
+    }
+}
+
+// No `map` in these: its closure would be compiled for any machine, and every operation in it called.
+
+#[inline(always)]
+pub(in crate::force) fn quads<U: VectorUnit>(unit: U, [x, y, z]: &[PaddedVec3; 3]) -> [U::Quad; 3] {
+    [unit.quad(*x), unit.quad(*y), unit.quad(*z)]
+}
+
+#[inline(always)]
+pub(in crate::force) fn numbers<Q: Quad>([x, y, z]: [Q; 3]) -> [PaddedVec3; 3] {
+    [x.numbers(), y.numbers(), z.numbers()]
+}
+
+#[inline(always)]
+pub(in crate::force) fn scaled<Q: Quad>(by: Q, [x, y, z]: [Q; 3]) -> [Q; 3] {
+    [by * x, by * y, by * z]
+}
+
+#[cfg(test)]
+mod tests;

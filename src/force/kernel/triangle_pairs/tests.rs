@@ -1,0 +1,103 @@
+//! Pairs, beside their triangles one by one.
+
+use super::*;
+use crate::force::kernel::element_block::place;
+use crate::force::kernel::lane_batches::tests::{NODES, elements, vectors};
+use crate::force::kernel::local_buffer::{LocalBuffer, rows};
+use crate::force::kernel::pressure_kernel::tests::{Law, one_by_one};
+use crate::model::quad::Portable;
+
+/// Rows of squares, each two triangles that are turned alike.
+fn net(columns: usize, lines: usize) -> Vec<[u16; 3]> {
+    let corners = (1..lines).flat_map(|j| (1..columns).map(move |i| columns * j + i));
+    let squares = corners.map(|i| [i - columns - 1, i - columns, i, i - 1].map(place));
+    squares.flat_map(|[a, b, c, d]| [[a, b, c], [c, d, a]]).collect()
+}
+
+/// A triangle by its node with the lowest place, turned as it was.
+fn turned([a, b, c]: [u16; 3]) -> [u16; 3] {
+    [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or_default()
+}
+
+fn triangles(groups: &[Group], others: &[[u16; 3]]) -> Vec<[u16; 3]> {
+    let in_pairs = groups.as_flattened().iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    in_pairs.chain(others.iter().copied()).collect()
+}
+
+#[test]
+fn every_triangle_has_one_place_and_keeps_its_sense() {
+    let fan: Vec<[u16; 3]> = (1..20).map(|i| [place(0), place(i), place(i + 1)]).collect();
+    let against: Vec<[u16; 3]> = net(9, 7)
+        .into_iter()
+        .enumerate()
+        .map(|(i, [a, b, c])| if i % 2 == 0 { [a, b, c] } else { [a, c, b] })
+        .collect();
+    let three_at_a_side: Vec<[u16; 3]> = (2..40)
+        .map(|i| if i % 2 == 0 { [place(0), place(1), place(i)] } else { [place(1), place(0), place(i)] })
+        .collect();
+    let random = elements::<3>(300, 5);
+    for (name, all, least) in [
+        ("net", net(20, 10), 0.95),
+        ("fan", fan, 0.8),
+        ("every second turned", against, 0.0),
+        ("three at a side", three_at_a_side, 0.8),
+        ("random", random, 0.0),
+        ("none", Vec::new(), 0.0),
+    ] {
+        let (groups, others) = arrange(&all);
+        let (mut found, mut expected) = (triangles(&groups, &others), all.clone());
+        for list in [&mut found, &mut expected] {
+            list.iter_mut().for_each(|nodes| *nodes = turned(*nodes));
+            list.sort_unstable();
+        }
+        assert_eq!(found, expected, "{name}");
+        assert!(
+            (2 * PAIRS * groups.len()) as f64 >= least * all.len() as f64,
+            "{name}: {} left of {}",
+            others.len(),
+            all.len()
+        );
+        // What is left keeps its order.
+        let mut rest = all.iter();
+        assert!(others.iter().all(|other| rest.any(|nodes| nodes == other)), "{name}");
+    }
+}
+
+/// From none to many groups: all units have the same bits, which are those of a plain loop but for its order.
+#[test]
+fn pairs_push_as_their_triangles_do() {
+    for (columns, lines) in [(2, 1), (3, 3), (5, 3), (5, 5), (7, 7)] {
+        let (groups, _) = arrange(&net(columns, lines));
+        assert!(columns < 5 || groups.len() > 1);
+        let (mut x, mut v) = (vectors(2), vectors(3));
+        let (x, v) = (&*x.records(), &*v.records());
+        let found = |pass: &dyn Fn(&mut Records) -> f64| {
+            let mut f = LocalBuffer::new(0);
+            let power = pass(f.records());
+            (rows(f.records(), NODES).to_vec(), power)
+        };
+        let pushed = found(&|f| push_pairs(&Law, &groups, [x, v], f));
+        assert_eq!(pushed, found(&|f| Pushing { law: &Law, groups: &groups, x, v, f }.run(Portable)));
+        let (forces, power) = one_by_one(&triangles(&groups, &[]), [x, v]);
+        assert!((pushed.1 - power).abs() < 1e-12, "{} for {power}", pushed.1);
+        for (i, (found, force)) in pushed.0.iter().zip(&forces).enumerate() {
+            assert!((0..3).all(|k| (found[k] - force[k]).abs() < 1e-13), "node {i}: {found:?} for {force}");
+        }
+    }
+}
+
+/// Each adds what it has to: nothing is lost where two pairs of a group have nodes in common, or a triangle has one
+/// twice.
+#[test]
+fn nodes_may_be_met_again() {
+    let group: Group = [[0, 4, 8, 12], [0, 8, 12, 16], [4, 0, 8, 8], [4, 4, 8, 12]];
+    let (mut x, mut v) = (vectors(7), vectors(8));
+    let (x, v) = (&*x.records(), &*v.records());
+    let mut f = LocalBuffer::new(0);
+    let power = push_pairs(&Law, &[group], [x, v], f.records());
+    let (forces, expected) = one_by_one(&triangles(&[group], &[]), [x, v]);
+    assert!((power - expected).abs() < 1e-13);
+    for (found, force) in rows(f.records(), NODES).iter().zip(&forces) {
+        assert!((0..3).all(|k| (found[k] - force[k]).abs() < 1e-13));
+    }
+}

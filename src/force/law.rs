@@ -1,0 +1,18 @@
+//! Forces: one file a physical effect, each with its force, its exact tangents and its energy or power.
+
+pub mod air;
+pub mod axial_dashpot;
+pub mod bar_law;
+pub mod follower_pressure;
+pub mod gravity;
+pub mod nodal;
+pub mod one_sided;
+pub mod rayleigh;
+pub mod relative_dashpot;
+pub mod series;
+pub mod slack;
+pub mod spring;
+pub(in crate::force) mod step_samples;
+pub(in crate::force) mod stretch;
+pub(in crate::force) mod tension;
+pub mod triangle;

@@ -1,0 +1,139 @@
+//! The air on porous cloth: a pressure jump that depends on the velocity through the cloth (thesis Eq. 6 with its
+//! sign restored; Ergun 1952; Darcy-Forchheimer).
+//!
+//! ```text
+//! u = wind - mean vertex velocity,  N = unit normal,  A = current area,  v_n = N . u
+//! dp = a v_n + b v_n |v_n|,         F = dp A N, a third to each vertex,  power = F . mean(v)
+//! ```
+//! With S = A N and dp' = a + 2 b |v_n| the exact tangents are
+//! ```text
+//! -df_i/dx_j = -1/3 [ dp I + S (dp'/A) ((I - N N^T) u)^T ] dS/dx_j     (not symmetric)
+//! -df_i/dv_j = dp'/9 S N^T                                             (symmetric)
+//! ```
+//! A triangle of zero area has no normal: force and tangents are 0.
+
+use crate::force::kernel::batch::{Records, Wants};
+use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
+use crate::force::kernel::pressure_kernel::{PressureLaw, Push, push};
+use crate::force::law::series::Table;
+use crate::force::law::triangle::{AreaVector, THIRD, mean};
+use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::quad::{Quad, VectorUnit};
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// The air on a batch of triangles.
+pub type Air = FaceBatch<AirData>;
+
+/// Plain data of the batch.
+#[derive(Clone, Debug)]
+pub struct AirData {
+    /// vertices
+    pub triangles: Arc<[[u32; 3]]>,
+    /// [Pa s/m] viscous coefficient a
+    pub linear: f64,
+    /// [Pa s^2/m^2] inertial coefficient b
+    pub quadratic: f64,
+    /// [m/s] wind over time
+    pub wind: Arc<Table<3>>,
+}
+
+struct Flow {
+    area: AreaVector,
+    /// [m^2]
+    a: f64,
+    n: DVec3,
+    /// wind relative to it
+    u: DVec3,
+    dp: f64,
+    /// d(dp)/d(v_n)
+    slope: f64,
+}
+
+impl AirData {
+    #[inline]
+    fn flow(&self, at: NodeState<'_>, wind: DVec3, nodes: [u32; 3]) -> Flow {
+        let area = AreaVector::new(at.x, nodes);
+        let a = area.s.length();
+        let n = if a > 0.0 { area.s * a.recip() } else { DVec3::ZERO };
+        let u = wind - mean(at.v, nodes);
+        let vn = n.dot(u);
+        let dp = self.linear * vn + self.quadratic * vn * vn.abs();
+        Flow { area, a, n, u, dp, slope: self.linear + 2.0 * self.quadratic * vn.abs() }
+    }
+}
+
+impl FaceKernel for AirData {
+    const WANTS: Wants = Wants { x: true, v: true };
+
+    fn elements(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
+        let wind = DVec3::from_array(self.wind.at(block.t));
+        Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &block, f) }
+    }
+}
+
+struct AirLaw<'a> {
+    data: &'a AirData,
+    wind: DVec3,
+}
+
+impl PressureLaw for AirLaw<'_> {
+    /// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
+    #[inline(always)]
+    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
+        let (third, wind) = (unit.splat(THIRD), self.wind);
+        let (linear, quadratic) = (unit.splat(self.data.linear), unit.splat(self.data.quadratic));
+        let flow = third * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
+        let flux = s[0] * unit.splat(wind.x) + s[1] * unit.splat(wind.y) + s[2] * unit.splat(wind.z) - flow;
+        let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
+        let vn = (flux / area).where_positive(area);
+        let dp = linear * vn + quadratic * vn * vn.abs();
+        Push { share: dp * third, amount: dp * flow }
+    }
+}
+
+impl ForceTerm for Air {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "air", role: Role::External, velocity_dependent: true, follower: true, on_triangles: true }
+    }
+
+    fn symmetric(&self) -> bool {
+        false
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.kernel();
+        let wind = DVec3::from_array(data.wind.at(at.t));
+        for &nodes in data.triangles.iter() {
+            let flow = data.flow(at, wind, nodes);
+            if flow.a == 0.0 {
+                sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
+                continue;
+            }
+            let (s, n) = (flow.area.s, flow.n);
+            let tangential = flow.u - n.dot(flow.u) * n;
+            let ds = DMat3::from_diagonal(DVec3::splat(flow.dp)) + outer(s, tangential) * (flow.slope / flow.a);
+            let dv = outer(s, n) * (w.c * flow.slope / 9.0);
+            let row = [0, 1, 2].map(|j| ds * flow.area.derivative(j) * (-w.k / 3.0) + dv);
+            sink.triangle(nodes, &[row; 3]);
+        }
+    }
+
+    /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth
+    /// keeping.
+    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.kernel();
+        let wind = DVec3::from_array(data.wind.at(at.t));
+        for &nodes in data.triangles.iter() {
+            let flow = data.flow(at, wind, nodes);
+            let dv = outer(flow.area.s, flow.n) * (w.c * flow.slope / 9.0);
+            sink.triangle(nodes, &[[dv; 3]; 3]);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Forces that do not depend on the state: nodal forces, and dead pressure lumped to its nodes.
+//!
+//! f = factor(t) F, tangents zero, power = f . v.
+
+use crate::force::kernel::batch::{Records, Summand, Wants};
+use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
+use crate::force::law::series::{Table, factor};
+use crate::force::law::triangle::AreaVector;
+use crate::force::{ForceTerm, NodeState, TangentSink};
+use crate::model::forces::{Role, Tally};
+use crate::model::system::{TermInfo, Weights};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Forces that are given node by node.
+pub const FORCES: TermInfo =
+    TermInfo { name: "forces", role: Role::External, velocity_dependent: false, follower: false, on_triangles: false };
+
+/// Forces that a pressure leaves on the nodes of its triangles.
+const DEAD_PRESSURE: TermInfo = TermInfo { name: "dead pressure", on_triangles: true, ..FORCES };
+
+/// Given forces on some nodes.
+#[derive(Clone, Debug)]
+pub struct NodalForces {
+    /// [`FORCES`], or those of a dead pressure
+    pub info: TermInfo,
+    /// the nodes, ascending
+    pub nodes: Vec<u32>,
+    /// [N] force on each of them at factor 1
+    pub force: Vec<DVec3>,
+    /// optional factor over time
+    pub factor: Option<Arc<Table<1>>>,
+}
+
+/// A pressure that keeps the area it starts with.
+#[derive(Clone, Debug)]
+pub struct DeadPressure<'a> {
+    /// the triangles
+    pub triangles: &'a [[u32; 3]],
+    /// [Pa] pressure
+    pub pressure: f64,
+    /// unit direction; `None` = every triangle's own normal at the start
+    pub direction: Option<DVec3>,
+    /// optional factor over time
+    pub factor: Option<Arc<Table<1>>>,
+}
+
+impl DeadPressure<'_> {
+    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m].
+    pub fn lump(self, x: &[DVec3]) -> NodalForces {
+        let mut sum = vec![DVec3::ZERO; x.len()];
+        for &nodes in self.triangles {
+            let s = AreaVector::new(x, nodes).s;
+            let force = self.pressure / 3.0 * self.direction.map_or(s, |d| s.length() * d);
+            for i in nodes {
+                sum[i as usize] += force;
+            }
+        }
+        let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != DVec3::ZERO).collect();
+        let force = nodes.iter().map(|&i| sum[i as usize]).collect();
+        NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
+    }
+}
+
+impl Summand for NodalForces {
+    fn elements(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn wants(&self) -> Wants {
+        Wants { x: false, v: true }
+    }
+
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        let scale = factor(self.factor.as_ref(), block.t);
+        let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
+        let here = before(block.own.start)..before(block.own.end);
+        let mut power = 0.0;
+        for (&i, &force) in self.nodes[here.clone()].iter().zip(&self.force[here]) {
+            let (force, at) = (scale * force, place(i as usize - block.own.start));
+            add(f, at, force);
+            power += force.dot(vector(block.v, at));
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for NodalForces {
+    fn info(&self) -> TermInfo {
+        self.info
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, _w: Weights, _sink: &mut dyn TangentSink) {}
+}

@@ -1,0 +1,115 @@
+//! Springs with a slack law in Kang's filter, which has no part in those that are slack.
+//!
+//! A spring is in the filter of a step of h if it is taut at the step's start, or taut where nodes move on as they do,
+//! at x + h v. One that is slack at the start but not there pulls with k (e - offset) as if it were taut already, e the
+//! elongation at x, which together with the filter's h k (v_j - v_i) is the pull at the end of the step. So backward
+//! Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second rule
+//! the step would go past the threshold unbraked and make 1/2 k (h v)^2.
+
+use crate::force::kernel::neighbours::{Neighbours, Slot};
+use crate::force::law::slack::{Clamped, clamped};
+use crate::force::law::spring::{Coefficient, SpringData};
+use glam::DVec3;
+use std::ops::Range;
+
+/// [-] Rounding of a squared length, as a share of it.
+const TAUT: f64 = 8.0 * f64::EPSILON;
+
+/// All springs of a scene, some of which leave the filter while they are slack.
+#[derive(Debug)]
+pub struct OneSided {
+    /// those that may leave it, with their laws
+    batches: Vec<(SpringData, Clamped)>,
+    /// places of their weights, batch by batch
+    slots: Vec<[Slot; 2]>,
+    /// whether they are in the filter
+    inside: Vec<bool>,
+    /// all springs, by stiffness; 0 where one is left out
+    neighbours: Neighbours,
+    /// [N] what their pull differs from that of the force pass
+    correction: Vec<DVec3>,
+    /// the nodes that have a correction
+    corrected: Vec<u32>,
+}
+
+/// Springs of one law, and whether they may leave the filter.
+pub type Member<'a> = (&'a SpringData, bool);
+
+impl OneSided {
+    /// Of `n` nodes; `None` where no spring can leave the filter.
+    pub fn new<'a>(n: usize, members: impl Iterator<Item = Member<'a>> + Clone) -> Option<Self> {
+        let law = |(data, may): Member<'a>| clamped(data.slack).filter(|_| may);
+        if !members.clone().any(|member| law(member).is_some()) {
+            return None;
+        }
+        fn links(data: &SpringData) -> (&[[u32; 2]], &Coefficient) {
+            (&data.nodes, &data.stiffness)
+        }
+        let (neighbours, mut all) = Neighbours::with_slots(n, members.clone().map(|(data, _)| links(data)));
+        let (mut batches, mut slots) = (Vec::new(), Vec::new());
+        for member @ (data, _) in members {
+            let rest = all.split_off(data.nodes.len());
+            if let Some(law) = law(member) {
+                batches.push((data.clone(), law));
+                slots.append(&mut all);
+            }
+            all = rest;
+        }
+        let inside = vec![true; slots.len()];
+        let corrected = Vec::with_capacity(2 * slots.len());
+        Some(OneSided { batches, slots, inside, neighbours, correction: vec![DVec3::ZERO; n], corrected })
+    }
+
+    /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
+    /// and what their pull differs from that of a force pass at `x`. Returns whether they are others than before.
+    pub fn select(&mut self, x: &[DVec3], v: &[DVec3], h: f64) -> bool {
+        let Self { batches, slots, inside, neighbours, correction, corrected } = self;
+        corrected.drain(..).for_each(|node| correction[node as usize] = DVec3::ZERO);
+        let mut changed = false;
+        let mut springs = slots.iter().zip(inside);
+        for (data, law) in batches {
+            for ((i, &[a, b]), (slots, inside)) in data.nodes.iter().enumerate().zip(springs.by_ref()) {
+                let along = |of: &[DVec3]| of[b as usize] - of[a as usize];
+                let (d, limit) = (along(x), data.rest_length[i] + law.threshold);
+                let square = limit.max(0.0).powi(2);
+                // What is taut by rounding alone carries nothing.
+                let taut = d.length_squared() > square * (1.0 + TAUT);
+                let caught = !taut && (d + h * along(v)).length_squared() > square;
+                if (taut || caught) != *inside {
+                    *inside = taut || caught;
+                    changed = true;
+                    let k = if *inside { data.stiffness.at(i) } else { 0.0 };
+                    slots.iter().for_each(|slot| neighbours.set(*slot, k));
+                }
+                if caught {
+                    let stretch = data.stretch(x, i);
+                    let pull = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
+                    correction[a as usize] += pull;
+                    correction[b as usize] -= pull;
+                    corrected.extend([a, b]);
+                }
+            }
+        }
+        changed
+    }
+
+    /// [N/m] `sum_j k_ij` over the springs in the filter, of every node.
+    pub fn stiffness_sums(&self, out: &mut [f64]) {
+        out.iter_mut().zip(self.neighbours.weights()).for_each(|(out, sum)| *out = sum);
+    }
+
+    /// `sum_j k_ij u_j`, as [`Neighbours::sums`].
+    pub fn sums(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.neighbours.sums(u, dofs, out);
+    }
+
+    /// `sum_j k_ij (u_j - u_i)`, as [`Neighbours::differences`].
+    pub fn differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]) {
+        self.neighbours.differences(u, dofs, out);
+    }
+
+    /// [N] What is to be added to the forces of a pass; `None` where nothing is.
+    pub fn correction(&self) -> Option<&[f64]> {
+        (!self.corrected.is_empty()).then(|| bytemuck::cast_slice(&self.correction))
+    }
+}

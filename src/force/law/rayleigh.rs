@@ -1,0 +1,120 @@
+//! Rayleigh damping (Rayleigh 1877; any structural dynamics text): f = -(alpha M + beta K0) v.
+//!
+//! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
+//! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
+
+use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Summand, Wants};
+use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
+use crate::force::law::spring::Coefficient;
+use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// The mass-proportional part.
+#[derive(Clone, Debug)]
+pub struct RayleighMass {
+    /// [1/s] alpha
+    pub factor: f64,
+    /// [kg] lumped mass of every node
+    pub mass: Arc<[f64]>,
+}
+
+impl Summand for RayleighMass {
+    fn elements(&self) -> usize {
+        self.mass.len()
+    }
+
+    fn wants(&self) -> Wants {
+        Wants { x: false, v: true }
+    }
+
+    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
+        let mut power = 0.0;
+        for (i, node) in block.own.clone().enumerate() {
+            let v = vector(block.v, place(i));
+            let force = -(self.factor * self.mass[node]) * v;
+            power += force.dot(v);
+            add(f, place(i), force);
+        }
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for RayleighMass {
+    fn info(&self) -> TermInfo {
+        TermInfo {
+            name: "rayleigh mass damping",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        for (i, m) in self.mass.iter().enumerate() {
+            sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
+        }
+    }
+}
+
+/// The stiffness-proportional part.
+pub type RayleighStiffness = Batch<RayleighData, 2>;
+
+/// Plain arrays of the stiffness-proportional part.
+#[derive(Clone, Debug)]
+pub struct RayleighData {
+    /// end nodes of every spring
+    pub nodes: Arc<[[u32; 2]]>,
+    /// [N s/m] beta k
+    pub coefficient: Coefficient,
+    /// unit vector of every spring on the mesh as given
+    pub direction: Arc<[DVec3]>,
+}
+
+impl Kernel<2> for RayleighData {
+    const WANTS: Wants = Wants { x: false, v: true };
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.nodes
+    }
+
+    fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        let power = block.each([1.0, -1.0], f, |i, [a, b]| {
+            let n = self.direction[i];
+            let rate = n.dot(vector(block.v, b) - vector(block.v, a));
+            let c = self.coefficient.at(i);
+            (c * rate * n, -c * rate * rate)
+        });
+        Tally { energy: 0.0, power }
+    }
+}
+
+impl ForceTerm for RayleighStiffness {
+    fn info(&self) -> TermInfo {
+        TermInfo {
+            name: "rayleigh stiffness damping",
+            role: Role::Dissipative,
+            velocity_dependent: true,
+            follower: false,
+            on_triangles: false,
+        }
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        let data = self.kernel();
+        for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
+            sink.edge(nodes, outer(n, n) * (w.c * data.coefficient.at(i)));
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The largest stretch l^2/l0^2 of springs, of which the largest strain is sqrt(l^2/l0^2) - 1: a quotient a spring and
+//! no root.
+
+use crate::force::kernel::local_buffer::{Records, record};
+use crate::model::quad::{self, Quad, VectorUnit};
+
+/// Springs by their ends, and where these are.
+pub(in crate::force) struct Stretched<'a, E, P> {
+    pub ends: &'a [[E; 2]],
+    /// [m]
+    pub rest_length: &'a [f64],
+    pub at: P,
+}
+
+/// Where nodes are; its function is `#[inline(always)]`.
+pub(in crate::force) trait Positions<E>: Copy {
+    /// [m] a node's coordinates, and a number that means nothing
+    fn of(&self, node: E) -> [f64; 4];
+}
+
+/// Three numbers a node, of the whole scene.
+#[derive(Clone, Copy)]
+pub(in crate::force) struct InScene<'a>(pub &'a [f64]);
+
+/// The records of a block.
+#[derive(Clone, Copy)]
+pub(in crate::force) struct InWindow<'a>(pub &'a Records);
+
+impl Positions<u32> for InScene<'_> {
+    #[inline(always)]
+    fn of(&self, node: u32) -> [f64; 4] {
+        let from = &self.0[3 * node as usize..];
+        match from.first_chunk() {
+            Some(four) => *four,
+            None => [from[0], from[1], from[2], 0.0],
+        }
+    }
+}
+
+impl Positions<u16> for InWindow<'_> {
+    #[inline(always)]
+    fn of(&self, node: u16) -> [f64; 4] {
+        record(self.0, node)
+    }
+}
+
+/// [-] Largest l^2/l0^2, -inf without springs. The same bits wherever its springs are cut into pieces.
+pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: Stretched<'_, E, P>) -> f64 {
+    quad::run(springs)
+}
+
+impl<E: Copy, P: Positions<E>> quad::Pass for Stretched<'_, E, P> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> f64 {
+        let (ends, ends_last) = self.ends.as_chunks::<4>();
+        let (l0, l0_last) = self.rest_length.as_chunks::<4>();
+        let mut largest = unit.splat(f64::NEG_INFINITY);
+        for (ends, l0) in ends.iter().zip(l0) {
+            largest = self.four(unit, ends, *l0).larger(largest);
+        }
+        if let Some(&first) = ends_last.first() {
+            let (mut ends, mut l0) = ([first; 4], [l0_last[0]; 4]);
+            ends[..ends_last.len()].copy_from_slice(ends_last);
+            l0[..l0_last.len()].copy_from_slice(l0_last);
+            largest = self.four(unit, &ends, l0).larger(largest);
+        }
+        largest.numbers().into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl<E: Copy, P: Positions<E>> Stretched<'_, E, P> {
+    #[inline(always)]
+    fn four<U: VectorUnit>(&self, unit: U, ends: &[[E; 2]; 4], l0: [f64; 4]) -> U::Quad {
+        let mut d = [unit.splat(0.0); 4];
+        for (d, &[a, b]) in d.iter_mut().zip(ends) {
+            *d = unit.quad(self.at.of(b)) - unit.quad(self.at.of(a));
+        }
+        let (d, l0) = (U::Quad::columns(d), unit.quad(l0));
+        (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / (l0 * l0)
+    }
+}

@@ -1,0 +1,125 @@
+//! What springs carry, for pictures: tension and strain of many springs, four at a time, each at its own place.
+
+use crate::force::kernel::coefficient::Coefficient;
+use crate::force::law::slack::TensionLaw;
+use crate::force::law::spring::SpringData;
+use crate::force::law::stretch::{InScene, Positions};
+use crate::model::quad::{Pass, Quad, VectorUnit};
+use glam::DVec3;
+
+/// Where the values of springs belong.
+#[derive(Debug)]
+pub struct Carried<'a> {
+    /// place of every spring
+    pub places: &'a [u32],
+    /// [N] elastic tension T(l - l0)
+    pub tension: &'a mut [f64],
+    /// [-] strain (l - l0)/l0
+    pub strain: &'a mut [f64],
+}
+
+/// Springs with their law where nodes are.
+pub(in crate::force) struct Carrying<'a, L> {
+    pub data: &'a SpringData,
+    pub law: L,
+    /// [m]
+    pub x: &'a [DVec3],
+    pub to: Carried<'a>,
+}
+
+/// Four springs; the last of a batch some of them several times.
+struct Four {
+    ends: [[u32; 2]; 4],
+    /// [m]
+    rest_length: [f64; 4],
+    /// [N/m]
+    stiffness: [f64; 4],
+}
+
+impl<L: TensionLaw> Pass for Carrying<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(mut self, unit: U) {
+        let data = self.data;
+        let (ends, ends_last) = data.nodes.as_chunks::<4>();
+        let (l0, l0_last) = data.rest_length.as_chunks::<4>();
+        let (places, places_last) = self.to.places.as_chunks::<4>();
+        let (same, each) = match &data.stiffness {
+            Coefficient::Uniform(k) => ([*k; 4], &[][..]),
+            Coefficient::Each(k) => ([0.0; 4], &k[..]),
+        };
+        let (k, k_last) = each.as_chunks::<4>();
+        for (i, ((ends, l0), places)) in ends.iter().zip(l0).zip(places).enumerate() {
+            let four = Four { ends: *ends, rest_length: *l0, stiffness: k.get(i).copied().unwrap_or(same) };
+            self.four(unit, &four, places);
+        }
+        if let Some(&end) = ends_last.first() {
+            let mut four = Four { ends: [end; 4], rest_length: [l0_last[0]; 4], stiffness: same };
+            four.ends[..ends_last.len()].copy_from_slice(ends_last);
+            four.rest_length[..l0_last.len()].copy_from_slice(l0_last);
+            four.stiffness[..k_last.len()].copy_from_slice(k_last);
+            self.four(unit, &four, places_last);
+        }
+    }
+}
+
+impl<L: TensionLaw> Carrying<'_, L> {
+    /// The values of as many springs as have a place.
+    #[inline(always)]
+    fn four<U: VectorUnit>(&mut self, unit: U, springs: &Four, places: &[u32]) {
+        let at = InScene(bytemuck::cast_slice(self.x));
+        let mut d = [unit.splat(0.0); 4];
+        for (d, &[a, b]) in d.iter_mut().zip(&springs.ends) {
+            *d = unit.quad(at.of(b)) - unit.quad(at.of(a));
+        }
+        let (d, l0) = (U::Quad::columns(d), unit.quad(springs.rest_length));
+        let e = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - l0;
+        let (tension, _) = self.law.quad(unit, unit.quad(springs.stiffness), e);
+        let (tension, strain) = (tension.numbers(), (e / l0).numbers());
+        for ((&place, tension), strain) in places.iter().zip(tension).zip(strain) {
+            self.to.tension[place as usize] = tension;
+            self.to.strain[place as usize] = strain;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::law::slack::tension;
+    use crate::model::spec::Slack;
+
+    /// Each spring's values are k-law and strain of its own length, at its own place; of batches that fill no four too.
+    #[test]
+    fn springs_carry_their_own() {
+        let x: Vec<DVec3> = (0..9).map(|i| DVec3::new(f64::from(i * i), 0.5 * f64::from(i), -0.25)).collect();
+        let slacks =
+            [Slack::None, Slack::TensionOnly, Slack::DeadZone { eps: 0.5 }, Slack::CompressionLimit { eps: 1.0 }];
+        for (n, slack) in (0..=9usize).flat_map(|n| slacks.map(|slack| (n, slack))) {
+            for uniform in [false, true] {
+                let stiffness: Vec<f64> = (0..n).map(|i| if uniform { 3.0 } else { 1.0 + i as f64 }).collect();
+                let data = SpringData {
+                    nodes: (0..n).map(|i| [(i * 5 % 9) as u32, ((i * 7 + 1) % 9) as u32]).collect(),
+                    rest_length: (0..n).map(|i| 4.0 + 3.0 * i as f64).collect(),
+                    stiffness: Coefficient::from_values(&stiffness),
+                    slack,
+                };
+                let places: Vec<u32> = (0..n as u32).map(|i| 11 - i).collect();
+                let (mut tensions, mut strains) = ([7.0; 12], [8.0; 12]);
+                data.carried(&x, Carried { places: &places, tension: &mut tensions, strain: &mut strains });
+                for place in 0..12 {
+                    let spring = 11 - place;
+                    let expected = if spring < n {
+                        let [a, b] = data.nodes[spring].map(|node| x[node as usize]);
+                        let e = (b - a).length() - data.rest_length[spring];
+                        (tension(slack, stiffness[spring], e).force, e / data.rest_length[spring])
+                    } else {
+                        (7.0, 8.0)
+                    };
+                    assert_eq!((tensions[place], strains[place]), expected, "{n} {slack:?} {place}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Blocks of steps of a scene that is one block: its nodes stay in the block's local buffers from the first step to the
+//! last.
+
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
+use crate::force::schedule::pass_kind::{PassKind, Sums};
+use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_boundary::StepBoundary;
+use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
+use crate::model::forces::Tally;
+use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work};
+use crate::model::system::KickDriftBlock;
+use bytemuck::cast_slice_mut;
+use glam::DVec3;
+
+impl Sweep {
+    /// Whether all nodes and elements are in one block.
+    pub fn is_single_block(&self) -> bool {
+        self.partition.blocks().len() == 1
+    }
+
+    /// [`Sweep::advance`] of several steps of such a scene.
+    pub(in crate::force) fn advance_single_block<T: Terms + ?Sized>(
+        &self,
+        (terms, moving): (&T, Moving<'_>),
+        StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        passed: &mut [Passed],
+    ) {
+        let n = mass.len();
+        let present = out.each_ref().map(|sum| !sum.is_empty());
+        let local_buffers = &mut *threads.local_buffers(0);
+        let LocalBuffers { x, v, sums, single_block: SingleBlockBuffers { inverse_mass: m, before, kicked, kept } } =
+            local_buffers;
+        let [x, v, m, before, kicked, kept] = [x, v, m, before, kicked, kept].map(LocalBuffer::records);
+        let mut sums = sums.each_mut().map(LocalBuffer::records);
+        let forces = [&from.forces.total, &from.forces.external, &from.forces.dissipative];
+        for ((from, to), _) in forces.into_iter().zip(&mut sums).zip(present).filter(|(_, present)| *present) {
+            fill(from, rows(to, n));
+        }
+        for (from, to) in [(&from.state.x[..], &mut *x), (&from.state.v, &mut *v), (inverse_mass, &mut *m)] {
+            fill(from, rows(to, n));
+        }
+        let mut net = Net { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
+        // Begins the first step, which ends nothing: what this tells is of no step.
+        net.go_on(KickDriftScheme { end: None, ..scheme }, true);
+        let steps = passed.len();
+        for (step, passed) in passed.iter_mut().enumerate() {
+            net.find(scheme, passed);
+            passed.nodes = net.go_on(scheme, step + 1 < steps);
+        }
+        let Net { x, v, sums, .. } = net;
+        for (from, to) in [(x, cast_slice_mut(moving.x)), (v, cast_slice_mut(moving.v))] {
+            store_rows(rows(from, n), to);
+        }
+        for ((from, to), _) in sums.into_iter().zip(out).zip(present).filter(|(_, present)| *present) {
+            store_rows(rows(from, n), to);
+        }
+    }
+}
+
+/// A scene in its local buffers.
+struct Net<'a, T: ?Sized> {
+    terms: &'a T,
+    /// [kg] one a node
+    mass: &'a [f64],
+    /// which sums are there
+    present: [bool; SUMS],
+    /// [m]
+    x: &'a mut Records,
+    /// [m/s]
+    v: &'a mut Records,
+    /// [1/kg] by degree of freedom
+    m: &'a mut Records,
+    /// [m] where the step began
+    before: &'a mut Records,
+    /// [m/s] kicked velocities
+    kicked: &'a mut Records,
+    /// [N] of terms of position only
+    kept: &'a mut Records,
+    /// [N] all forces, external ones, dissipative ones
+    sums: [&'a mut Records; SUMS],
+    /// [J] what forces at the beginning of the step do
+    begun: Work,
+}
+
+impl<T: Terms + ?Sized> Net<'_, T> {
+    /// The forces where a step ends; with corrected velocities, if it predicts.
+    fn find(&mut self, scheme: KickDriftScheme, passed: &mut Passed) {
+        passed.tallies.resize(self.terms.count(), Tally::default());
+        let n = self.mass.len();
+        if scheme.predicts {
+            self.add(PassKind::TotalOnly, passed);
+            let numbers = RECORD * n;
+            scheme.correct(
+                &mut self.v[..numbers],
+                &self.kicked[..numbers],
+                &self.m[..numbers],
+                &self.sums[0][..numbers],
+            );
+            if self.terms.is_position_only() {
+                self.add(PassKind::ReusePosition, passed);
+            } else {
+                rows(self.sums[0], n).fill(PaddedVec3::default());
+                self.add(PassKind::Full, passed);
+            }
+        } else {
+            self.add(PassKind::Full, passed);
+        }
+        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        passed.largest_stretch = self.terms.largest_stretch(&block, passed.stretch_wanted);
+    }
+
+    fn add(&mut self, kind: PassKind, passed: &mut Passed) {
+        let n = self.mass.len();
+        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        let sums = self.sums.each_mut().map(|sum| &mut **sum);
+        let mut sums = Sums { n, sums, present: self.present, kept: rows(self.kept, n) };
+        sums.add(self.terms, kind, &block, &mut passed.tallies);
+    }
+
+    /// Ends a step and begins another.
+    fn go_on(&mut self, scheme: KickDriftScheme, another: bool) -> NodeSums {
+        let (n, works) = (self.mass.len(), self.present[1] || self.present[2]);
+        let mut work = Work::default();
+        if works {
+            work = self.begun.and(self.work()).halved();
+            rows(self.before, n).copy_from_slice(rows(self.x, n));
+        }
+        let flat = |records| rows(records, n).as_flattened_mut();
+        let nodes: Nodes<'_, RECORD> = Nodes {
+            mass: self.mass,
+            inverse_mass: flat(self.m),
+            x: flat(self.x),
+            v: flat(self.v),
+            kicked: if scheme.predicts { flat(self.kicked) } else { &mut [] },
+            f: flat(self.sums[0]),
+        };
+        let nodes = scheme.end(nodes, another);
+        if works && another {
+            self.begun = self.work();
+        }
+        NodeSums { work, ..nodes }
+    }
+
+    /// [J] What the forces of now do on the way of the step.
+    fn work(&self) -> Work {
+        let numbers = RECORD * self.mass.len();
+        let forces = [1, 2].map(|i| if self.present[i] { &self.sums[i][..numbers] } else { &[] });
+        Work::of::<RECORD>(forces, &self.before[..numbers], &self.x[..numbers])
+    }
+}

@@ -1,0 +1,306 @@
+//! Force passes of one step, or of a block of steps, each a few node blocks behind the one before it (time skewing).
+//! What the scheme does to nodes before and after a pass is done in the same way through them.
+//!
+//! A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's
+//! own node blocks as soon as their forces are complete. So a large scene is read from memory once a step, or once a
+//! block.
+//!
+//! The node blocks of every level ([`crate::force::schedule::wavefront`]) are done in rounds. A round can begin as soon
+//! as all nodes that its elements reach are complete in the level before, and were moved on, or their velocities
+//! corrected. Since elements belong to the node block of their smallest node, the level before does not need those
+//! nodes any more: all happens in place, and sums of a level overwrite those of the level before.
+
+use crate::force::NodeState;
+use crate::force::schedule::partition::{Halo, Partition};
+use crate::force::schedule::pass_kind::PassKind;
+use crate::force::schedule::step_boundary::StepBoundary;
+use crate::force::schedule::sweep::{Job, Sweep, Terms, wants};
+use crate::force::schedule::threads::{SUMS, Threads};
+use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
+use crate::force::schedule::wavefront::Wavefront;
+use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
+use crate::model::forces::Tally;
+use crate::model::stride::{LONGEST, Passed};
+use crate::model::workers::{ALONE, Workers};
+use bytemuck::cast_slice;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Where a pass is to find nodes.
+pub struct Moving<'a> {
+    /// [s]
+    pub t: f64,
+    /// number of the first node
+    pub first: usize,
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
+}
+
+impl Moving<'_> {
+    /// Of the nodes that are here.
+    fn state(&self) -> NodeState<'_> {
+        NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
+    }
+
+    /// Some of the nodes.
+    fn within(&mut self, nodes: Range<usize>) -> Moving<'_> {
+        let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
+        let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
+        Moving { t: self.t, first: nodes.start, x, v }
+    }
+
+    /// The nodes before one, and the others.
+    fn split(self, at: usize) -> [Self; 2] {
+        let Moving { t, first, x, v } = self;
+        let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
+        [Moving { t, first, x, v }, Moving { t, first: at, x: x_after, v: v_after }]
+    }
+}
+
+/// The steps of a block.
+struct Steps<'a, T: ?Sized> {
+    terms: &'a T,
+    boundary: StepBoundary<'a>,
+    /// empty for a single step of which no summary is made
+    passed: &'a [Passed],
+    threads: &'a Threads,
+}
+
+/// What is done at a level.
+struct Doing {
+    kind: PassKind,
+    /// [s]
+    t: f64,
+    /// whether the largest stretch is looked for
+    stretch: bool,
+}
+
+impl<T: Terms + ?Sized> Steps<'_, T> {
+    fn at(&self, level: usize, t_end: f64) -> Doing {
+        let scheme = self.boundary.block.scheme;
+        let (t, wanted) =
+            self.passed.get(level / scheme.passes()).map_or((t_end, false), |step| (step.t, step.stretch_wanted));
+        match level % scheme.passes() {
+            0 if scheme.predicts => Doing { kind: PassKind::TotalOnly, t, stretch: wanted },
+            0 => Doing { kind: PassKind::Full, t, stretch: wanted },
+            _ if self.terms.is_position_only() => Doing { kind: PassKind::ReusePosition, t, stretch: false },
+            _ => Doing { kind: PassKind::Full, t, stretch: false },
+        }
+    }
+}
+
+/// Node blocks whose nodes are complete in a level.
+struct Completed<'a> {
+    level: usize,
+    kind: PassKind,
+    /// what gives something to these nodes
+    blocks: Range<usize>,
+    halo: [Halo<'a>; SUMS],
+}
+
+/// Some node blocks, and the state of their nodes.
+struct Span<'a> {
+    part: WorkspaceView<'a>,
+    moving: Moving<'a>,
+}
+
+impl Span<'_> {
+    fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> Span<'_> {
+        let moving = self.moving.within(partition.nodes_of(node_blocks.clone()));
+        Span { part: self.part.within(partition, node_blocks), moving }
+    }
+
+    /// The node blocks before one, and the others.
+    fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
+        let [before, after] = self.moving.split(partition.nodes_of(at..at).start);
+        let [part, others] = self.part.split(partition, at);
+        [Span { part, moving: before }, Span { part: others, moving: after }]
+    }
+}
+
+impl Sweep {
+    /// How many steps a stride may have that is worth while, with so many force passes each.
+    pub fn longest_stride(&self, passes: usize) -> usize {
+        if self.is_single_block() { LONGEST } else { LEVELS / passes }
+    }
+
+    /// Makes as many steps as there are entries of `passed`, or a single one of which no summary is made. Sums, state,
+    /// tallies and summaries have the bits of steps made one by one.
+    pub fn advance<T: Terms + ?Sized>(
+        &self,
+        (terms, moving): (&T, Moving<'_>),
+        boundary: StepBoundary<'_>,
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        (tallies, passed): (&mut [Tally], &mut [Passed]),
+    ) {
+        if self.is_single_block() && passed.len() > 1 {
+            self.advance_single_block((terms, moving), boundary, threads, out, passed);
+        } else {
+            let scheme = boundary.block.scheme;
+            let works = !passed.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
+            let (several, is_position_only) = (passed.len() > 1, terms.is_position_only());
+            let needs = WorkspaceSize {
+                terms: terms.count(),
+                levels: scheme.passes() * passed.len().max(1),
+                threads: if several { threads.count() } else { 1 },
+                keeps: scheme.predicts && is_position_only,
+                aside: [works && several, scheme.predicts && several],
+            };
+            let mut workspace = self.workspace(needs, &out);
+            self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut workspace);
+            // Terms of the first sum are gone over once a step if they depend on position only, and then tell their
+            // energies.
+            let told_at = if is_position_only { 0 } else { scheme.passes() - 1 };
+            for (step, passed) in passed.iter_mut().enumerate() {
+                let first = scheme.passes() * step;
+                passed.tallies.resize(terms.count(), Tally::default());
+                workspace.add_up(first + told_at, &mut passed.tallies);
+                passed.largest_stretch = workspace.largest_stretch(first);
+                passed.nodes = workspace.node_sums(first + scheme.passes() - 1);
+            }
+            if passed.is_empty() {
+                workspace.add_up(told_at, tallies);
+            }
+        }
+        if let Some(last) = passed.last() {
+            tallies.copy_from_slice(&last.tallies);
+        }
+    }
+
+    /// A step for every level of `room`.
+    fn steps<T: Terms + ?Sized>(
+        &self,
+        (steps, moving): (Steps<'_, T>, Moving<'_>),
+        out: [&mut [DVec3]; SUMS],
+        workspace: &mut Workspace,
+    ) {
+        let partition = &self.partition;
+        let (part, wavefronts) = workspace.parts(partition, out);
+        let mut span = Span { part, moving };
+        let pool = steps.threads.workers().pool().filter(|_| partition.node_blocks().len() > 1);
+        let [parts, others] = wavefronts.all();
+        let Some(pool) = pool else { return self.side_by_side(&steps, others, span) };
+        pool.install(|| {
+            self.side_by_side(&steps, parts, span.within(partition, partition.node_blocks()));
+            if others.len() >= SEAMS_SIDE_BY_SIDE {
+                return self.side_by_side(&steps, others, span);
+            }
+            for wavefront in others {
+                let span = span.within(partition, wavefront.node_blocks.clone());
+                let node_blocks = ROUND[usize::from(wavefront.levels.len() > 1)] * pool.current_num_threads();
+                self.rounds(&steps, (wavefront, node_blocks), span, steps.threads.workers());
+            }
+        });
+    }
+
+    /// Every wavefront by one thread, or all by the only one.
+    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: Span<'_>) {
+        match wavefronts {
+            [] => {}
+            [wavefront] => self.rounds(steps, (wavefront, 1), span, &ALONE),
+            _ => {
+                let (left, right) = wavefronts.split_at_mut(wavefronts.len() / 2);
+                let [before, after] = span.split(&self.partition, right[0].node_blocks.start);
+                rayon::join(|| self.side_by_side(steps, left, before), || self.side_by_side(steps, right, after));
+            }
+        }
+    }
+
+    /// A wavefront to its end, so many node blocks at once.
+    fn rounds<T: Terms + ?Sized>(
+        &self,
+        steps: &Steps<'_, T>,
+        (wavefront, node_blocks): (&mut Wavefront, usize),
+        mut span: Span<'_>,
+        workers: &Workers,
+    ) {
+        let partition = &self.partition;
+        while let Some(ahead) = wavefront.ahead(partition, node_blocks) {
+            let level = ahead.level;
+            let moved = wavefront.move_for(&ahead);
+            if !moved.is_empty() {
+                steps.boundary.begin(span.moving.within(moved), workers);
+            }
+            let Doing { kind, t, stretch } = steps.at(level, span.moving.t);
+            let job = Job {
+                terms: steps.terms,
+                wants: wants(steps.terms, kind),
+                stretch,
+                kind,
+                // Energies of what was kept are told already.
+                level: if kind == PassKind::ReusePosition { level - 1 } else { level },
+                at: NodeState { t, ..span.moving.state() },
+                first: span.moving.first,
+                threads: steps.threads,
+                workers,
+                partition,
+            };
+            job.run(span.part.within(partition, ahead.node_blocks.clone()));
+            let blocks = wavefront.advance(partition, &ahead);
+            let first = partition.halo_of(partition.blocks_of(span.part.node_blocks.clone())).start;
+            let halo = std::mem::take(&mut span.part.halo);
+            let sums = halo.each_ref().map(|sums| Halo { first, sums });
+            let completed = Completed { level, kind, blocks, halo: sums };
+            self.complete(steps, &completed, span.within(partition, ahead.completed), workers);
+            span.part.halo = halo;
+        }
+    }
+
+    /// Adds what came from other node blocks to the sums of nodes, and does what comes after, node block by node block.
+    fn complete<T: Terms + ?Sized>(
+        &self,
+        steps: &Steps<'_, T>,
+        completed: &Completed<'_>,
+        mut span: Span<'_>,
+        workers: &Workers,
+    ) {
+        let node_blocks = span.part.node_blocks.clone();
+        match workers.pool().filter(|_| node_blocks.len() > 1) {
+            None => {
+                for node_block in node_blocks {
+                    self.complete_node_block(
+                        steps,
+                        completed,
+                        span.within(&self.partition, node_block..node_block + 1),
+                    );
+                }
+            }
+            Some(_) => {
+                let [left, right] = span.split(&self.partition, node_blocks.start + node_blocks.len() / 2);
+                rayon::join(
+                    || self.complete(steps, completed, left, workers),
+                    || self.complete(steps, completed, right, workers),
+                );
+            }
+        }
+    }
+
+    fn complete_node_block<T: Terms + ?Sized>(
+        &self,
+        steps: &Steps<'_, T>,
+        Completed { level, kind, blocks, halo }: &Completed<'_>,
+        Span { mut part, moving }: Span<'_>,
+    ) {
+        let nodes = self.partition.nodes_of(part.node_blocks.clone());
+        for (out, halo) in part.out.iter_mut().zip(halo).take(kind.sums()) {
+            if !out.is_empty() {
+                self.partition.add_halo(blocks.clone(), *halo, (nodes.start, out));
+            }
+        }
+        let (boundary, summarized) = (&steps.boundary, !steps.passed.is_empty());
+        match (*kind, *level) {
+            (PassKind::TotalOnly, 0) => boundary.kick_again(&part, moving),
+            (PassKind::TotalOnly, _) => boundary.correct(&part, moving),
+            _ if summarized => boundary.end(*level, part, moving),
+            (_, 0) => boundary.kick_again(&part, moving),
+            // A single step that predicts: its second pass ends it.
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+pub(in crate::force) mod tests;

@@ -1,0 +1,89 @@
+//! What a scheme does to nodes between the force passes of a block of steps.
+//!
+//! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of
+//! the next, when that begins.
+
+use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::sweep::by_node;
+use crate::force::schedule::workspace::WorkspaceView;
+use crate::model::forces::Forces;
+use crate::model::point::Point;
+use crate::model::stride::{NodeSums, Nodes, StepStart, Work};
+use crate::model::system::KickDriftBlock;
+use crate::model::workers::Workers;
+use bytemuck::{cast_slice, cast_slice_mut};
+use glam::DVec3;
+use std::ops::Range;
+
+/// The steps' scheme, and what it needs of nodes.
+#[derive(Clone, Copy)]
+pub struct StepBoundary<'a> {
+    /// what the steps are made of, and where the first begins
+    pub block: KickDriftBlock<'a>,
+    /// [kg] one a node
+    pub mass: &'a [f64],
+    /// [1/kg] by degree of freedom, 0 at fixed ones
+    pub inverse_mass: &'a [f64],
+}
+
+impl StepBoundary<'_> {
+    /// Moves nodes to where the first force pass finds them.
+    pub(in crate::force) fn begin(&self, Moving { first, x, v, .. }: Moving<'_>, workers: &Workers) {
+        let scheme = self.block.scheme;
+        workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
+    }
+
+    /// The kick after the first force pass.
+    pub(in crate::force) fn kick_again(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+        let start = self.start(3 * first..3 * first + v.len());
+        self.block.scheme.kick_again(start, v, cast_slice(part.out[0]));
+    }
+
+    /// The same after the first force pass of a later step, whose kicked velocities are kept.
+    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+        let inverse_mass = &self.inverse_mass[3 * first..3 * first + v.len()];
+        self.block.scheme.correct(v, cast_slice(part.aside[1]), inverse_mass, cast_slice(part.out[0]));
+    }
+
+    fn start(&self, dofs: Range<usize>) -> StepStart<'_> {
+        StepStart::of(self.block.from, self.inverse_mass, dofs)
+    }
+
+    /// Ends a step in a node block, and begins the next.
+    pub(in crate::force) fn end(&self, level: usize, part: WorkspaceView<'_>, Moving { first, x, v, .. }: Moving<'_>) {
+        let KickDriftBlock { scheme, from } = self.block;
+        let WorkspaceView { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
+        let (dofs, passes) = (3 * first..3 * first + x.len(), scheme.passes());
+        let another = level + 1 < levels;
+        let forces = out.each_ref().map(|sum| cast_slice::<DVec3, f64>(sum));
+        let works = forces.iter().any(|sum| !sum.is_empty());
+        let mut work = Work::default();
+        if works {
+            let (begun, from) = if level + 1 > passes {
+                (sums[level + 1 - passes].work, cast_slice(before))
+            } else {
+                let Point { state, forces: Forces { external, dissipative, .. } } = from;
+                let from = &state.x[dofs.clone()];
+                let forces = [external, dissipative].map(|sum| sum.get(dofs.clone()).unwrap_or_default());
+                (Work::of::<3>(forces, from, x), from)
+            };
+            work = begun.and(Work::of::<3>(forces, from, x)).halved();
+            if another {
+                before.copy_from_slice(by_node(x));
+            }
+        }
+        let nodes = Nodes::<3> {
+            mass: &self.mass[dofs.start / 3..dofs.end / 3],
+            inverse_mass: &self.inverse_mass[dofs],
+            x: &mut *x,
+            v,
+            kicked: cast_slice_mut(kicked),
+            f: cast_slice_mut(total),
+        };
+        sums[level] = NodeSums { work, ..scheme.end(nodes, another) };
+        if works && another {
+            // The first half of the next step's, kept where that step's first pass is; its second half makes it whole.
+            sums[level + 1].work = Work::of::<3>(forces, cast_slice(before), x);
+        }
+    }
+}

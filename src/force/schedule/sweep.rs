@@ -1,0 +1,255 @@
+//! Passes over the blocks of a scene, with the same bits for every number of threads.
+//!
+//! Node block by node block, mostly a block each, local buffers are filled, all terms add to them while they are in
+//! cache, and what the node block's own nodes get is stored: no sum is zeroed in memory or read back. What lies beyond
+//! the node block is kept apart and added when all node blocks (`step_block`: of a round) are done, in their order, as
+//! are energies and powers. So no sum depends on which thread did which node block.
+
+use crate::force::NodeState;
+use crate::force::kernel::batch::{Summand, Wants};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
+use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
+use crate::force::schedule::partition::{Halo, Partition, Plan};
+use crate::force::schedule::pass_kind::{PassKind, Sums};
+use crate::force::schedule::threads::{LocalBuffers, SUMS, Threads};
+use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
+use crate::model::forces::Tally;
+use crate::model::workers::Workers;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// What a pass adds up.
+pub trait Terms: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// A term, and which of the pass's sums it adds to: 0, 1 or 2.
+    fn term(&self, i: usize) -> (&dyn Summand, usize);
+
+    /// Whether all terms of the first sum depend on position only: their forces follow from positions alone, so that
+    /// other velocities change nothing.
+    fn is_position_only(&self) -> bool {
+        false
+    }
+
+    /// [-] Largest l^2/l0^2 of all springs of a block, if it is wanted; else and without springs -inf.
+    fn largest_stretch(&self, block: &ElementBlock<'_>, wanted: bool) -> f64 {
+        let terms = if wanted { 0..self.count() } else { 0..0 };
+        terms.map(|i| self.term(i).0.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// The blocks of a scene and the room a pass needs.
+#[derive(Debug)]
+pub struct Sweep {
+    pub(in crate::force) partition: Partition,
+    workspace: BufferPool<Workspace>,
+    /// of a sum over node blocks
+    parts: BufferPool<Vec<f64>>,
+}
+
+/// What a pass reads, and with which threads.
+pub(in crate::force) struct Job<'a, T: ?Sized> {
+    pub terms: &'a T,
+    pub wants: Wants,
+    /// whether the largest stretch is looked for
+    pub stretch: bool,
+    pub kind: PassKind,
+    /// in which level energies and powers are told
+    pub level: usize,
+    /// of nodes from one of them on, as many as elements reach
+    pub at: NodeState<'a>,
+    /// its number
+    pub first: usize,
+    pub threads: &'a Threads,
+    /// all of them, or the one that this is done by
+    pub workers: &'a Workers,
+    pub partition: &'a Partition,
+}
+
+impl Sweep {
+    /// Cuts `nodes` nodes into blocks and tells every summand its elements.
+    pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+        Sweep::of(Partition::new(nodes, summands))
+    }
+
+    pub(in crate::force) fn of(partition: Partition) -> Self {
+        Sweep { partition, workspace: BufferPool::default(), parts: BufferPool::default() }
+    }
+
+    /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
+    /// only if no term adds to it. Tells every term's energy [J] or power [W] in `tallies`.
+    pub fn pass<T: Terms + ?Sized>(
+        &self,
+        (terms, at): (&T, NodeState<'_>),
+        threads: &Threads,
+        out: [&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) {
+        debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
+        let mut workspace = self.workspace(WorkspaceSize::of_a_pass(terms.count()), &out);
+        let (partition, workers) = (&self.partition, threads.workers());
+        let (kind, level, first, stretch) = (PassKind::Full, 0, 0, false);
+        let wants = wants(terms, kind);
+        let job = Job { terms, wants, stretch, kind, level, at, first, threads, workers, partition };
+        let (mut all, _) = workspace.parts(partition, out);
+        job.run(all.within(partition, partition.node_blocks()));
+        for (out, sums) in all.out.into_iter().zip(all.halo).filter(|(out, _)| !out.is_empty()) {
+            partition.add_halo_by(workers, 0..partition.blocks().len(), Halo { first: 0, sums }, (0, out));
+        }
+        workspace.add_up(0, tallies);
+    }
+
+    /// A sum over the nodes, node block after node block.
+    pub fn by_node_blocks(&self, threads: &Threads, of: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+        let node_blocks = self.partition.node_blocks();
+        let of = |node_block: usize| of(self.partition.nodes_of(node_block..node_block + 1));
+        match threads.workers().pool().filter(|_| node_blocks.len() > 1) {
+            None => node_blocks.map(of).sum(),
+            Some(pool) => {
+                let mut parts = self.parts.take();
+                parts.resize(node_blocks.len(), 0.0);
+                let parts = &mut **parts;
+                pool.install(|| {
+                    parts.par_iter_mut().zip(node_blocks).for_each(|(part, node_block)| *part = of(node_block))
+                });
+                parts.iter().sum()
+            }
+        }
+    }
+
+    /// Workspace for passes into sums of these sizes.
+    pub(in crate::force) fn workspace(
+        &self,
+        needs: WorkspaceSize,
+        out: &[&mut [DVec3]; SUMS],
+    ) -> Pooled<'_, Workspace> {
+        let mut workspace = self.workspace.take();
+        workspace.fit(&self.partition, needs, out);
+        workspace
+    }
+}
+
+pub(in crate::force) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
+    bytemuck::cast_slice_mut(dofs)
+}
+
+/// What any of the terms wants that a pass goes over.
+pub(in crate::force) fn wants<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> Wants {
+    let terms = (0..terms.count()).map(|i| terms.term(i)).filter(|(_, sum)| kind.goes_over(*sum));
+    terms.map(|(term, _)| term.wants()).fold(Wants::default(), Wants::or)
+}
+
+impl<T: Terms + ?Sized> Job<'_, T> {
+    /// Fills the places of some node blocks.
+    pub(in crate::force) fn run(&self, part: WorkspaceView<'_>) {
+        match self.workers.pool().filter(|_| part.node_blocks.len() > 1) {
+            None => self.in_order(part),
+            Some(pool) => pool.install(|| self.side_by_side(part)),
+        }
+    }
+
+    fn in_order(&self, mut part: WorkspaceView<'_>) {
+        while part.node_blocks.len() > 1 {
+            let next = part.node_blocks.start + 1;
+            let [one, others] = part.split(self.partition, next);
+            self.node_block(one);
+            part = others;
+        }
+        self.node_block(part);
+    }
+
+    fn side_by_side(&self, part: WorkspaceView<'_>) {
+        if part.node_blocks.len() <= 1 {
+            return self.node_block(part);
+        }
+        let middle = part.node_blocks.start + part.node_blocks.len() / 2;
+        let [left, right] = part.split(self.partition, middle);
+        rayon::join(|| self.side_by_side(left), || self.side_by_side(right));
+    }
+
+    fn node_block(&self, part: WorkspaceView<'_>) {
+        let WorkspaceView { node_blocks, mut out, mut halo, tallies, stretches, mut kept, levels, .. } = part;
+        let local_buffers = &mut *self.threads.local_buffers(rayon::current_thread_index().unwrap_or(0));
+        let numbers = self.partition.blocks_of(node_blocks);
+        let first = self.partition.halo_of(numbers.clone()).start;
+        let count = self.terms.count();
+        for (number, i) in numbers.zip(0..) {
+            let plan = &self.partition.blocks()[number];
+            let (own_kept, others_kept) =
+                std::mem::take(&mut kept).split_at_mut_checked(plan.records()).unwrap_or_default();
+            kept = others_kept;
+            let level = i * levels + self.level;
+            let tallies = &mut tallies[level * count..(level + 1) * count];
+            let stretch = self.block((number, own_kept), local_buffers, &out, tallies);
+            // Springs whose forces were kept have been looked at.
+            if self.kind != PassKind::ReusePosition {
+                stretches[level] = stretch;
+            }
+            let place = plan.halo.start - first..plan.halo.end - first;
+            for ((out, halo), sums) in out.iter_mut().zip(&mut halo).zip(&mut local_buffers.sums).take(self.kind.sums())
+            {
+                if !out.is_empty() {
+                    let (own, others) = rows(sums.records(), plan.records()).split_at(plan.own.len());
+                    if plan.opens_node_block {
+                        store_rows(own, out)
+                    } else {
+                        add_rows(own, out)
+                    }
+                    halo[place.clone()].copy_from_slice(others);
+                }
+            }
+        }
+    }
+
+    /// Leaves in the local buffers what the terms add to the nodes of a block, in every sum that is not empty. Tells
+    /// its largest stretch, if that is looked for.
+    fn block(
+        &self,
+        (number, kept): (usize, &mut [PaddedVec3]),
+        local_buffers: &mut LocalBuffers,
+        out: &[&mut [DVec3]; SUMS],
+        tallies: &mut [Tally],
+    ) -> f64 {
+        let plan = &self.partition.blocks()[number];
+        let LocalBuffers { x, v, sums, .. } = local_buffers;
+        let (x, v) = (x.records(), v.records());
+        if self.wants.x {
+            self.load(plan, self.at.x, x);
+        }
+        if self.wants.v {
+            self.load(plan, self.at.v, v);
+        }
+        let sums = sums.each_mut().map(LocalBuffer::records);
+        let n = plan.records();
+        if self.kind.goes_over(0) {
+            rows(sums[0], n).fill(PaddedVec3::default());
+        }
+        let own = if plan.opens_node_block { plan.own.clone() } else { 0..0 };
+        let block = ElementBlock { number, own, t: self.at.t, x, v };
+        let present = out.each_ref().map(|sum| !sum.is_empty());
+        Sums { n, sums, present, kept }.add(self.terms, self.kind, &block, tallies);
+        self.terms.largest_stretch(&block, self.stretch)
+    }
+
+    /// Copies a nodal vector into a block's local buffer.
+    fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
+        let first = self.first;
+        let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
+        copy_rows(&from[plan.own.start - first..plan.own.end - first], own);
+        match plan.run {
+            Some(run) => copy_rows(&from[run - first..][..others.len()], others),
+            None => {
+                for (to, &node) in others.iter_mut().zip(&self.partition.halo()[plan.halo.clone()]) {
+                    let from = from[node as usize - first];
+                    *to = [from.x, from.y, from.z, 0.0];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

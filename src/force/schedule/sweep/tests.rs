@@ -1,0 +1,160 @@
+//! Passes over blocks, beside element after element.
+
+use super::*;
+use crate::force::kernel::edges::EdgeBatch;
+use crate::force::kernel::edges::links::{LinkData, Links};
+use crate::force::kernel::lane_batches::tests::random;
+use crate::force::law::gravity::Gravity;
+use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
+use crate::force::law::spring::Coefficient;
+use crate::force::schedule::partition::Limits;
+use rayon::ThreadPoolBuildError;
+
+const NODES: usize = 200;
+
+/// A star, a chain and weight, each for a sum of its own.
+struct Mixed {
+    star: RelativeDashpots,
+    chain: Links,
+    weight: Gravity,
+}
+
+impl Terms for Mixed {
+    fn count(&self) -> usize {
+        3
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        [(&self.star as &dyn Summand, 2), (&self.chain, 0), (&self.weight, 1)][i]
+    }
+}
+
+/// All add to the only sum.
+impl<S: Summand> Terms for [S] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn term(&self, i: usize) -> (&dyn Summand, usize) {
+        (&self[i], 0)
+    }
+}
+
+fn mixed(limits: Limits) -> (Mixed, Sweep) {
+    let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
+    let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
+    let links = LinkData { nodes: ends(&|i| [i, i - 1]), weight: 0.5 };
+    let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
+    let mut terms = Mixed { star: EdgeBatch::new(data), chain: EdgeBatch::new(links), weight };
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
+    (terms, Sweep::of(partition))
+}
+
+fn vectors(seed: u64) -> Vec<DVec3> {
+    let mut random = random(seed);
+    std::iter::repeat_with(|| DVec3::new(random(), random(), random())).take(NODES).collect()
+}
+
+/// What element after element gives, without blocks.
+fn one_by_one(at: NodeState<'_>) -> ([Vec<DVec3>; 3], [Tally; 3]) {
+    let mut sums = [0; 3].map(|_| vec![DVec3::ZERO; NODES]);
+    let mut tallies = [Tally::default(); 3];
+    for i in 0..NODES {
+        if i > 0 {
+            let dv = at.v[0] - at.v[i];
+            sums[2][i] += 2.0 * dv;
+            sums[2][0] -= 2.0 * dv;
+            tallies[0].power -= 2.0 * dv.length_squared();
+            sums[0][i] += 0.5 * at.x[i - 1];
+            sums[0][i - 1] += 0.5 * at.x[i];
+        }
+        let weight = i as f64 * DVec3::new(0.0, 0.5, -2.0);
+        sums[1][i] += weight;
+        tallies[2].energy -= weight.dot(at.x[i] - DVec3::X);
+    }
+    let (others, total) = ([sums[1].clone(), sums[2].clone()], &mut sums[0]);
+    others.iter().flatten().zip((0..NODES).cycle()).for_each(|(f, i)| total[i] += *f);
+    (sums, tallies)
+}
+
+#[test]
+fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), ThreadPoolBuildError> {
+    let (x, v) = (vectors(1), vectors(2));
+    let at = NodeState { t: 0.0, x: &x, v: &v };
+    let (expected, amounts) = one_by_one(at);
+    // Of one node block, of many, and of node blocks whose nodes need several blocks.
+    for (node_block, records, blocks) in [(200, 400, 1..2), (16, 300, 13..14), (16, 40, 20..200)] {
+        let (terms, sweep) = mixed(Limits { node_block, records });
+        assert!(blocks.contains(&sweep.partition.blocks().len()), "{}", sweep.partition.blocks().len());
+        let mut bits = Vec::new();
+        for threads in [1, 2, 3] {
+            let threads = Threads::new(threads)?;
+            let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+            let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 3];
+            sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+            for (found, expected) in sums.iter().flatten().zip(expected.iter().flatten()) {
+                assert!((*found - *expected).length() < 1e-12 * (1.0 + expected.length()), "{found} {expected}");
+            }
+            for (found, expected) in tallies.iter().zip(&amounts) {
+                assert!((found.energy - expected.energy).abs() < 1e-10, "{found:?} {expected:?}");
+                assert!((found.power - expected.power).abs() < 1e-10, "{found:?} {expected:?}");
+            }
+            let all = sums.iter().flatten().flat_map(|f| f.to_array());
+            bits.push(all.chain(tallies.map(|t| t.energy + t.power)).map(f64::to_bits).collect::<Vec<_>>());
+        }
+        assert!(bits[0] == bits[1] && bits[0] == bits[2], "node blocks of {node_block}");
+    }
+    Ok(())
+}
+
+#[test]
+fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildError> {
+    let (x, v) = (vectors(3), vectors(4));
+    let at = NodeState { t: 0.0, x: &x, v: &v };
+    let (terms, sweep) = mixed(Limits { node_block: 16, records: 40 });
+    for threads in [1, 2] {
+        let threads = Threads::new(threads)?;
+        let all = || {
+            let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+            let mut tallies = [Tally::default(); 3];
+            sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
+            (sums, tallies)
+        };
+        let before = all();
+        let (mut sum, mut tally) = (vec![DVec3::NAN; NODES], [Tally::default()]);
+        let star = std::slice::from_ref(&terms.star);
+        sweep.pass((star, at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
+        assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
+        sweep.pass((&star[1..], at), &threads, [&mut sum, &mut [], &mut []], &mut []);
+        assert!(sum.iter().all(|f| *f == DVec3::ZERO));
+        assert_eq!(all(), before);
+    }
+    Ok(())
+}
+
+#[test]
+fn a_batch_can_be_cut_again() {
+    let (x, v) = (vectors(5), vectors(6));
+    let at = NodeState { t: 0.0, x: &x, v: &v };
+    let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
+    let partition = Partition::within(Limits { node_block: 64, records: 300 }, NODES, &mut [&mut terms.star]);
+    let sweep = Sweep::of(partition);
+    let mut sum = vec![DVec3::NAN; NODES];
+    let star = std::slice::from_ref(&terms.star);
+    sweep.pass((star, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    let (expected, _) = one_by_one(at);
+    assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).length() < 1e-12 * (1.0 + b.length())));
+}
+
+#[test]
+fn weight_alone_needs_no_elements() {
+    let (x, v) = (vectors(3), vectors(4));
+    let at = NodeState { t: 0.0, x: &x, v: &v };
+    let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
+    let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
+    let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, summands));
+    let mut sum = vec![DVec3::NAN; NODES];
+    let one = std::slice::from_ref(&terms.weight);
+    sweep.pass((one, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * DVec3::new(0.0, 0.5, -2.0)));
+}

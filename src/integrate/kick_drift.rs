@@ -1,0 +1,58 @@
+//! Schemes that a [`KickDriftScheme`] describes: a single step and a block of steps are made the same way.
+
+use super::{Counters, Integrator, StepError, StepInput, StepReport};
+use crate::model::point::Point;
+use crate::model::stride::{KickDriftScheme, Passed};
+use crate::model::system::{KickDriftBlock, System};
+
+/// Such a scheme; carries nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct KickDrift {
+    /// its step of a size [s], where forces depend on velocity or not
+    pub step: fn(h: f64, velocity_dependent: bool) -> KickDriftScheme,
+}
+
+impl Integrator<dyn System> for KickDrift {
+    fn start(&mut self, _system: &dyn System, _at: &Point) -> Result<(), StepError> {
+        Ok(())
+    }
+
+    fn attempt(
+        &mut self,
+        step: StepInput<'_, dyn System>,
+        to: &mut Point,
+        counters: &mut Counters,
+    ) -> Result<StepReport, StepError> {
+        self.advance(step, to, &mut [], counters);
+        Ok(StepReport { forces_at_end: true, ..Default::default() })
+    }
+
+    fn stride(
+        &mut self,
+        step: StepInput<'_, dyn System>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) -> bool {
+        debug_assert!(passed.last().is_none_or(|last| last.t == step.t_next));
+        let makes_blocks = step.system.longest_stride() >= 2 && !passed.is_empty();
+        if makes_blocks {
+            self.advance(step, to, passed, counters);
+        }
+        makes_blocks
+    }
+}
+
+impl KickDrift {
+    fn advance(
+        self,
+        StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
+        to: &mut Point,
+        passed: &mut [Passed],
+        counters: &mut Counters,
+    ) {
+        to.state.t = t_next;
+        let scheme = (self.step)(h, system.velocity_dependent());
+        counters.advance(system, to, KickDriftBlock { scheme, from }, passed);
+    }
+}

@@ -1,0 +1,325 @@
+//! Schemes that kick, drift and perhaps kick again, and what they do to nodes between force passes.
+//!
+//! ```text
+//! v += l M^-1 f                       a step ends: kinetic energy and largest speed; where none follows, bounds, and whether all is finite
+//! v += k M^-1 f,  x += h v            the next begins
+//! ```
+//! and where forces are first found at predicted velocities, with the second kick before the step ends,
+//! ```text
+//! u = v + k M^-1 f,  x += h u,  v += h M^-1 f         a step begins
+//! v = u + l M^-1 f                                    with the forces at these
+//! ```
+//! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of
+//! four numbers, the last of them 0). The same operations as in single steps, and in the same order: the same bits.
+
+use super::{NodeSums, Work};
+use crate::model::bounds::Bounds;
+use crate::model::motion::{BLOCK, Sum};
+use crate::model::point::Point;
+use crate::model::quad::{self, Quad, VectorUnit};
+use multiversion::multiversion;
+use std::ops::Range;
+
+/// A step v += k M^-1 f, x += h v, then with the new forces v += l M^-1 f.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KickDriftScheme {
+    /// [s] k
+    pub begin: f64,
+    /// [s] h
+    pub drift: f64,
+    /// [s] l, if there is a second kick
+    pub end: Option<f64>,
+    /// whether the second kick is by the forces at velocities v + h M^-1 f, before those at the step's end are found
+    pub predicts: bool,
+}
+
+/// Where a step begins: the same degrees of freedom of every vector.
+#[derive(Clone, Copy, Debug)]
+pub struct StepStart<'a> {
+    /// [m]
+    pub x: &'a [f64],
+    /// [m/s]
+    pub v: &'a [f64],
+    /// [N]
+    pub f: &'a [f64],
+    /// [1/kg] 0 at fixed ones
+    pub inverse_mass: &'a [f64],
+}
+
+impl<'a> StepStart<'a> {
+    /// Some degrees of freedom of a point.
+    pub fn of(from: &'a Point, inverse_mass: &'a [f64], dofs: Range<usize>) -> Self {
+        let Point { state, forces } = from;
+        let [x, v, f, inverse_mass] = [&state.x, &state.v, &forces.total, inverse_mass].map(|all| &all[dofs.clone()]);
+        StepStart { x, v, f, inverse_mass }
+    }
+}
+
+/// Some nodes where a step ends: vectors of `W` numbers a node.
+#[derive(Debug)]
+pub struct Nodes<'a, const W: usize> {
+    /// [kg] one a node
+    pub mass: &'a [f64],
+    /// [1/kg] by degree of freedom, 0 at fixed ones
+    pub inverse_mass: &'a [f64],
+    /// [m]
+    pub x: &'a mut [f64],
+    /// [m/s]
+    pub v: &'a mut [f64],
+    /// [m/s] u of the next step, where it predicts; else empty
+    pub kicked: &'a mut [f64],
+    /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0
+    /// afterwards where another step follows, whose pass adds to them
+    pub f: &'a mut [f64],
+}
+
+impl KickDriftScheme {
+    /// Force passes a step.
+    pub fn passes(self) -> usize {
+        1 + usize::from(self.predicts)
+    }
+
+    /// Moves nodes from where a step begins to where its first force pass finds them: positions at the step's end,
+    /// velocities kicked or predicted.
+    pub fn begin(self, start: StepStart<'_>, x: &mut [f64], v: &mut [f64]) {
+        begin(self, start, (x, v));
+    }
+
+    /// The kick after the first force pass, which found f [N]: v += l M^-1 f of kicked velocities, which predicted ones
+    /// are made again before.
+    pub fn kick_again(self, start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
+        match self.end {
+            Some(l) if self.predicts => kick_twice((self.begin, l), start, v, f),
+            Some(l) => kick(l, start.inverse_mass, v, f),
+            None if self.predicts => kick_twice((self.begin, 0.0), start, v, f),
+            None => {}
+        }
+    }
+
+    /// v = u + l M^-1 f, where steps predict.
+    pub fn correct(self, v: &mut [f64], kicked: &[f64], inverse_mass: &[f64], f: &[f64]) {
+        correct(v, kicked, self.end.unwrap_or_default(), (inverse_mass, f));
+    }
+
+    /// Ends a step; where another follows, begins that too. Tells what the nodes are like between both.
+    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> NodeSums {
+        quad::run(Pass { scheme: self, nodes, another })
+    }
+}
+
+struct Pass<'a, const W: usize> {
+    scheme: KickDriftScheme,
+    nodes: Nodes<'a, W>,
+    another: bool,
+}
+
+impl<const W: usize> quad::Pass for Pass<'_, W> {
+    type Output = NodeSums;
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> NodeSums {
+        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
+            (true, true, _) => self.blocks::<U, true, true, false>(unit),
+            (true, false, _) => self.blocks::<U, true, false, false>(unit),
+            (false, true, true) => self.blocks::<U, false, true, true>(unit),
+            (false, true, false) => self.blocks::<U, false, true, false>(unit),
+            (false, false, _) => self.blocks::<U, false, false, false>(unit),
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn begin(scheme: KickDriftScheme, start: StepStart<'_>, (x, v): (&mut [f64], &mut [f64])) {
+    let KickDriftScheme { begin: k, drift: h, predicts, .. } = scheme;
+    let of_forces = if predicts { h } else { k };
+    let from = start.x.iter().zip(start.v).zip(start.f.iter().zip(start.inverse_mass));
+    for ((x, v), ((x_n, v_n), (f, inverse_mass))) in x.iter_mut().zip(v).zip(from) {
+        let a = inverse_mass * f;
+        *x = x_n + h * (v_n + k * a);
+        *v = v_n + of_forces * a;
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick(l: f64, inverse_mass: &[f64], v: &mut [f64], f: &[f64]) {
+    for ((v, f), inverse_mass) in v.iter_mut().zip(f).zip(inverse_mass) {
+        *v += l * (inverse_mass * f);
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn kick_twice((k, l): (f64, f64), start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
+    let from = start.v.iter().zip(start.f).zip(start.inverse_mass);
+    for ((v, f), ((v_n, f_n), inverse_mass)) in v.iter_mut().zip(f).zip(from) {
+        *v = (v_n + k * (inverse_mass * f_n)) + l * (inverse_mass * f);
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[f64])) {
+    for ((v, kicked), (f, inverse_mass)) in v.iter_mut().zip(kicked).zip(f.iter().zip(inverse_mass)) {
+        *v = kicked + l * (inverse_mass * f);
+    }
+}
+
+impl<const W: usize> Pass<'_, W> {
+    #[inline(always)]
+    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(self, unit: U) -> NodeSums {
+        let Nodes { mass, inverse_mass, x, v, kicked, f } = self.nodes;
+        let (kicked, kicked_last) = groups_mut::<W>(kicked);
+        let mut kicked = kicked.iter_mut();
+        let mut totals = Totals::<U, W, END, ANOTHER, PREDICTS>::new(unit, self.scheme);
+        let n = W * BLOCK;
+        let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
+        for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
+            let (x, x_last) = groups_mut::<W>(x);
+            let (v, v_last) = groups_mut::<W>(v);
+            let (m, m_last) = groups::<W>(inverse_mass);
+            let (f, f_last) = groups_mut::<W>(f);
+            let (mass, mass_last) = mass.as_chunks::<4>();
+            for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
+                let kicked = if PREDICTS { kicked.next() } else { None };
+                totals.four(unit, (*mass, m), ([x, v, f], kicked));
+            }
+            if !mass_last.is_empty() {
+                // The first of them stands for those that are missing, without a mass.
+                let mut mass = [0.0; 4];
+                mass[..mass_last.len()].copy_from_slice(mass_last);
+                let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
+                let mut u = v;
+                totals.four(unit, (mass, &filled(m_last)), ([&mut x, &mut v, &mut f], Some(&mut u)));
+                for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
+                    last.copy_from_slice(&new.as_flattened()[..last.len()]);
+                }
+                if PREDICTS {
+                    kicked_last.copy_from_slice(&u.as_flattened()[..kicked_last.len()]);
+                }
+            }
+            totals.motion.end_block(unit);
+        }
+        totals.sums()
+    }
+}
+
+/// Four nodes.
+type Group<const W: usize> = [[f64; 4]; W];
+
+pub(super) fn groups<const W: usize>(values: &[f64]) -> (&[Group<W>], &[f64]) {
+    let (whole, last) = values.split_at(values.len() / (4 * W) * (4 * W));
+    (whole.as_chunks().0.as_chunks().0, last)
+}
+
+fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64]) {
+    let (whole, last) = values.split_at_mut(values.len() / (4 * W) * (4 * W));
+    (whole.as_chunks_mut().0.as_chunks_mut().0, last)
+}
+
+/// Nodes, and the first of them in the places that are left.
+pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
+    let mut group = [[0.0; 4]; W];
+    for to in group.as_flattened_mut().chunks_mut(W) {
+        to.copy_from_slice(&nodes[..W]);
+    }
+    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
+    group
+}
+
+/// How steps end and begin, and what was found of the nodes so far.
+struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
+    /// k, h and l
+    sizes: [U::Quad; 3],
+    motion: Sum<U::Quad>,
+    low: [U::Quad; W],
+    high: [U::Quad; W],
+    /// 0, if all is finite
+    nothing: U::Quad,
+}
+
+impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool>
+    Totals<U, W, END, ANOTHER, PREDICTS>
+{
+    #[inline(always)]
+    fn new(unit: U, KickDriftScheme { begin, drift, end, .. }: KickDriftScheme) -> Self {
+        Totals {
+            sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
+            motion: Sum::new(unit),
+            low: [unit.splat(f64::INFINITY); W],
+            high: [unit.splat(f64::NEG_INFINITY); W],
+            nothing: unit.splat(0.0),
+        }
+    }
+
+    #[inline(always)]
+    fn four(
+        &mut self,
+        unit: U,
+        (mass, inverse_mass): ([f64; 4], &Group<W>),
+        ([x, v, f], mut kicked): ([&mut Group<W>; 3], Option<&mut Group<W>>),
+    ) {
+        let [k, h, l] = self.sizes;
+        let mut between = [unit.splat(0.0); W];
+        for i in 0..W {
+            let (x_i, mut v_i, f_i) = (unit.quad(x[i]), unit.quad(v[i]), unit.quad(f[i]));
+            let a = unit.quad(inverse_mass[i]) * f_i;
+            if END {
+                v_i = v_i + l * a;
+            }
+            between[i] = v_i;
+            // All quads of records have the same coordinates in the same places.
+            let place = if W == 4 { 0 } else { i };
+            if ANOTHER {
+                let u = v_i + k * a;
+                x[i] = (x_i + h * u).numbers();
+                if PREDICTS && let Some(kicked) = &mut kicked {
+                    kicked[i] = u.numbers();
+                    v_i = v_i + h * a;
+                } else {
+                    v_i = u;
+                }
+                if W == 4 {
+                    f[i] = [0.0; 4];
+                }
+            } else {
+                self.low[place] = x_i.smaller(self.low[place]);
+                self.high[place] = x_i.larger(self.high[place]);
+                self.nothing = self.nothing + unit.splat(0.0) * f_i;
+            }
+            if END || ANOTHER {
+                v[i] = v_i.numbers();
+            }
+        }
+        self.motion.add(unit.quad(mass), columns::<U::Quad, W>(between));
+    }
+
+    fn sums(self) -> NodeSums {
+        let mut bounds = Bounds::default();
+        let places = if W == 4 { 1 } else { W };
+        let numbers = |quads: [U::Quad; W]| quads.into_iter().take(places).flat_map(Quad::numbers);
+        for (i, (low, high)) in numbers(self.low).zip(numbers(self.high)).enumerate().filter(|(i, _)| i % W < 3) {
+            let mut of_axis = Bounds::default();
+            (of_axis.low[i % W], of_axis.high[i % W]) = (low, high);
+            bounds = bounds.and(of_axis);
+        }
+        let motion = self.motion.motion();
+        let finite = self.nothing.numbers().into_iter().all(|zero| zero == 0.0);
+        NodeSums {
+            kinetic: motion.kinetic,
+            largest_square: motion.largest_square,
+            bounds,
+            finite,
+            work: Work::default(),
+        }
+    }
+}
+
+/// The components of four nodes.
+#[inline(always)]
+pub(super) fn columns<Q: Quad, const W: usize>(nodes: [Q; W]) -> [Q; 3] {
+    match W {
+        3 => Q::unpack([nodes[0], nodes[1], nodes[2]]),
+        _ => Q::columns([nodes[0], nodes[1], nodes[2], nodes[3 % W]]),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,180 @@
+//! Which tracks of which runs are drawn, in which colours, along which direction, and under which names.
+
+use super::PlotError;
+use super::results::{Ending, Run, Track};
+use super::view::{Direction, View};
+use crate::drive::Status;
+use std::collections::BTreeSet;
+
+/// Up to so many nodes of a single probe get a colour each.
+const COLORS: usize = 7;
+
+/// Tracks that share a colour and an entry of the legend.
+pub(super) struct Group<'a> {
+    /// whose they are
+    pub run: &'a Run,
+    /// entry of the legend
+    pub label: String,
+    /// at least one
+    pub tracks: Vec<&'a Track>,
+}
+
+/// The tracks a view asks for: a group a run; of a single run, a group a probe, or a node where these are few.
+///
+/// # Errors
+/// Probes or nodes that are not there.
+pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>, PlotError> {
+    let labels = labels(runs);
+    let mut groups = Vec::new();
+    for (run, label) in runs.iter().zip(labels) {
+        let tracks = tracks(run, view)?;
+        if runs.len() > 1 {
+            groups.push(Group { run, label, tracks });
+            continue;
+        }
+        let probes: BTreeSet<&str> = tracks.iter().map(|t| t.probe.as_str()).collect();
+        let split = |key: &dyn Fn(&Track) -> String| {
+            let mut split: Vec<Group<'a>> = Vec::new();
+            for &track in &tracks {
+                let label = joined(&key(track), &label);
+                match split.iter_mut().find(|g| g.label == label) {
+                    Some(group) => group.tracks.push(track),
+                    None => split.push(Group { run, label, tracks: vec![track] }),
+                }
+            }
+            split
+        };
+        groups = match (probes.len(), tracks.len()) {
+            (_, 1) => vec![Group { run, label, tracks }],
+            (1, 2..=COLORS) => split(&|t| format!("node {}", t.node)),
+            _ => split(&|t| t.probe.clone()),
+        };
+    }
+    Ok(groups)
+}
+
+/// What the tracks are, for a title: "node 1", or "inner", or nothing where they differ. A range of nodes is that of
+/// every run.
+pub(super) fn subject(groups: &[Group<'_>]) -> String {
+    let all = || groups.iter().flat_map(|g| g.tracks.iter());
+    let nodes: BTreeSet<u32> = all().map(|t| t.node).collect();
+    let probes: BTreeSet<&str> = all().map(|t| t.probe.as_str()).collect();
+    // A group a run, where there are several.
+    let several = groups.first().is_some_and(|f| groups.iter().any(|g| !std::ptr::eq(g.run, f.run)));
+    if several && groups.iter().any(|g| g.tracks.iter().map(|t| t.node).collect::<BTreeSet<_>>() != nodes) {
+        return probes
+            .first()
+            .filter(|_| probes.len() == 1)
+            .map_or_else(String::new, |probe| format!(" of \"{probe}\""));
+    }
+    match (nodes.len(), nodes.first(), nodes.last(), probes.first()) {
+        (1, Some(node), _, _) => format!(" of node {node}"),
+        (n, Some(first), Some(last), _) if (last - first) as usize == n - 1 => format!(" of nodes {first} to {last}"),
+        (n, _, _, Some(probe)) if probes.len() == 1 => format!(" of \"{probe}\" ({n} nodes)"),
+        _ => String::new(),
+    }
+}
+
+fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a Track>, PlotError> {
+    let folder = run.folder.display();
+    if run.tracks.is_empty() {
+        return Err(PlotError::NotThere(format!(
+            "{folder}: no node was probed, so no motion can be plotted; add probes to the output section of the case"
+        )));
+    }
+    let probed: BTreeSet<&str> = run.tracks.iter().map(|t| t.probe.as_str()).collect();
+    if let Some(name) = view.probes.iter().find(|name| !probed.contains(name.as_str())) {
+        let there = probed.into_iter().collect::<Vec<_>>().join(", ");
+        return Err(PlotError::NotThere(format!("{folder}: no probe is called \"{name}\"; there are: {there}")));
+    }
+    let of_probes = run.tracks.iter().filter(|t| view.probes.is_empty() || view.probes.contains(&t.probe));
+    let wanted: BTreeSet<u32> = view.nodes.iter().copied().collect();
+    let chosen: Vec<&Track> = of_probes.filter(|t| wanted.is_empty() || wanted.contains(&t.node)).collect();
+    let found: BTreeSet<u32> = chosen.iter().map(|t| t.node).collect();
+    match wanted.difference(&found).next() {
+        Some(node) => Err(PlotError::NotThere(format!("{folder}: node {node} was not probed"))),
+        None => Ok(chosen),
+    }
+}
+
+/// The direction the tracks move farthest along while their runs are sound.
+pub(super) fn main_direction(groups: &[Group<'_>], view: &View) -> Direction {
+    let directions = [Direction::X, Direction::Y, Direction::Z];
+    let travel = |direction: Direction| {
+        let c = direction.index();
+        let of_track = |end: f64, track: &Track| {
+            let seen = track.moments.iter().filter(|m| view.sees(m.t) && m.t <= end && m.x[c].is_finite());
+            let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m.x[c]), h.max(m.x[c])));
+            (high - low).max(0.0)
+        };
+        let tracks = groups.iter().flat_map(|g| g.tracks.iter().map(|t| of_track(g.run.ending.time, t)));
+        tracks.fold(0.0, f64::max)
+    };
+    let mut best = (Direction::X, travel(Direction::X));
+    for direction in &directions[1..] {
+        let farther = travel(*direction);
+        if farther > best.1 {
+            best = (*direction, farther);
+        }
+    }
+    best.0
+}
+
+/// One label a run: case, method and step where the runs differ in these, their folders where that does not tell them
+/// apart; and how a run ended, if not well. A single run has no name beside the title's.
+pub(super) fn labels(runs: &[Run]) -> Vec<String> {
+    let differ = |of: &dyn Fn(&Run) -> String| runs.iter().map(of).collect::<BTreeSet<_>>().len() > 1;
+    let step = |run: &Run| match (run.step, run.tolerance) {
+        (Some(h), _) => format!("h = {} s", short(h)),
+        (None, Some(relative)) => format!("tolerance {}", short(relative)),
+        (None, None) => "adaptive".to_owned(),
+    };
+    let names = differ(&|r| r.name.clone());
+    let (methods, steps) = (differ(&|r| r.method.clone()), differ(&step));
+    let told = |run: &Run| {
+        let words = [names.then(|| run.name.clone()), methods.then(|| run.method.clone()), steps.then(|| step(run))];
+        words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    };
+    let distinct = runs.iter().map(told).collect::<BTreeSet<_>>().len() == runs.len();
+    let folder = |run: &Run| {
+        let last = run.folder.file_name().map(|n| n.to_string_lossy().into_owned());
+        last.unwrap_or_else(|| run.folder.display().to_string())
+    };
+    let folders_differ = differ(&folder);
+    let name = |run: &Run| match (runs.len(), distinct, folders_differ) {
+        (0 | 1, _, _) => String::new(),
+        (_, true, _) => told(run),
+        (_, false, true) => folder(run),
+        (_, false, false) => run.folder.display().to_string(),
+    };
+    runs.iter().map(|run| joined(&name(run), &ending(run.ending))).collect()
+}
+
+/// Words in a row, without empty ones.
+pub(super) fn joined(first: &str, second: &str) -> String {
+    [first, second].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
+}
+
+/// A title: what the runs have in common, and what is shown.
+pub(super) fn title(runs: &[Run], what: &str) -> String {
+    let name = runs.first().map_or("", |run| run.name.as_str());
+    if runs.iter().all(|run| run.name == name) { format!("{name}: {what}") } else { what.to_owned() }
+}
+
+/// How a run ended; nothing if it reached its end.
+fn ending(Ending { status, time }: Ending) -> String {
+    let word = match status {
+        Status::Completed => return String::new(),
+        Status::Diverged => "diverged",
+        Status::NotConverged => "not converged",
+        Status::Interrupted => "interrupted",
+    };
+    format!("{word} at {} s", short(time))
+}
+
+/// A number with at most four digits that count.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let everyday = rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs());
+    if everyday { format!("{rounded}") } else { format!("{rounded:e}") }
+}
