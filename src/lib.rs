@@ -6,9 +6,8 @@
 //! messages number nodes as the user does; states and forces within a run have [a numbering of the
 //! engine](model::state).
 //!
-//! The program is [`cli`]; a library's way is the same: a case, or a [`NetworkSpec`](model::spec::NetworkSpec) made by
-//! hand (`examples/cloth_by_hand.rs`), a scene built of it, a method bound to the scene, and [`drive::run`] with
-//! observers.
+//! The program is [`cli`]. A library drives a [`Simulation`](simulation::Simulation), made from a case or in code
+//! (`examples/cloth_by_hand.rs`): step by step, with forces, laws, schemes and observers of its own.
 //!
 //! ```
 //! use canopy_fem::{case::Case, simulation::{FollowSpec, follow}};

@@ -1,11 +1,42 @@
-//! A case made ready to run: the scene and the method bound to each other; and [`follow`], a whole run in one call.
+//! A simulation that a program drives: [`Simulation`] owns its scene, its scheme and its state.
+//!
+//! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says by
+//! which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
+//! mesh; units are SI. What a program adds of its own: a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
+//! ([`crate::integrate`]), an observer ([`Observer`]); `examples/` has one of each.
+//!
+//! ```
+//! use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
+//!
+//! // A mass of 2 kg on a spring of 8 N/m, pulled 0.5 m: x = 1 + 0.5 cos(2 t).
+//! let network = NetworkBuilder::new(vec![[0.0; 3], [1.5, 0.0, 0.0]])
+//!     .springs(&[[0, 1]], SpringLaw { stiffness: 8.0, rest_length: Some(1.0), ..SpringLaw::default() })
+//!     .masses(vec![2.0; 2])
+//!     .hold(|node, _| node == 0);
+//! let mut sim = Simulation::new(network.build()?, RunSettings::fixed("rk4", 1e-3, 10.0)?)?;
+//! sim.run_until(1.0)?;
+//! assert!((sim.positions()[1][0] - (1.0 + 0.5 * 2.0_f64.cos())).abs() < 1e-9);
+//! assert!(sim.energies().numerical.abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod builder;
+mod state;
+
+pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
+pub use crate::scene::NodalForce;
+pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 
 use crate::case::spec::{Problem, SystemSpec};
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
-use crate::drive::{Outcome, RunError};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
+use crate::drive::{Failure, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
-use crate::integrate::stepper::{NeedsNetwork, Stepper};
-use crate::scene::{BuildError, Pendulum, Scene, build_network};
+use crate::integrate::StepReport;
+use crate::integrate::stepper::{NeedsNetwork, Scheme, Stepper};
+use crate::model::spec::NetworkSpec;
+use crate::model::stop::Stop;
+use crate::scene::{BuildError, Pendulum, Scene, build_network, build_network_with};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Why a good case cannot be made ready.
@@ -48,6 +79,352 @@ pub fn bind<'a>(problem: &Problem, scene: &'a dyn Scene) -> Result<Stepper<'a>, 
         .map_err(|source| SetupError::Method { method: method.info.name, source })
 }
 
+/// Why a simulation cannot go on, or refuses what it is given.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The scene or the method cannot be made ready.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The run cannot start, or an observer cannot write.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A step diverged or could not be solved. The state is that before the step.
+    #[error("step {} ending at t = {} s failed: {}; {}", .0.step, .0.time, .0.cause, .0.advice)]
+    Failed(Box<Failure>),
+    /// The end of the run is reached.
+    #[error("the simulation has reached its end at t = {t} s")]
+    Ended {
+        /// [s] time
+        t: f64,
+    },
+    /// An attempted step waits for [`Simulation::accept`] or [`Simulation::drop_attempt`]; or there is none.
+    #[error("{}", if *.pending { "an attempted step is neither accepted nor dropped" } else { "no step was attempted" })]
+    Attempt {
+        /// whether there is one
+        pending: bool,
+    },
+    /// A slice does not have a row for each node.
+    #[error("{what} has {found} rows, the scene {needed} nodes")]
+    Shape {
+        /// e.g. "positions"
+        what: &'static str,
+        /// rows given
+        found: usize,
+        /// nodes of the scene
+        needed: usize,
+    },
+    /// A number is not finite.
+    #[error("{what}: row {row} is not finite")]
+    NotFinite {
+        /// e.g. "positions"
+        what: &'static str,
+        /// row of the slice
+        row: usize,
+    },
+    /// The scene has no such thing: a pendulum has no forces from outside, a network without air no wind.
+    #[error("this scene has no {0}")]
+    Unsupported(&'static str),
+    /// The first external force changes the scene, which the program still holds from [`Simulation::scene`].
+    #[error("the scene is in use; add the first external force before taking it")]
+    SceneInUse,
+    /// The bytes are no snapshot of this version of the library.
+    #[error("the snapshot cannot be read: {0}")]
+    Snapshot(String),
+    /// A panic in an earlier step has left the simulation without its scheme.
+    #[error("the simulation was interrupted in the middle of a step; restore a snapshot into a new one")]
+    Broken,
+}
+
+/// A step that was made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepInfo {
+    /// accepted steps so far
+    pub step: u64,
+    /// [s] time at its end
+    pub t: f64,
+    /// energy account at its end
+    pub energies: LedgerRow,
+}
+
+/// A step that was attempted and waits.
+enum Pending {
+    /// of a fixed size, in the second point of the run
+    Fixed(StepReport),
+    /// of adaptive size, accepted already: where it began
+    Adaptive(Box<Snapshot>),
+}
+
+/// A scene in motion. It borrows nothing and may move between threads (`Send`).
+///
+/// A step that diverges or cannot be solved is refused: the state stays that before it, and the error says why. The
+/// energy account, the watch for divergence and adaptive steps work as in `canopy-fem solve`.
+pub struct Simulation {
+    scene: Arc<dyn Scene>,
+    /// away only while a step is made
+    scheme: Option<Scheme>,
+    settings: RunSettings,
+    state: RunState,
+    pending: Option<Pending>,
+    /// [m/s] wind that was set
+    wind: Option<[f64; 3]>,
+    /// whether forces at the present state are to be found again
+    changed: bool,
+}
+
+impl Simulation {
+    /// A network, ready at t = 0.
+    ///
+    /// # Errors
+    /// A specification that contradicts itself, settings out of range, or a method that cannot start.
+    pub fn new(network: NetworkSpec, settings: RunSettings) -> Result<Self, SimulationError> {
+        Self::with_bars(network, &[], settings)
+    }
+
+    /// A network with bars of the program's own laws ([`BarLaw`]).
+    ///
+    /// # Errors
+    /// As [`Simulation::new`], and bars of nodes that do not exist or of rest lengths that are not finite.
+    pub fn with_bars(network: NetworkSpec, bars: &[Bars], settings: RunSettings) -> Result<Self, SimulationError> {
+        let threads = Threads::new(settings.threads).map_err(SetupError::from)?;
+        let scene = build_network_with(network, bars, threads).map_err(SetupError::from)?;
+        Self::of_scene(Arc::new(scene), settings)
+    }
+
+    /// A case, ready at t = 0, on `threads` threads; results do not depend on their number.
+    ///
+    /// ```
+    /// # use canopy_fem::{case::Case, simulation::Simulation};
+    /// # let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases/oscillator.json"));
+    /// let case = Case::from_file(path, &[])?;
+    /// let mut sim = Simulation::from_case(case.problem(), 1)?;
+    /// sim.advance(100)?;
+    /// assert_eq!(sim.step_count(), 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn from_case(problem: &Problem, threads: usize) -> Result<Self, SimulationError> {
+        let settings = RunSettings::of_case(problem, threads);
+        match &problem.system {
+            SystemSpec::Network(network) => Self::new((**network).clone(), settings),
+            SystemSpec::Pendulum(pendulum) => Self::of_scene(Arc::new(Pendulum::new(*pendulum)), settings),
+        }
+    }
+
+    /// A scene, ready at t = 0. Two simulations with load tables must not share one: the tables are sampled by steps.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn of_scene(scene: Arc<dyn Scene>, settings: RunSettings) -> Result<Self, SimulationError> {
+        let mut stepper = settings.stepper(&*scene)?;
+        let state = RunState::start(&*scene, &mut stepper, settings.spec(), scene.initial_state())?;
+        let scheme = Some(stepper.unbind());
+        Ok(Simulation { scene, scheme, settings, state, pending: None, wind: None, changed: false })
+    }
+
+    /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
+    /// found from two halves counts as two.
+    ///
+    /// # Errors
+    /// [`SimulationError::Failed`] with the state unchanged, or [`SimulationError::Ended`].
+    pub fn step(&mut self) -> Result<StepInfo, SimulationError> {
+        self.advance(1)
+    }
+
+    /// Makes `n` steps.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`]; the steps before a failed one are made.
+    pub fn advance(&mut self, n: u64) -> Result<StepInfo, SimulationError> {
+        let last = self.state.steps.saturating_add(n);
+        self.go(Until { step: last, t: f64::INFINITY }, &mut [])
+    }
+
+    /// Makes steps up to the first that ends at time `t` [s] or later.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance`]; also when `t` is not finite.
+    pub fn run_until(&mut self, t: f64) -> Result<StepInfo, SimulationError> {
+        self.run_until_with(t, &mut [])
+    }
+
+    /// The same with observers, which see every step.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_until`], and when an observer cannot write.
+    pub fn run_until_with(&mut self, t: f64, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
+        if !t.is_finite() {
+            return Err(SimulationError::NotFinite { what: "time [s]", row: 0 });
+        }
+        self.go(Until { step: u64::MAX, t }, observers)
+    }
+
+    fn go(&mut self, until: Until, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
+        self.idle()?;
+        while !until.reached(self.state.steps, self.state.from.state.t) {
+            let mut limit = until;
+            let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
+            all.push(&mut limit);
+            let made = self.at_work(Stop::NEVER, |run, stepper| {
+                if run.next().is_none() {
+                    return Ok(None);
+                }
+                if !run.spec.keep_going {
+                    run.state.failure = None;
+                }
+                if run.step_block(stepper, &mut all)? {
+                    return Ok(Some(Ok(())));
+                }
+                run.advance(stepper, &mut all).map(Some)
+            })??;
+            match made {
+                None => return Err(SimulationError::Ended { t: self.time() }),
+                Some(Err(_)) => return Err(self.failed()),
+                Some(Ok(())) => {}
+            }
+        }
+        Ok(self.info())
+    }
+
+    /// Makes all steps that are left, watched by `observers`, until `stop` is set. A run that diverges or cannot be
+    /// solved is not an error but an [`Outcome`].
+    ///
+    /// # Errors
+    /// When an observer cannot write.
+    pub fn run(&mut self, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, SimulationError> {
+        self.idle()?;
+        let begins = self.state.steps == 0;
+        self.at_work(Stop::on(stop), |run, stepper| {
+            for o in observers.iter_mut() {
+                match begins {
+                    true => o.started(&run.state.from, run.state.row)?,
+                    false => o.resumed(&run.state.from, run.state.row)?,
+                }
+            }
+            run.to_its_end(stepper, observers)
+        })?
+        .map_err(Into::into)
+    }
+
+    /// Computes the next step without accepting it: [`Simulation::attempted`] shows where it ends. For implicit
+    /// coupling, where the forces of a step depend on its end.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`], and when an attempted step still waits.
+    pub fn attempt(&mut self) -> Result<(), SimulationError> {
+        self.idle()?;
+        let made = self.at_work(Stop::NEVER, |run, stepper| {
+            let Some(tick) = run.next() else { return Ok(None) };
+            if !run.spec.keep_going {
+                run.state.failure = None;
+            }
+            if run.spec.step.fixed().is_some() {
+                return Ok(Some(run.fixed_step(stepper, tick).map(Pending::Fixed)));
+            }
+            let before = Box::new(run.state.snapshot(stepper));
+            let made = run.advance(stepper, &mut [])?;
+            Ok::<_, RunError>(Some(made.map(|()| Pending::Adaptive(before))))
+        })??;
+        match made {
+            None => Err(SimulationError::Ended { t: self.time() }),
+            Some(Err(_)) => Err(self.failed()),
+            Some(Ok(pending)) => {
+                self.pending = Some(pending);
+                Ok(())
+            }
+        }
+    }
+
+    /// Accepts the attempted step.
+    ///
+    /// # Errors
+    /// When there is none, or when its end cannot be right; then it is dropped.
+    pub fn accept(&mut self) -> Result<StepInfo, SimulationError> {
+        match self.pending.take() {
+            None => return Err(SimulationError::Attempt { pending: false }),
+            Some(Pending::Adaptive(_)) => {}
+            Some(Pending::Fixed(report)) => {
+                if self.at_work(Stop::NEVER, |run, stepper| run.accept_fixed(stepper, &report))??.is_err() {
+                    return Err(self.failed());
+                }
+            }
+        }
+        Ok(self.info())
+    }
+
+    /// Drops the attempted step: the state is the one before it again.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn drop_attempt(&mut self) -> Result<(), SimulationError> {
+        match self.pending.take() {
+            None => Err(SimulationError::Attempt { pending: false }),
+            Some(Pending::Fixed(_)) => Ok(()),
+            Some(Pending::Adaptive(before)) => self.take_up(*before),
+        }
+    }
+
+    fn info(&self) -> StepInfo {
+        StepInfo { step: self.state.steps, t: self.time(), energies: self.state.row }
+    }
+
+    /// No attempted step waits.
+    fn idle(&self) -> Result<(), SimulationError> {
+        match self.pending {
+            None => Ok(()),
+            Some(_) => Err(SimulationError::Attempt { pending: true }),
+        }
+    }
+
+    fn failed(&self) -> SimulationError {
+        SimulationError::Failed(Box::new(self.state.failure.clone().unwrap_or_default()))
+    }
+
+    /// Binds the scheme to the scene for as long as `act` runs.
+    fn at_work<R>(
+        &mut self,
+        stop: Stop<'_>,
+        act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> R,
+    ) -> Result<R, SimulationError> {
+        let scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
+        let scene = &*self.scene;
+        let mut stepper = self.settings.bind(scheme, scene)?;
+        let mut run = Run { scene, spec: self.settings.spec(), stop, state: &mut self.state };
+        if std::mem::take(&mut self.changed) {
+            run.state.refresh(scene, &mut stepper);
+        }
+        let done = act(&mut run, &mut stepper);
+        self.scheme = Some(stepper.unbind());
+        Ok(done)
+    }
+}
+
+/// Ends [`Simulation::go`]; as an observer it wants the state there.
+#[derive(Clone, Copy)]
+struct Until {
+    step: u64,
+    /// [s]
+    t: f64,
+}
+
+impl Until {
+    /// Whether a step that ends at `t` [s] is the last, up to rounding of the time.
+    fn reached(self, step: u64, t: f64) -> bool {
+        step >= self.step || t >= self.t - 8.0 * f64::EPSILON * self.t.abs()
+    }
+}
+
+impl Observer for Until {
+    fn wants(&self, next: UpcomingStep) -> Wants {
+        Wants::end_if(self.reached(next.step, next.t))
+    }
+
+    fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
+        Ok(())
+    }
+}
+
 /// One state of a run as a person sees it: nodes in the user's numbering.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
@@ -80,17 +457,6 @@ impl Default for FollowSpec {
     }
 }
 
-/// Why a case could not be followed.
-#[derive(Debug, thiserror::Error)]
-pub enum FollowError {
-    /// It cannot be made ready.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// It cannot start.
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
 /// Runs a case to its end or its failure, without files: `watch` sees the start and every accepted step.
 ///
 /// ```
@@ -105,13 +471,13 @@ pub enum FollowError {
 ///
 /// # Errors
 /// When the scene cannot be built or the scheme not start. A diverged or unsolvable run is an [`Outcome`].
-pub fn follow(problem: &Problem, how: FollowSpec, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, FollowError> {
-    let scene = build_scene(problem.system.clone(), how.threads)?;
-    let mut stepper = bind(problem, &*scene)?;
-    let spec = problem.run_spec(how.keep_going);
+pub fn follow(problem: &Problem, how: FollowSpec, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, SimulationError> {
+    let settings = RunSettings { keep_going: how.keep_going, ..RunSettings::of_case(problem, how.threads) };
+    let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), how.threads)?.into(), settings)?;
+    let scene = simulation.scene();
     let n = scene.reference().len();
     let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };
-    Ok(crate::drive::run(&*scene, &mut stepper, spec, &mut [&mut follower], &AtomicBool::new(false))?)
+    simulation.run(&mut [&mut follower], &AtomicBool::new(false))
 }
 
 struct Follower<'a, W> {

@@ -19,5 +19,6 @@ pub mod watch;
 pub use error::RunError;
 pub use failure::Failure;
 pub use outcome::{Explain, Outcome, RunSpec, Status};
+pub(crate) use run::{Run, RunState};
 pub use run::{resume, run, run_from};
 pub use snapshot::Snapshot;

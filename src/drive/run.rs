@@ -55,12 +55,11 @@ pub fn run_from(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let mut run = Run::start(scene, stepper, spec, state)?;
-    run.stop = Stop::on(stop);
+    let mut state = RunState::start(scene, stepper, spec, state)?;
     for o in observers.iter_mut() {
-        o.started(&run.from, run.row)?;
+        o.started(&state.from, state.row)?;
     }
-    go_on(run, stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.to_its_end(stepper, observers)
 }
 
 /// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a
@@ -76,77 +75,95 @@ pub fn resume(
     observers: &mut [&mut dyn Observer],
     stop: &AtomicBool,
 ) -> Result<Outcome, RunError> {
-    let mut run = Run::restore(scene, stepper, spec, snapshot)?;
-    run.stop = Stop::on(stop);
+    let mut state = RunState::restore(scene, stepper, spec, snapshot)?;
     for o in observers.iter_mut() {
-        o.resumed(&run.from, run.row)?;
+        o.resumed(&state.from, state.row)?;
     }
-    go_on(run, stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.to_its_end(stepper, observers)
 }
 
-fn go_on(
-    mut run: Run<'_>,
-    stepper: &mut Stepper<'_>,
-    observers: &mut [&mut dyn Observer],
-) -> Result<Outcome, RunError> {
-    let mut status = Status::Completed;
-    while let Some(next) = run.next() {
-        let stopped = run.stop.asked();
-        let occasion = match stopped {
-            true => Occasion::Interrupted,
-            false if next.t >= run.spec.end => Occasion::LastStep,
-            false => Occasion::Step,
-        };
+impl Run<'_> {
+    /// Makes all steps that are left.
+    pub(crate) fn to_its_end(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Outcome, RunError> {
+        let mut status = Status::Completed;
+        while let Some(next) = self.next() {
+            let stopped = self.stop.asked();
+            let occasion = match stopped {
+                true => Occasion::Interrupted,
+                false if next.t >= self.spec.end => Occasion::LastStep,
+                false => Occasion::Step,
+            };
+            for o in observers.iter_mut() {
+                o.resumable(&self.state.resumable(occasion, stepper))?;
+            }
+            if stopped {
+                status = Status::Interrupted;
+                break;
+            }
+            if self.step_block(stepper, observers)? {
+                continue;
+            }
+            if let Err(stopped) = self.advance(stepper, observers)? {
+                status = stopped;
+                break;
+            }
+        }
         for o in observers.iter_mut() {
-            o.resumable(&run.resumable(occasion, stepper))?;
+            // Who goes on past a divergence wants to see what follows.
+            if matches!(status, Status::Diverged | Status::NotConverged) && !self.spec.keep_going {
+                o.failed()?;
+            }
+            o.finished(&self.state.from)?;
         }
-        if stopped {
-            status = Status::Interrupted;
-            break;
+        if self.state.failure.is_some() && status == Status::Completed {
+            status = Status::Diverged;
         }
-        if run.step_block(stepper, observers)? {
-            continue;
-        }
-        if let Err(stopped) = run.advance(stepper, observers)? {
-            status = stopped;
-            break;
-        }
+        Ok(self.state.outcome(status, stepper))
     }
-    for o in observers.iter_mut() {
-        // Who goes on past a divergence wants to see what follows.
-        if matches!(status, Status::Diverged | Status::NotConverged) && !run.spec.keep_going {
-            o.failed()?;
-        }
-        o.finished(&run.from)?;
+
+    /// The next step, or the next to try; `None` at the end.
+    pub(crate) fn next(&self) -> Option<Tick> {
+        self.state.pace.next(self.state.steps, self.state.from.state.t)
     }
-    if run.failure.is_some() && status == Status::Completed {
-        status = Status::Diverged;
+
+    /// Whether a scene of this extent [m] has left its place.
+    fn has_left(&self, extent: f64) -> bool {
+        extent.is_nan() || extent > self.state.limit
     }
-    Ok(run.outcome(status, stepper))
 }
 
-/// State of the loop. After a step `from` is the accepted point and `to` the one before it.
-struct Run<'a> {
-    scene: &'a dyn Scene,
-    spec: RunSpec<'a>,
+/// A run at work: what it is of, and where it stands.
+pub(crate) struct Run<'a> {
+    pub scene: &'a dyn Scene,
+    pub spec: RunSpec<'a>,
+    /// whether it is to end before its end
+    pub stop: Stop<'a>,
+    pub state: &'a mut RunState,
+}
+
+/// Where a run stands. After a step `from` is the accepted point and `to` the one before it. It borrows nothing, so it
+/// can be kept beside the scene and the scheme it belongs to.
+pub(crate) struct RunState {
     pace: Pace,
-    from: Point,
-    to: Point,
-    counters: Counters,
+    pub from: Point,
+    pub to: Point,
+    pub counters: Counters,
     account_passes: u64,
-    ledger: Ledger,
+    pub ledger: Ledger,
     watch: Watch,
-    row: LedgerRow,
-    steps: u64,
+    pub row: LedgerRow,
+    pub steps: u64,
     /// [m] extent beyond which the scene counts as blown up
     limit: f64,
     reach: Reach,
-    failure: Option<Failure>,
+    pub failure: Option<Failure>,
     new_doubt: Option<String>,
     doubt: Option<String>,
     blocks: step_block::StepBlocks,
-    /// whether it is to end before its end
-    stop: Stop<'a>,
 }
 
 /// What a run begins with.
@@ -158,11 +175,12 @@ struct Begun {
     row: LedgerRow,
 }
 
-impl<'a> Run<'a> {
-    fn start(
-        scene: &'a dyn Scene,
+impl RunState {
+    /// Before the first step, from a state at t = 0. Starts the scheme.
+    pub fn start(
+        scene: &dyn Scene,
         stepper: &mut Stepper<'_>,
-        spec: RunSpec<'a>,
+        spec: RunSpec<'_>,
         state: State,
     ) -> Result<Self, RunError> {
         spec.check()?;
@@ -178,13 +196,14 @@ impl<'a> Run<'a> {
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
         let pace = Pace::of(scene, stepper, spec, None);
-        Ok(Run { counters, ..Run::at(scene, spec, Begun { from, pace, ledger, watch, row }) })
+        Ok(RunState { counters, ..RunState::at(scene, Begun { from, pace, ledger, watch, row }) })
     }
 
-    fn restore(
-        scene: &'a dyn Scene,
+    /// Where a snapshot was taken. Starts the scheme.
+    pub fn restore(
+        scene: &dyn Scene,
         stepper: &mut Stepper<'_>,
-        spec: RunSpec<'a>,
+        spec: RunSpec<'_>,
         snapshot: Snapshot,
     ) -> Result<Self, RunError> {
         spec.check()?;
@@ -199,15 +218,19 @@ impl<'a> Run<'a> {
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
         let pace = Pace::of(scene, stepper, spec, adaptive);
-        Ok(Run { counters, steps, failure, doubt, ..Run::at(scene, spec, Begun { from, pace, ledger, watch, row }) })
+        Ok(RunState {
+            counters,
+            steps,
+            failure,
+            doubt,
+            ..RunState::at(scene, Begun { from, pace, ledger, watch, row })
+        })
     }
 
     /// Before its first step.
-    fn at(scene: &'a dyn Scene, spec: RunSpec<'a>, Begun { from, pace, ledger, watch, row }: Begun) -> Self {
+    fn at(scene: &dyn Scene, Begun { from, pace, ledger, watch, row }: Begun) -> Self {
         let size = scene.size();
-        Run {
-            scene,
-            spec,
+        RunState {
             pace,
             to: from.clone(),
             from,
@@ -223,29 +246,31 @@ impl<'a> Run<'a> {
             new_doubt: None,
             doubt: None,
             blocks: step_block::StepBlocks::default(),
-            stop: Stop::NEVER,
         }
     }
 
-    fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
-        let Run { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
+    /// What a snapshot is made of.
+    pub fn resumable<'b>(&'b self, occasion: Occasion, stepper: &'b Stepper<'_>) -> Resumable<'b> {
+        let RunState { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
         let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
         let watch = self.watch.account();
         let adaptive = self.pace.state();
         Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, doubt, stepper, adaptive }
     }
 
-    /// The next step, or the next to try; `None` at the end.
-    fn next(&self) -> Option<Tick> {
-        self.pace.next(self.steps, self.from.state.t)
+    /// A copy of all that a run needs to go on from here.
+    pub fn snapshot(&self, stepper: &Stepper<'_>) -> Snapshot {
+        self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Whether a scene of this extent [m] has left its place.
-    fn has_left(&self, extent: f64) -> bool {
-        extent.is_nan() || extent > self.limit
+    /// Finds the forces at the present state again after one was changed from outside; the scheme begins anew there.
+    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) {
+        self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
+        stepper.restart(&self.from);
     }
 
-    fn outcome(self, status: Status, stepper: &Stepper<'_>) -> Outcome {
+    /// The result of a run that ends here.
+    pub fn outcome(&self, status: Status, stepper: &Stepper<'_>) -> Outcome {
         Outcome {
             status,
             steps: self.steps,
@@ -255,9 +280,9 @@ impl<'a> Run<'a> {
             account_passes: self.account_passes,
             energy_error: self.ledger.energy_error(self.steps),
             energy_made: self.watch.share(&self.from, &self.row, self.steps),
-            doubt: self.doubt,
+            doubt: self.doubt.clone(),
             ledger: self.row,
-            failure: self.failure,
+            failure: self.failure.clone(),
             linear: stepper.linear_stats(),
         }
     }

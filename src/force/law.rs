@@ -2,6 +2,7 @@
 
 pub mod air;
 pub mod axial_dashpot;
+pub mod bar_law;
 pub mod follower_pressure;
 pub mod gravity;
 pub mod nodal;

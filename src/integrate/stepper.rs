@@ -65,6 +65,15 @@ impl<'a> Stepper<'a> {
         }))
     }
 
+    /// The scheme alone, with all that it carries; bound to the same scene again it goes on as if nothing had been.
+    pub fn unbind(self) -> Scheme {
+        match self.0 {
+            Bound::Explicit(s, _) => Scheme::Explicit(s),
+            Bound::Implicit(s, _) => Scheme::Implicit(s),
+            Bound::Graph(s, _) => Scheme::Graph(s),
+        }
+    }
+
     /// See [`Integrator::start`].
     ///
     /// # Errors

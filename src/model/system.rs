@@ -37,7 +37,7 @@ pub struct KickDriftBlock<'a> {
 }
 
 /// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
-pub trait System: Sync {
+pub trait System: Send + Sync {
     /// Number of degrees of freedom, fixed ones included.
     fn n_dof(&self) -> usize;
 
@@ -65,14 +65,7 @@ pub trait System: Sync {
     /// Systems whose [`System::longest_stride`] is below two make the single step alone.
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
         debug_assert!(passed.is_empty(), "this system makes steps one by one");
-        let KickDriftBlock { scheme, from } = block;
-        let start = StepStart::of(from, self.inverse_mass(), 0..at.x.len());
-        scheme.begin(start, &mut at.x, &mut at.v);
-        self.evaluate(at.as_ref(), out);
-        scheme.kick_again(start, &mut at.v, &out.total);
-        if scheme.predicts {
-            self.evaluate(at.as_ref(), out);
-        }
+        single_step(self, at, out, block);
     }
 
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
@@ -110,6 +103,22 @@ pub trait System: Sync {
 
     /// Whether any force depends on velocity (then some explicit schemes need a second evaluation).
     fn velocity_dependent(&self) -> bool;
+}
+
+/// Makes the single step of [`System::advance`] by whole force passes.
+pub(crate) fn single_step<S: System + ?Sized>(
+    system: &S,
+    at: &mut State,
+    out: &mut Forces,
+    KickDriftBlock { scheme, from }: KickDriftBlock<'_>,
+) {
+    let start = StepStart::of(from, system.inverse_mass(), 0..at.x.len());
+    scheme.begin(start, &mut at.x, &mut at.v);
+    system.evaluate(at.as_ref(), out);
+    scheme.kick_again(start, &mut at.v, &out.total);
+    if scheme.predicts {
+        system.evaluate(at.as_ref(), out);
+    }
 }
 
 /// Weights of W = m M + c C + k K.

@@ -1,11 +1,12 @@
 //! From a plain specification to force terms in internal numbering.
 
-use super::check::{BuildError, check};
+use super::check::{BuildError, check, check_bars};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::axial_dashpot::{AxialDashpots, AxialData};
+use crate::force::law::bar_law::{BarData, Bars, LawBars};
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
@@ -24,9 +25,19 @@ use std::sync::Arc;
 /// # Errors
 /// A specification that contradicts itself.
 pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, BuildError> {
+    build_network_with(spec, &[], threads)
+}
+
+/// The same with bars of a program's own laws. Kang's filter and tensions by edge know only the springs.
+///
+/// # Errors
+/// As [`build_network`], and bars of nodes that do not exist or of rest lengths that are not finite.
+pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) -> Result<Network, BuildError> {
     check(&spec)?;
+    bars.iter().try_for_each(|bars| check_bars(bars, spec.mesh.nodes.len()))?;
     let triangle_edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let links = spec.mesh.edges.iter().copied().chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
+    let links = spec.mesh.edges.iter().chain(bars.iter().flat_map(|bars| &bars.pairs)).copied();
+    let links = links.chain(spec.mesh.triangles.iter().flat_map(triangle_edges));
     let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();
@@ -35,14 +46,21 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
     let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
-    let mut builder =
-        Builder { spec: &spec, numbering: &numbering, terms: Vec::new(), springs: Vec::new(), tables: Vec::new() };
+    let mut builder = Builder {
+        spec: &spec,
+        numbering: &numbering,
+        terms: Vec::new(),
+        springs: Vec::new(),
+        tables: Vec::new(),
+        wind: None,
+    };
     builder.springs_and_dashpots();
+    bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
     builder.air();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, tables, .. } = builder;
+    let Builder { terms, springs, tables, wind: wind_table, .. } = builder;
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
     let velocity_of = |node: usize| -> [f64; 3] {
@@ -64,6 +82,7 @@ pub fn build_network(spec: NetworkSpec, threads: Threads) -> Result<Network, Bui
         gravity,
         corners,
         tables,
+        wind: wind_table,
         terms,
         springs,
         threads,
@@ -77,6 +96,7 @@ struct Builder<'a> {
     terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
     tables: Vec<Arc<dyn Tabled>>,
+    wind: Option<Arc<Table<3>>>,
 }
 
 impl Builder<'_> {
@@ -108,6 +128,15 @@ impl Builder<'_> {
                 }
             });
         }
+    }
+
+    fn bars(&mut self, bars: &Bars) {
+        let ends = |pair: &[u32; 2]| pair.map(|node| self.node(node));
+        let mut order: Vec<([u32; 2], f64)> =
+            bars.pairs.iter().map(ends).zip(bars.rest_length.iter().copied()).collect();
+        order.sort_by_key(|([a, b], _)| (*a.min(b), *a.max(b)));
+        let (nodes, rest_length) = order.into_iter().unzip();
+        self.terms.push(Box::new(LawBars::new(BarData { nodes, rest_length, law: bars.law.clone() })));
     }
 
     fn spring_batch(&self, group: &SpringGroup) -> SpringBatch {
@@ -146,6 +175,7 @@ impl Builder<'_> {
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
         let wind = Table::new(air.wind.clone());
         self.tables.push(wind.clone());
+        self.wind = Some(wind.clone());
         let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, wind };
         self.terms.push(Box::new(Air::new(data)));
     }

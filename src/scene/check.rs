@@ -1,5 +1,6 @@
 //! Checks of a specification before a scene is built from it.
 
+use crate::force::law::bar_law::Bars;
 use crate::model::spec::{NetworkSpec, PressureKind, Series, Slack, SpringGroup};
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
@@ -70,6 +71,13 @@ pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
     loads(spec)?;
     masses(spec)?;
     stands_still(spec)
+}
+
+/// Rejects bars that would panic or compute meaningless results, in a network of `n` nodes.
+pub(super) fn check_bars(bars: &Bars, n: usize) -> Result<(), BuildError> {
+    length("rest lengths of bars", bars.rest_length.len(), bars.pairs.len())?;
+    below("node of a bar", bars.pairs.as_flattened(), n)?;
+    finite("rest length of bar", &bars.rest_length)
 }
 
 fn length(what: &'static str, found: usize, expected: usize) -> Result<(), BuildError> {

@@ -7,6 +7,7 @@ mod bound;
 mod branches;
 mod build;
 mod check;
+mod external;
 mod graph;
 pub mod network;
 pub mod numbering;
@@ -16,14 +17,15 @@ mod suspect;
 mod tangent;
 
 pub use bound::BoundBuffer;
-pub use build::build_network;
+pub use build::{build_network, build_network_with};
 pub use check::BuildError;
+pub use external::{ExternalForces, NodalForce};
 pub use network::Network;
 pub use pendulum::Pendulum;
 
 use crate::assembly::{Abilities, TangentSystem};
 use crate::model::picture::Picture;
-use crate::model::state::StateRef;
+use crate::model::state::{State, StateRef};
 use crate::model::system::TermInfo;
 
 /// What a failure report points at, in the user's numbering.
@@ -41,6 +43,32 @@ pub struct Suspect {
 pub trait Scene: TangentSystem + Picture {
     /// The interfaces that schemes use.
     fn abilities(&self) -> Abilities<'_>;
+
+    /// Gives the scene a place for forces from outside, which say whether they depend on velocity. Forces that were
+    /// sized before do not fit it any more. `false` if the scene cannot have any.
+    fn enable_external(&mut self, velocity_dependent: bool) -> bool {
+        let _ = velocity_dependent;
+        false
+    }
+
+    /// The forces from outside, once they are enabled.
+    fn external(&self) -> Option<&ExternalForces> {
+        None
+    }
+
+    /// Holds the wind at a velocity [m/s] until [`System::sample_tables`](crate::model::system::System::sample_tables)
+    /// is called. `false` if the scene has no air.
+    fn hold_wind(&self, wind: [f64; 3]) -> bool {
+        let _ = wind;
+        false
+    }
+
+    /// The state at time `t` [s] with these positions [m] and velocities [m/s], each `[n_nodes][3]` in the user's
+    /// numbering; velocities of held directions are 0. `None` if the scene has no such state.
+    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
+        let _ = (t, positions, velocities);
+        None
+    }
 
     /// [m] the scene's size: half the largest extent of its nodes at t = 0; 0 for a single node.
     fn size(&self) -> f64;

@@ -1,9 +1,10 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
+use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::Summand;
-use crate::force::law::series::Tabled;
+use crate::force::law::series::{Table, Tabled};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::step_block::Moving;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -15,7 +16,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
 use crate::model::stride::{self, Passed};
-use crate::model::system::{KickDriftBlock, System, TermInfo};
+use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
@@ -36,6 +37,10 @@ pub struct Network {
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     pub(super) infos: Vec<TermInfo>,
     pub(super) springs: Vec<SpringBatch>,
+    /// set once a program adds forces from outside
+    pub(super) external: Option<ExternalForces>,
+    /// table of the wind, shared with the air
+    pub(super) wind: Option<Arc<Table<3>>>,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -71,6 +76,7 @@ pub(super) struct Parts {
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn Tabled>>,
+    pub wind: Option<Arc<Table<3>>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -107,6 +113,8 @@ impl Network {
             tables: p.tables,
             terms: p.terms,
             springs: p.springs,
+            external: None,
+            wind: p.wind,
             sweep,
             threads: p.threads,
             mesh: p.mesh,
@@ -208,19 +216,30 @@ impl System for Network {
             external: sized(Role::External),
             dissipative: sized(Role::Dissipative),
             reactions: vec![0.0; self.fixed_dofs.len()],
-            tallies: vec![Tally::default(); self.terms.len()],
+            tallies: vec![Tally::default(); self.infos.len()],
         }
     }
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
-        self.pass_into(out, |sums, tallies| self.sweep.pass((self, node_state(at)), &self.threads, sums, tallies));
+        self.pass_into(out, |[total, external, dissipative], tallies| {
+            let (own, outside) = tallies.split_at_mut(self.terms.len());
+            let sums = [&mut *total, &mut *external, dissipative];
+            self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
+            outside.fill(self.add_external(at, [total, external]));
+        });
     }
 
     fn longest_stride(&self) -> usize {
+        if self.external.is_some() {
+            return 0;
+        }
         self.sweep.longest_stride(if self.velocity_dependent() { 2 } else { 1 })
     }
 
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+        if self.external.is_some() {
+            return single_step(self, at, out, block);
+        }
         let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
         let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {

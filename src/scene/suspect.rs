@@ -1,12 +1,13 @@
 //! What a failure report says about a node of a network, and the size of a network.
 
+use super::external::{EXTERNAL, ExternalForces};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::Abilities;
 use crate::force::{ForceTerm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
-use crate::model::state::StateRef;
+use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
 use glam::{DMat3, DVec3};
 
@@ -15,6 +16,39 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 impl Scene for Network {
     fn abilities(&self) -> Abilities<'_> {
         Abilities { system: self, tangent: self, graph: Some(self) }
+    }
+
+    fn enable_external(&mut self, velocity_dependent: bool) -> bool {
+        if self.external.is_none() {
+            self.external = Some(ExternalForces::default());
+            self.infos.push(EXTERNAL);
+        }
+        if let Some(info) = self.infos.last_mut() {
+            info.velocity_dependent |= velocity_dependent;
+        }
+        true
+    }
+
+    fn external(&self) -> Option<&ExternalForces> {
+        self.external.as_ref()
+    }
+
+    fn hold_wind(&self, wind: [f64; 3]) -> bool {
+        self.wind.as_ref().map(|table| table.hold(wind)).is_some()
+    }
+
+    fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
+        let n = self.numbering.user.len();
+        if [positions.len(), velocities.len()] != [n; 2] {
+            return None;
+        }
+        let own = |values: &[[f64; 3]]| -> Vec<f64> {
+            self.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
+        };
+        let (x, mut v) = (own(positions), own(velocities));
+        let held = v.iter_mut().zip(self.fixed.as_flattened()).filter(|(_, held)| **held);
+        held.for_each(|(v, _)| *v = 0.0);
+        Some(State { t, x, v })
     }
 
     fn has_branches(&self) -> bool {
@@ -83,6 +117,7 @@ impl Scene for Network {
         let terms: Vec<&dyn ForceTerm> =
             self.force_terms().filter(|t| matches!(t.info().role, Role::Gravity | Role::External)).collect();
         self.sum_of(&terms, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
+        self.add_external(at, [bytemuck::cast_slice_mut(f), &mut []]);
         for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *f = 0.0;

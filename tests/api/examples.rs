@@ -5,6 +5,28 @@ mod cloth_by_hand;
 #[path = "../../examples/compare_methods.rs"]
 mod compare_methods;
 
+#[path = "../../examples/own_bar_law.rs"]
+mod own_bar_law;
+#[path = "../../examples/own_force.rs"]
+mod own_force;
+#[path = "../../examples/own_observer.rs"]
+mod own_observer;
+#[path = "../../examples/own_scheme.rs"]
+mod own_scheme;
+
+/// A force, a law, a scheme and an observer from outside the crate give closed forms.
+#[test]
+fn what_a_program_adds_gives_closed_forms() {
+    for (what, error, allowed) in [
+        ("force", own_force::tethered().expect("it runs"), 2e-6),
+        ("bar law", own_bar_law::cubic().expect("it runs"), 1e-4),
+        ("scheme", own_scheme::drift_kick().expect("it runs"), 1e-4),
+        ("observer", own_observer::compare_states().expect("it runs"), 1e-5),
+    ] {
+        assert!(error < allowed, "{what}: {error:e}");
+    }
+}
+
 #[test]
 fn the_methods_come_out_in_the_order_of_their_accuracy() {
     let errors: std::collections::BTreeMap<_, _> = compare_methods::compare().expect("it runs").into_iter().collect();

@@ -19,6 +19,7 @@ mod mesh_files;
 mod newton;
 mod output;
 mod readme;
+mod simulation;
 mod stability;
 mod strategy;
 mod stride;

@@ -13,7 +13,7 @@ use crate::integrate::{StepError, StepReport};
 impl Run<'_> {
     /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end
     /// before.
-    pub(super) fn advance(
+    pub(crate) fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
@@ -22,7 +22,7 @@ impl Run<'_> {
             if self.stop.asked() {
                 return Ok(Ok(()));
             }
-            let kept = match &mut self.pace {
+            let kept = match &mut self.state.pace {
                 Pace::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
                 Pace::Adaptive(_) => match self.adaptive_step(stepper) {
                     Ok(Some(kept)) => Ok(kept),
@@ -40,10 +40,10 @@ impl Run<'_> {
                 Ok(Kept::Halves([first, second])) => match self.take(stepper, Part::First, &first, observers)? {
                     Ok(Taken::Back) => continue,
                     Ok(Taken::Over) => {
-                        if let Pace::Adaptive(pace) = &mut self.pace
+                        if let Pace::Adaptive(pace) = &mut self.state.pace
                             && let Some(end) = pace.second()
                         {
-                            std::mem::swap(&mut self.to, end);
+                            std::mem::swap(&mut self.state.to, end);
                         }
                         Ok(self.take(stepper, Part::Last, &second, observers)?.map(|_| ()))
                     }
@@ -54,45 +54,45 @@ impl Run<'_> {
         Ok(Ok(()))
     }
 
-    fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
-        let attempt = Attempt { from: &self.from, h: tick.h, t_next: tick.t };
-        let report = match stepper.attempt(attempt, &mut self.to, &mut self.counters) {
+    pub(crate) fn fixed_step(&mut self, stepper: &mut Stepper<'_>, tick: Tick) -> Result<StepReport, Status> {
+        let attempt = Attempt { from: &self.state.from, h: tick.h, t_next: tick.t };
+        let report = match stepper.attempt(attempt, &mut self.state.to, &mut self.state.counters) {
             Ok(report) => report,
             Err(error) => {
-                self.failure = Some(self.scenery(tick).not_converged(&error, worst_of(&error, stepper)));
+                self.state.failure = Some(self.scenery(tick).not_converged(&error, worst_of(&error, stepper)));
                 return Err(Status::NotConverged);
             }
         };
         if !report.forces_at_end {
             // The ledger and observers want them; the scheme does not, so they are not counted.
-            self.scene.evaluate(self.to.state.as_ref(), &mut self.to.forces);
-            self.account_passes += 1;
+            self.scene.evaluate(self.state.to.state.as_ref(), &mut self.state.to.forces);
+            self.state.account_passes += 1;
         }
         Ok(report)
     }
 
     /// One attempt; `None` when it is dropped and a smaller one is left to try.
     fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
-        let Pace::Adaptive(pace) = &mut self.pace else { return Ok(None) };
-        let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.counters };
-        pace.begin(&mut bench, &self.from, &mut self.to);
-        let Some(trial) = pace.next(self.from.state.t) else { return Ok(None) };
-        let dropped = match pace.attempt(bench, trial, &self.from, &mut self.to) {
+        let Pace::Adaptive(pace) = &mut self.state.pace else { return Ok(None) };
+        let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
+        pace.begin(&mut bench, &self.state.from, &mut self.state.to);
+        let Some(trial) = pace.next(self.state.from.state.t) else { return Ok(None) };
+        let dropped = match pace.attempt(bench, trial, &self.state.from, &mut self.state.to) {
             Ok(kept) => match pace.stalls(trial.t) {
                 None => return Ok(Some(kept)),
                 Some(gone) => {
-                    self.failure = Some(self.scenery(Tick { h: trial.h, t: trial.t }).without_progress(gone));
+                    self.state.failure = Some(self.scenery(Tick { h: trial.h, t: trial.t }).without_progress(gone));
                     return Err(Status::NotConverged);
                 }
             },
             Err(dropped) => dropped,
         };
-        let floor = pace.floor(self.from.state.t);
-        if pace.next(self.from.state.t).is_some_and(|next| next.h >= floor) {
+        let floor = pace.floor(self.state.from.state.t);
+        if pace.next(self.state.from.state.t).is_some_and(|next| next.h >= floor) {
             return Ok(None);
         }
         let scenery = self.scenery(Tick { h: trial.h, t: trial.t });
-        self.failure = Some(match &dropped {
+        self.state.failure = Some(match &dropped {
             Dropped::Error(worst) => scenery.at_the_floor(*worst, floor),
             Dropped::Unsolved(error) => scenery.not_converged(error, worst_of(error, stepper)),
         });

@@ -34,61 +34,71 @@ impl Run<'_> {
         report: &StepReport,
         observers: &mut [&mut dyn Observer],
     ) -> Result<Result<Taken, Status>, RunError> {
-        let tick = Tick { h: self.to.state.t - self.from.state.t, t: self.to.state.t };
-        let before = (self.ledger, self.watch);
-        let (row, by_stages) = self.ledger.step(self.scene, (&self.from, &self.to), report, &self.row);
-        let finite = row.is_finite() && self.scene.workers().all_finite(&self.to.forces.total);
-        let left = !finite || self.has_left(self.scene.extent(self.to.state.as_ref()));
+        let tick = Tick { h: self.state.to.state.t - self.state.from.state.t, t: self.state.to.state.t };
+        let before = (self.state.ledger, self.state.watch);
+        let (row, by_stages) =
+            self.state.ledger.step(self.scene, (&self.state.from, &self.state.to), report, &self.state.row);
+        let finite = row.is_finite() && self.scene.workers().all_finite(&self.state.to.forces.total);
+        let left = !finite || self.has_left(self.scene.extent(self.state.to.state.as_ref()));
         match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
             Sight::Calm => {}
             Sight::Doubt(gain) => {
-                self.new_doubt = Some(self.scenery(tick).doubt(gain));
+                self.state.new_doubt = Some(self.scenery(tick).doubt(gain));
             }
             Sight::Trouble(trouble) => {
-                let adaptive = matches!(self.pace, Pace::Adaptive(_));
-                if let Pace::Adaptive(pace) = &mut self.pace
-                    && tick.h > 10.0 * pace.floor(self.from.state.t)
+                let adaptive = matches!(self.state.pace, Pace::Adaptive(_));
+                if let Pace::Adaptive(pace) = &mut self.state.pace
+                    && tick.h > 10.0 * pace.floor(self.state.from.state.t)
                 {
-                    (self.ledger, self.watch) = before;
+                    (self.state.ledger, self.state.watch) = before;
                     pace.take_back(tick.h, (part == Part::First).then_some(stepper))?;
                     return Ok(Ok(Taken::Back));
                 }
                 self.diverged(tick, trouble, row, left);
                 if !finite || !self.spec.keep_going || adaptive {
-                    (self.ledger, self.watch) = before;
+                    (self.state.ledger, self.state.watch) = before;
                     return Ok(Err(Status::Diverged));
                 }
             }
         }
-        let credible = self.watch.credible(&self.to, &row, self.steps + 1)
-            && self.reach.holds(&self.from.state, &self.to.state, row.kinetic);
+        let credible = self.state.watch.credible(&self.state.to, &row, self.state.steps + 1)
+            && self.state.reach.holds(&self.state.from.state, &self.state.to.state, row.kinetic);
         if part == Part::Last {
             stepper.accept();
         }
-        std::mem::swap(&mut self.from, &mut self.to);
-        self.row = row;
-        self.steps += 1;
+        std::mem::swap(&mut self.state.from, &mut self.state.to);
+        self.state.row = row;
+        self.state.steps += 1;
         let view = AcceptedStep {
-            step: self.steps,
-            from: self.to.state.t,
-            t: self.from.state.t,
+            step: self.state.steps,
+            from: self.state.to.state.t,
+            t: self.state.from.state.t,
             ledger: row,
-            start: Some(&self.to),
-            end: Some(&self.from),
+            start: Some(&self.state.to),
+            end: Some(&self.state.from),
             summary: None,
             newton_iterations: report.newton_iterations,
             residual: report.residual,
             credible,
         };
-        let doubt = self.new_doubt.take();
+        let doubt = self.state.new_doubt.take();
         for o in observers.iter_mut() {
             o.accepted(view)?;
             if let Some(doubt) = &doubt {
                 o.doubted(doubt);
             }
         }
-        self.doubt = doubt.or(self.doubt.take());
+        self.state.doubt = doubt.or(self.state.doubt.take());
         Ok(Ok(Taken::Over))
+    }
+
+    /// Takes a step of a fixed size that was attempted.
+    pub(crate) fn accept_fixed(
+        &mut self,
+        stepper: &mut Stepper<'_>,
+        report: &StepReport,
+    ) -> Result<Result<(), Status>, RunError> {
+        Ok(self.take(stepper, Part::Last, report, &mut [])?.map(|_| ()))
     }
 
     /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
@@ -96,31 +106,34 @@ impl Run<'_> {
         if left == Some(false) {
             return Sight::Trouble(Trouble::NotFinite);
         }
-        let (scene, from, to, before) = (self.scene, &self.from, &self.to, &self.row);
-        let (step, power) = (self.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
-        let sight = self.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
+        let (scene, from, to, before) = (self.scene, &self.state.from, &self.state.to, &self.state.row);
+        let (step, power) = (self.state.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
+        let sight =
+            self.state.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
         match (sight, left) {
             (Sight::Calm | Sight::Doubt(_), Some(_)) => {
-                let share = self.watch.share(to, after, step);
-                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.ledger.energy_error(step) })
+                let share = self.state.watch.share(to, after, step);
+                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.state.ledger.energy_error(step) })
             }
             _ => sight,
         }
     }
 
     fn diverged(&mut self, tick: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
-        if self.failure.is_none() {
-            let wreck = Wreck { trouble, to: &self.to, before: self.row, after, gain: self.watch.gain() };
-            self.failure = Some(self.scenery(tick).diverged(&wreck));
+        if self.state.failure.is_none() {
+            let wreck =
+                Wreck { trouble, to: &self.state.to, before: self.state.row, after, gain: self.state.watch.gain() };
+            self.state.failure = Some(self.scenery(tick).diverged(&wreck));
         }
-        if let Some(failure) = self.failure.as_mut().filter(|_| left) {
+        if let Some(failure) = self.state.failure.as_mut().filter(|_| left) {
             failure.blow_up_time.get_or_insert(tick.t);
         }
     }
 
     pub(super) fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
-        let &Run { scene, ref from, spec, stop, .. } = self;
+        let &Run { scene, spec, stop, .. } = self;
+        let from = &self.state.from;
         let RunSpec { method, end, explain, interrupt, .. } = spec;
-        Scenery { scene, method, from, step: self.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
+        Scenery { scene, method, from, step: self.state.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
     }
 }

@@ -17,6 +17,12 @@ impl<const N: usize> Table<N> {
         Arc::new(Table { given, sampled: RwLock::new(None) })
     }
 
+    /// Replaces the table by a constant until [`Tabled::sample`] is called.
+    pub fn hold(&self, value: [f64; N]) {
+        let constant = Series { t: vec![0.0], value: vec![value] };
+        *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = Some(constant);
+    }
+
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; N] {
         let sampled = self.sampled.read().unwrap_or_else(PoisonError::into_inner);

@@ -43,7 +43,7 @@ pub struct MethodInfo {
     /// order of accuracy with default parameters, measured on a damped, time-forced, nonlinear problem
     pub order: u32,
     /// order with other parameters, where it depends on them
-    pub(super) order_with: Option<fn(&[f64]) -> u32>,
+    pub order_with: Option<fn(&[f64]) -> u32>,
     /// what a step needs
     pub family: Family,
     /// force passes a step: without and with velocity-dependent forces; 0 = as many as Newton needs
@@ -57,7 +57,7 @@ pub struct MethodInfo {
     /// paper or book with equation number
     pub source: &'static str,
     /// makes the scheme from its checked parameter values
-    pub(super) build: fn(&[f64], SolverSpec) -> Scheme,
+    pub build: fn(&[f64], SolverSpec) -> Scheme,
 }
 
 /// A method with its parameters, checked.
@@ -126,6 +126,15 @@ impl MethodChoice {
             let known = methods().iter().map(|m| m.name).collect::<Vec<_>>().join(", ");
             return Err(MethodError::Unknown { name: name.to_owned(), known });
         };
+        Self::of(info, given)
+    }
+
+    /// A method of the program's own, which need not be in the table: `info` says how it is made. See
+    /// `examples/own_scheme.rs`.
+    ///
+    /// # Errors
+    /// An unknown parameter, or a value out of its range.
+    pub fn of(info: &'static MethodInfo, given: &BTreeMap<String, f64>) -> Result<Self, MethodError> {
         if let Some(unknown) = given.keys().find(|key| info.parameters.iter().all(|p| p.name != key.as_str())) {
             let known = match info.parameters {
                 [] => "none".to_owned(),

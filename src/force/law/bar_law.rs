@@ -1,0 +1,116 @@
+//! Two-node bars with an elastic law that a program supplies.
+//!
+//! ```text
+//! f_a = T(l) n,   f_b = -T(l) n,   n = (x_b - x_a)/l
+//! B   = T' n n^T + T/l (I - n n^T)          K = [[B, -B], [-B, B]]
+//! ```
+
+use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Wants};
+use crate::force::kernel::element_block::vector;
+use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// What a law says of a bar at one length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BarForce {
+    /// [N] tension T: above 0 it pulls the ends together
+    pub tension: f64,
+    /// [N/m] dT/dl, for implicit methods
+    pub stiffness: f64,
+    /// [J] energy stored, whose derivative by the length is the tension
+    pub energy: f64,
+}
+
+/// An elastic law of two-node bars: a pure function of length and rest length.
+pub trait BarLaw: Send + Sync {
+    /// Tension, its derivative and the energy of a bar of this length [m] with this rest length [m].
+    fn at(&self, length: f64, rest_length: f64) -> BarForce;
+}
+
+/// Bars that share a law, in the numbering of the mesh.
+#[derive(Clone)]
+pub struct Bars {
+    /// end nodes, `[n_bars]`
+    pub pairs: Vec<[u32; 2]>,
+    /// [m] rest lengths, `[n_bars]`
+    pub rest_length: Vec<f64>,
+    /// the law
+    pub law: Arc<dyn BarLaw>,
+}
+
+/// The term of such bars.
+pub type LawBars = Batch<BarData, 2>;
+
+/// Plain arrays of the bars, in internal numbering.
+#[derive(Clone)]
+pub struct BarData {
+    /// end nodes of every bar, in ascending order of the smaller
+    pub nodes: Vec<[u32; 2]>,
+    /// [m] rest length of every bar
+    pub rest_length: Vec<f64>,
+    /// the law
+    pub law: Arc<dyn BarLaw>,
+}
+
+impl BarData {
+    /// The force [N] and its direction at bar `i` with this vector [m] from its first to its second end.
+    fn bar(&self, i: usize, d: DVec3) -> (BarForce, DVec3, f64) {
+        let length = d.length();
+        (self.law.at(length, self.rest_length[i]), d.normalize_or_zero(), length)
+    }
+
+    fn emit(&self, at: NodeState<'_>, k: f64, sink: &mut dyn TangentSink, change: impl Fn(f64) -> f64) {
+        for (i, &nodes) in self.nodes.iter().enumerate() {
+            let [a, b] = nodes.map(|node| at.x[node as usize]);
+            let (force, n, length) = self.bar(i, b - a);
+            let along = outer(n, n);
+            let across = if length > 0.0 { change(force.tension / length) } else { 0.0 };
+            sink.edge(nodes, (along * change(force.stiffness) + (DMat3::IDENTITY - along) * across) * k);
+        }
+    }
+}
+
+impl Kernel<2> for BarData {
+    const WANTS: Wants = Wants { x: true, v: false };
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.nodes
+    }
+
+    fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        let energy = block.each([1.0, -1.0], f, |i, [a, b]| {
+            let (force, n, _) = self.bar(i, vector(block.x, b) - vector(block.x, a));
+            (force.tension * n, force.energy)
+        });
+        Tally { energy, power: 0.0 }
+    }
+}
+
+impl ForceTerm for LawBars {
+    fn info(&self) -> TermInfo {
+        TermInfo { name: "bars", role: Role::Elastic, velocity_dependent: false, follower: false, on_triangles: false }
+    }
+
+    fn symmetric(&self) -> bool {
+        true
+    }
+
+    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        self.kernel().emit(at, w.k, sink, |k| k);
+    }
+
+    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+        self.kernel().emit(at, w.k, sink, |k| k.max(0.0));
+    }
+
+    fn add_stiffness(&self, nodes: &mut [f64]) {
+        let data = self.kernel();
+        for (ends, &rest) in data.nodes.iter().zip(&data.rest_length) {
+            let k = data.law.at(rest, rest).stiffness.abs();
+            ends.iter().for_each(|&node| nodes[node as usize] += k);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Forces that a program adds to a network from outside: fixed values by name, or a [`NodalForce`] of its own.
+
+use super::network::{Network, by_node};
+use crate::model::forces::{Role, Tally};
+use crate::model::state::StateRef;
+use crate::model::system::TermInfo;
+use glam::DVec3;
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// A force on the nodes that a program computes itself. Slices have shape `[n_nodes][3]` in the user's numbering.
+///
+/// The force counts as external in the energy account. It has no tangent: implicit methods see it in the residual only,
+/// so a stiff force needs small steps or an explicit method.
+pub trait NodalForce: Send + Sync {
+    /// Adds the force to `f` [N] at time `t` [s], positions `x` [m] and velocities `v` [m/s]. Must return the same
+    /// values for the same arguments: a step may be attempted more than once.
+    fn add(&self, t: f64, x: &[[f64; 3]], v: &[[f64; 3]], f: &mut [[f64; 3]]);
+}
+
+/// Where one force comes from.
+#[derive(Clone)]
+enum Source {
+    /// [N] `[n_nodes][3]`, user's numbering
+    Values(Arc<[[f64; 3]]>),
+    /// the program
+    Law(Arc<dyn NodalForce>),
+}
+
+/// All forces from outside, by name in the order in which they came.
+#[derive(Default)]
+pub struct ExternalForces(RwLock<Vec<(String, Source)>>);
+
+/// What the account and failure reports call them.
+pub(super) const EXTERNAL: TermInfo = TermInfo {
+    name: "external forces",
+    role: Role::External,
+    velocity_dependent: false,
+    follower: false,
+    on_triangles: false,
+};
+
+impl ExternalForces {
+    /// Sets the force [N] `[n_nodes][3]` of this name, user's numbering.
+    pub(crate) fn set_values(&self, name: &str, force: &[[f64; 3]]) {
+        self.set(name, Source::Values(force.into()));
+    }
+
+    /// Sets the law of this name.
+    pub(crate) fn set_law(&self, name: &str, law: Arc<dyn NodalForce>) {
+        self.set(name, Source::Law(law));
+    }
+
+    /// Removes a force; `false` if there is none of this name.
+    pub(crate) fn remove(&self, name: &str) -> bool {
+        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let before = all.len();
+        all.retain(|(other, _)| other != name);
+        all.len() < before
+    }
+
+    /// Names and values of the forces that are fixed values.
+    pub(crate) fn values(&self) -> Vec<(String, Vec<[f64; 3]>)> {
+        let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        let fixed = all.iter().filter_map(|(name, source)| match source {
+            Source::Values(force) => Some((name.clone(), force.to_vec())),
+            Source::Law(_) => None,
+        });
+        fixed.collect()
+    }
+
+    /// Removes all forces that are fixed values.
+    pub(crate) fn clear_values(&self) {
+        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|(_, source)| matches!(source, Source::Law(_)));
+    }
+
+    fn set(&self, name: &str, source: Source) {
+        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        match all.iter_mut().find(|(other, _)| other == name) {
+            Some((_, old)) => *old = source,
+            None => all.push((name.to_owned(), source)),
+        }
+    }
+}
+
+impl Network {
+    /// Adds the forces from outside to the sums of a pass: all forces, and the external ones [N] `[n_nodes]`. Returns
+    /// their power. Allocates.
+    pub(super) fn add_external(&self, at: StateRef<'_>, sums: [&mut [DVec3]; 2]) -> Tally {
+        let Some(external) = &self.external else { return Tally::default() };
+        let [mut x, mut v, mut sum] = [(); 3].map(|()| vec![[0.0; 3]; self.mass.len()]);
+        self.numbering.to_user(by_node(at.x), &mut x);
+        self.numbering.to_user(by_node(at.v), &mut v);
+        for (_, source) in external.0.read().unwrap_or_else(PoisonError::into_inner).iter() {
+            match source {
+                Source::Values(force) => {
+                    sum.as_flattened_mut().iter_mut().zip(force.as_flattened()).for_each(|(sum, f)| *sum += f);
+                }
+                Source::Law(law) => law.add(at.t, &x, &v, &mut sum),
+            }
+        }
+        let forces = || self.numbering.user.iter().map(|&user| DVec3::from_array(sum[user as usize]));
+        for to in sums {
+            to.iter_mut().zip(forces()).for_each(|(to, f)| *to += f);
+        }
+        let power = forces().zip(by_node(at.v)).map(|(f, v)| f.dot(*v)).sum();
+        Tally { power, ..Tally::default() }
+    }
+}

@@ -1,0 +1,219 @@
+//! Networks made in code, and the settings of a run.
+
+use super::{NeedsNetwork, Problem, RunSpec, Scene, Scheme, SetupError, Stepper};
+use crate::drive::Explain;
+use crate::drive::clock::{Step, Tolerance};
+use crate::integrate::implicit::SolverSpec;
+use crate::integrate::registry::{MethodChoice, MethodError};
+use crate::mesh::{Mesh, MeshError};
+use crate::model::spec::{DashpotKind, DashpotSpec, NetworkSpec, NodalLoad, Slack, SpringGroup};
+use crate::model::stop::Stop;
+
+/// By which method a simulation moves, and in which steps.
+#[derive(Clone, Debug)]
+pub struct RunSettings {
+    /// method with its parameters
+    pub method: MethodChoice,
+    /// how an implicit step is solved
+    pub solver: SolverSpec,
+    /// [s] end of the run; adaptive steps share their tolerance out over it
+    pub end: f64,
+    /// fixed or adaptive steps
+    pub step: Step,
+    /// [s] adaptive steps of schemes with their own error estimate end at multiples of this
+    pub frames_every: Option<f64>,
+    /// go on past a divergence until a value stops being finite
+    pub keep_going: bool,
+    /// of what the cause is looked for
+    pub explain: Explain,
+    /// threads of a scene above 2,000 nodes, at least 1
+    pub threads: usize,
+}
+
+impl RunSettings {
+    /// Fixed steps of `step` [s] until `end` [s], by the method of this name with its default parameters.
+    ///
+    /// # Errors
+    /// An unknown method.
+    pub fn fixed(method: &str, step: f64, end: f64) -> Result<Self, MethodError> {
+        Ok(Self::of(MethodChoice::with_defaults(method)?, Step::Fixed(step), end))
+    }
+
+    /// Adaptive steps within a tolerance until `end` [s], likewise.
+    ///
+    /// # Errors
+    /// An unknown method.
+    pub fn adaptive(method: &str, tolerance: Tolerance, end: f64) -> Result<Self, MethodError> {
+        Ok(Self::of(MethodChoice::with_defaults(method)?, Step::Adaptive(tolerance), end))
+    }
+
+    /// Any method, also [one of your own](crate::integrate).
+    pub fn of(method: MethodChoice, step: Step, end: f64) -> Self {
+        RunSettings {
+            method,
+            solver: SolverSpec::default(),
+            end,
+            step,
+            frames_every: None,
+            keep_going: false,
+            explain: Explain::Failures,
+            threads: 1,
+        }
+    }
+
+    /// Those of a case.
+    pub fn of_case(problem: &Problem, threads: usize) -> Self {
+        RunSettings {
+            solver: problem.solver,
+            frames_every: problem.output.frames_every,
+            explain: Explain::All,
+            threads,
+            ..Self::of(problem.method.clone(), problem.time.step, problem.time.end)
+        }
+    }
+
+    pub(super) fn spec(&self) -> RunSpec<'_> {
+        RunSpec {
+            end: self.end,
+            step: self.step,
+            frames_every: self.frames_every,
+            keep_going: self.keep_going,
+            explain: self.explain,
+            interrupt: Stop::NEVER,
+            method: &self.method,
+        }
+    }
+
+    pub(super) fn bind<'a>(&self, scheme: Scheme, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+        let refused = |source: NeedsNetwork| SetupError::Method { method: self.method.info.name, source };
+        Stepper::bind(scheme, scene.abilities()).map_err(refused)
+    }
+
+    /// A new scheme bound to a scene.
+    pub(super) fn stepper<'a>(&self, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+        self.bind(self.method.scheme(self.solver), scene)
+    }
+}
+
+/// Springs that share a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringLaw {
+    /// [N/m] stiffness
+    pub stiffness: f64,
+    /// [m] rest length; `None`: the distance of the nodes as given
+    pub rest_length: Option<f64>,
+    /// when they pull and push
+    pub slack: Slack,
+    /// kind and coefficient [N s/m] of a dashpot in parallel
+    pub dashpot: Option<(DashpotKind, f64)>,
+}
+
+impl Default for SpringLaw {
+    fn default() -> Self {
+        SpringLaw { stiffness: 0.0, rest_length: None, slack: Slack::None, dashpot: None }
+    }
+}
+
+/// Builds a [`NetworkSpec`]: nodes, springs, masses, supports and loads. What has no method here is a field of the
+/// specification.
+#[derive(Clone, Debug, Default)]
+pub struct NetworkBuilder {
+    /// what has been said so far
+    pub spec: NetworkSpec,
+}
+
+impl NetworkBuilder {
+    /// Free nodes without mass at these positions [m].
+    pub fn new(nodes: Vec<[f64; 3]>) -> Self {
+        Self::of_mesh(Mesh { nodes, ..Mesh::default() })
+    }
+
+    /// The nodes, edges and triangles of a mesh; the nodes are free and have no mass.
+    pub fn of_mesh(mesh: Mesh) -> Self {
+        let n = mesh.nodes.len();
+        let spec = NetworkSpec { mesh, mass: vec![0.0; n], fixed: vec![[false; 3]; n], ..NetworkSpec::default() };
+        NetworkBuilder { spec }
+    }
+
+    /// Adds springs between pairs of nodes, which become edges.
+    #[must_use]
+    pub fn springs(mut self, pairs: &[[u32; 2]], law: SpringLaw) -> Self {
+        let first = self.spec.mesh.edges.len() as u32;
+        self.spec.mesh.edges.extend_from_slice(pairs);
+        let edges = (first..).take(pairs.len()).collect();
+        self.springs_on(edges, law)
+    }
+
+    /// Puts springs on all edges of the mesh.
+    #[must_use]
+    pub fn springs_on_edges(self, law: SpringLaw) -> Self {
+        let edges = (0..self.spec.mesh.edges.len() as u32).collect();
+        self.springs_on(edges, law)
+    }
+
+    fn springs_on(mut self, edges: Vec<u32>, law: SpringLaw) -> Self {
+        let mesh = &self.spec.mesh;
+        // A node that does not exist is refused when the scene is built.
+        let node = |i: u32| mesh.nodes.get(i as usize).copied().unwrap_or_default();
+        let distance = |&edge: &u32| {
+            let [a, b] = mesh.edges[edge as usize].map(node);
+            (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
+        };
+        let rest_length = edges.iter().map(|edge| law.rest_length.unwrap_or_else(|| distance(edge))).collect();
+        let (stiffness, n) = (vec![law.stiffness; edges.len()], edges.len());
+        let dashpot = law.dashpot.map(|(kind, c)| DashpotSpec { kind, coefficient: vec![c; n], from_step: false });
+        self.spec.springs.push(SpringGroup { edges, stiffness, rest_length, slack: law.slack, dashpot });
+        self
+    }
+
+    /// Sets the mass [kg] of every node, `[n_nodes]`.
+    #[must_use]
+    pub fn masses(mut self, mass: Vec<f64>) -> Self {
+        self.spec.mass = mass;
+        self
+    }
+
+    /// Shares a mass [kg] out equally over the nodes.
+    #[must_use]
+    pub fn total_mass(mut self, mass: f64) -> Self {
+        let n = self.spec.mesh.nodes.len();
+        self.spec.mass = vec![mass / n as f64; n];
+        self
+    }
+
+    /// Holds nodes in x, y and z, chosen by number and position [m].
+    #[must_use]
+    pub fn hold(mut self, which: impl Fn(usize, [f64; 3]) -> bool) -> Self {
+        for (i, (fixed, x)) in self.spec.fixed.iter_mut().zip(&self.spec.mesh.nodes).enumerate() {
+            if which(i, *x) {
+                *fixed = [true; 3];
+            }
+        }
+        self
+    }
+
+    /// Sets gravity [m/s^2].
+    #[must_use]
+    pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
+        self.spec.gravity = Some(gravity);
+        self
+    }
+
+    /// Adds a constant force [N] on each of these nodes.
+    #[must_use]
+    pub fn force(mut self, nodes: &[u32], force: [f64; 3]) -> Self {
+        let mut nodes = nodes.to_vec();
+        nodes.sort_unstable();
+        self.spec.forces.push(NodalLoad { nodes, force, factor: None });
+        self
+    }
+
+    /// The specification, checked as far as the mesh goes; the rest is checked when a simulation is made of it.
+    ///
+    /// # Errors
+    /// A mesh that contradicts itself.
+    pub fn build(self) -> Result<NetworkSpec, MeshError> {
+        self.spec.mesh.check()?;
+        Ok(self.spec)
+    }
+}
