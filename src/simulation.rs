@@ -1,7 +1,7 @@
 //! A simulation that a program drives: [`Simulation`] owns its scene, its scheme and its state.
 //!
-//! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says by
-//! which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
+//! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says
+//! by which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
 //! mesh; units are SI. What a program adds of its own: a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
 //! ([`crate::integrate`]), an observer ([`Observer`]); `examples/` has one of each.
 //!

@@ -6,8 +6,8 @@
 //!
 //! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one
 //! reads the text again (`jsonc_tree`), compares it with the schema (`schema_check`), replaces what is wrong by
-//! stand-ins and checks ranges and meaning of the rest, so that all faults are shown at once. [`diagnostics`] holds what
-//! a fault looks like, [`span`] where it was written.
+//! stand-ins and checks ranges and meaning of the rest, so that all faults are shown at once. [`diagnostics`] holds
+//! what a fault looks like, [`span`] where it was written.
 
 pub mod diagnostics;
 mod ergun;
