@@ -6,7 +6,6 @@ mod check_cost;
 mod check_json;
 mod doubts;
 mod error;
-mod farthest;
 pub mod init;
 mod interrupt;
 pub mod mesh;
@@ -17,7 +16,6 @@ mod resume;
 pub mod schema;
 mod solve;
 pub mod stability;
-mod stiffening;
 pub mod tradeoff;
 mod tradeoff_text;
 
