@@ -169,6 +169,8 @@ pub struct Simulation {
     wind: Option<[f64; 3]>,
     /// whether forces at the present state are to be found again
     changed: bool,
+    /// whether it goes on from a snapshot
+    resumed: bool,
 }
 
 impl Simulation {
@@ -220,7 +222,21 @@ impl Simulation {
         let mut stepper = settings.stepper(&*scene)?;
         let state = RunState::start(&*scene, &mut stepper, settings.spec(), scene.initial_state())?;
         let scheme = Some(stepper.unbind());
-        Ok(Simulation { scene, scheme, settings, state, pending: None, wind: None, changed: false })
+        let (pending, wind, changed, resumed) = (None, None, false, false);
+        Ok(Simulation { scene, scheme, settings, state, pending, wind, changed, resumed })
+    }
+
+    /// A scene where a snapshot was taken of a run with the same scene and settings: every further step has the bits of
+    /// a run that was never stopped.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`], and when the snapshot does not fit.
+    pub fn resume(scene: Arc<dyn Scene>, settings: RunSettings, snapshot: Snapshot) -> Result<Self, SimulationError> {
+        let mut stepper = settings.stepper(&*scene)?;
+        let state = RunState::restore(&*scene, &mut stepper, settings.spec(), snapshot)?;
+        let scheme = Some(stepper.unbind());
+        let (pending, wind, changed, resumed) = (None, None, false, true);
+        Ok(Simulation { scene, scheme, settings, state, pending, wind, changed, resumed })
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -294,7 +310,7 @@ impl Simulation {
     /// When an observer cannot write.
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, SimulationError> {
         self.idle()?;
-        let begins = self.state.steps == 0;
+        let begins = self.state.steps == 0 && !self.resumed;
         self.at_work(Stop::on(stop), |run, stepper| {
             for o in observers.iter_mut() {
                 match begins {

@@ -12,7 +12,7 @@ use crate::output::folder::FolderError;
 use crate::output::recorder::RecorderError;
 use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
-use crate::simulation::SetupError;
+use crate::simulation::{SetupError, SimulationError};
 use crate::study::StudyError;
 use crate::study::stability::write::StabilityError;
 
@@ -43,6 +43,9 @@ pub enum CliError {
     /// The run could not start or write.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// The simulation refuses what it is asked.
+    #[error(transparent)]
+    Simulation(SimulationError),
     /// Matrices cannot be written.
     #[error("--dump-matrices: {0}")]
     Export(#[from] ExportError),
@@ -66,6 +69,16 @@ pub enum CliError {
     Init(#[from] InitError),
 }
 
+impl From<SimulationError> for CliError {
+    fn from(error: SimulationError) -> Self {
+        match error {
+            SimulationError::Setup(error) => error.into(),
+            SimulationError::Run(error) => error.into(),
+            other => CliError::Simulation(other),
+        }
+    }
+}
+
 impl CliError {
     /// 1 for input/output and internal failures, 2 for bad usage and bad cases.
     pub fn exit_code(&self) -> u8 {
@@ -85,7 +98,11 @@ impl CliError {
             CliError::Run(run) if !matches!(run, RunError::Observe(_)) => 2,
             CliError::Resume(e) | CliError::Recorder(RecorderError::Resume(e)) if !e.is_system() => 2,
             CliError::Resume(_) | CliError::Fingerprint(_) => 1,
-            CliError::Recorder(_) | CliError::Observe(_) | CliError::Run(_) | CliError::Export(_) => 1,
+            CliError::Recorder(_)
+            | CliError::Observe(_)
+            | CliError::Run(_)
+            | CliError::Export(_)
+            | CliError::Simulation(_) => 1,
         }
     }
 }

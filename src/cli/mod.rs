@@ -5,7 +5,6 @@ mod check;
 mod check_json;
 mod doubts;
 mod error;
-mod farthest;
 pub mod init;
 mod interrupt;
 pub mod mesh;
@@ -16,7 +15,6 @@ mod resume;
 pub mod schema;
 mod solve;
 pub mod stability;
-mod stiffening;
 pub mod tradeoff;
 mod tradeoff_text;
 

@@ -1,11 +1,9 @@
 //! `canopy-fem solve`: the main job.
 
 use super::doubts::{check_solver, of_scene, planned};
-use super::farthest::Farthest;
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
 use super::resume::{self, Earlier};
-use super::stiffening::{Least, Stiffening, Watched};
 use super::{CliError, Finished, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::warnings::{limit_at_start, worth};
@@ -13,10 +11,11 @@ use crate::assembly::write_matrix_market;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::Problem;
+use crate::drive::critical_step_monitor::{CriticalStepMonitor, LeastStep, Monitored};
+use crate::drive::max_displacement::MaxDisplacement;
 use crate::drive::observer::{LedgerRow, Observer};
-use crate::drive::{self, Failure, Outcome, Status};
+use crate::drive::{Failure, Outcome, Status};
 use crate::format_number::figures;
-use crate::integrate::stepper::Stepper;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
@@ -25,11 +24,13 @@ use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
 use crate::process::Stopwatch;
 use crate::scene::Scene;
-use crate::simulation::{bind, build_scene};
+use crate::simulation::{RunSettings, Simulation, bind, build_scene};
 use crate::startup::{Account, Phase, timed};
 use crate::warning::{Warning, WarningCode};
 use std::fmt::Write;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
@@ -49,9 +50,11 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
         return Ok(Finished { text, code: 0 });
     }
-    let scene = timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?;
+    let scene: Arc<dyn Scene> =
+        timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
     check_solver(&problem, &*scene, source)?;
-    let mut stepper = bind(&problem, &*scene)?;
+    // A method that does not fit is refused before any file is made.
+    bind(&problem, &*scene)?;
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let (folder, checkpoint) = match earlier {
@@ -69,8 +72,8 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = Job { args, problem: &problem, scene: &*scene, folder: &folder, limit, account };
-    let (outcome, summary, seen) = job.integrate(&mut stepper, fingerprint, checkpoint, &stop)?;
+    let job = Job { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
+    let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
         let (_, warnings) = problem.sort_out(found);
@@ -94,7 +97,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
 struct Job<'a> {
     args: &'a SolveArgs,
     problem: &'a Problem,
-    scene: &'a dyn Scene,
+    scene: &'a Arc<dyn Scene>,
     folder: &'a ResultFolder,
     limit: CriticalStep,
     account: Account,
@@ -103,8 +106,8 @@ struct Job<'a> {
 /// What was seen of a run besides its results.
 struct Watch<'a> {
     limit: CriticalStep,
-    least: Option<Least>,
-    farthest: Farthest<'a>,
+    least: Option<LeastStep>,
+    farthest: MaxDisplacement<'a>,
     /// [s] time of the last frame
     last_frame: Option<f64>,
 }
@@ -113,12 +116,12 @@ impl<'a> Job<'a> {
     /// Runs from the start or from the checkpoint, and leaves all files.
     fn integrate(
         &self,
-        stepper: &mut Stepper<'_>,
         case: Fingerprint,
         checkpoint: Option<Checkpoint>,
         stop: &AtomicBool,
     ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
-        let &Job { args, problem, scene, folder, limit, .. } = self;
+        let &Job { args, problem, folder, limit, .. } = self;
+        let scene = &**self.scene;
         let spec = problem.run_spec(args.keep_going);
         let recorded = RecorderSpec::of(problem, folder.dir());
         let recorder = match &checkpoint {
@@ -138,22 +141,31 @@ impl<'a> Job<'a> {
         let unwatched = args.quiet || problem.acknowledges(WarningCode::StepAboveCritical);
         let (mut progress, mut farthest) = (
             Progress::new(spec.end, display).acknowledging(problem.acknowledges(WarningCode::EnergyMade)),
-            Farthest::new(scene),
+            MaxDisplacement::new(scene),
         );
+        let tell = |text: &str| {
+            // Over what is left of a progress line.
+            let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
+            if !unwatched {
+                complain(&format!("{clear}warning: {text}"));
+            }
+        };
         // Adaptive steps shrink by themselves where a scene stiffens.
-        let mut stiffening = spec.step.fixed().and_then(|step| {
-            let watched =
-                Watched { scene, method: &problem.method, start: limit, step, quiet: unwatched, stop: Stop::on(stop) };
-            Stiffening::of(watched, has_limit(&problem.method))
+        let mut monitor = spec.step.fixed().and_then(|step| {
+            let (method, start, stop) = (&problem.method, limit, Stop::on(stop));
+            CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
         });
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut farthest];
-        observers.extend(stiffening.as_mut().map(|stiffening| stiffening as &mut dyn Observer));
+        observers.extend(monitor.as_mut().map(|monitor| monitor as &mut dyn Observer));
         let observers = &mut observers[..];
         let resumed_from = checkpoint.as_ref().map(|checkpoint| checkpoint.snapshot.t);
+        let settings =
+            RunSettings { keep_going: args.keep_going, ..RunSettings::of_case(problem, usize::from(args.threads)) };
         let outcome = match checkpoint {
-            Some(Checkpoint { snapshot, .. }) => drive::resume(scene, stepper, spec, snapshot, observers, stop)?,
-            None => drive::run(scene, stepper, spec, observers, stop)?,
-        };
+            Some(Checkpoint { snapshot, .. }) => Simulation::resume(self.scene.clone(), settings, snapshot)?,
+            None => Simulation::of_scene(self.scene.clone(), settings)?,
+        }
+        .run(observers, stop)?;
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
         let summary = Summary { resumed_from, case_digest, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
@@ -161,7 +173,7 @@ impl<'a> Job<'a> {
         if outcome.status == Status::Completed && every.is_none() {
             folder.remove_checkpoint()?;
         }
-        let least = stiffening.and_then(|stiffening| stiffening.least());
+        let least = monitor.and_then(|monitor| monitor.least());
         Ok((outcome, summary, Watch { limit, least, farthest, last_frame: recorder.shown() }))
     }
 }

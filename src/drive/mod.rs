@@ -6,9 +6,11 @@
 pub mod adaptive;
 mod cause;
 pub mod clock;
+pub mod critical_step_monitor;
 mod error;
 pub mod failure;
 pub mod ledger;
+pub mod max_displacement;
 pub mod observer;
 mod outcome;
 mod pace;

@@ -3,22 +3,23 @@
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::scene::Scene;
 
-/// The largest displacement at the end, for the report.
-pub(super) struct Farthest<'a> {
+/// An observer that finds the largest displacement at the end of a run.
+pub struct MaxDisplacement<'a> {
     scene: &'a dyn Scene,
-    /// the node that went there
+    /// the node with it, user's number
     pub node: usize,
-    /// [m]
+    /// [m] the largest displacement
     pub distance: f64,
 }
 
-impl<'a> Farthest<'a> {
-    pub(super) fn new(scene: &'a dyn Scene) -> Self {
-        Farthest { scene, node: 0, distance: 0.0 }
+impl<'a> MaxDisplacement<'a> {
+    /// Of this scene.
+    pub fn new(scene: &'a dyn Scene) -> Self {
+        MaxDisplacement { scene, node: 0, distance: 0.0 }
     }
 }
 
-impl Observer for Farthest<'_> {
+impl Observer for MaxDisplacement<'_> {
     fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         Ok(())
     }

@@ -1,9 +1,8 @@
-//! Follows the critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its
+//! The critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its
 //! stability long after the start. One pass over the elements now and then (about a hundredth of the run) gives a
 //! measure that falls as the critical step does; only where that comes close to the step is the spectrum itself asked,
 //! and only then is anything said.
 
-use super::complain;
 use crate::analysis::critical::step_by_bounds;
 use crate::analysis::critical::{CriticalStep, Effort, remedy};
 use crate::analysis::spectrum::Spectrum;
@@ -15,7 +14,6 @@ use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::scene::{BoundBuffer, Scene, place_of};
 use crate::warning::WarningCode;
-use std::io::IsTerminal;
 
 /// Force passes that a pass over the elements is worth.
 const PASSES: u32 = 5;
@@ -33,33 +31,35 @@ const FALLEN: f64 = 0.97;
 /// Most questions to the spectrum in a run.
 const MOST_ASKED: u32 = 8;
 
-/// What is watched.
+/// What is monitored.
 #[derive(Clone, Copy)]
-pub(super) struct Watched<'a> {
+pub struct Monitored<'a> {
+    /// the scene
     pub scene: &'a dyn Scene,
+    /// the method of the run
     pub method: &'a MethodChoice,
     /// limit at the start
     pub start: CriticalStep,
     /// [s] nominal step
     pub step: f64,
-    /// whether nothing is to be said
-    pub quiet: bool,
+    /// told once, when the critical step falls below the step
+    pub tell: &'a dyn Fn(&str),
     /// ends a search for the critical step
     pub stop: Stop<'a>,
 }
 
 /// The least critical step a run has met.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Least {
-    /// [s]
+pub struct LeastStep {
+    /// [s] when
     pub t: f64,
-    /// [s]
+    /// [s] the critical step then
     pub step: f64,
 }
 
 /// An observer that warns once when the critical step falls below the step, and records nothing.
-pub(super) struct Stiffening<'a> {
-    watched: Watched<'a>,
+pub struct CriticalStepMonitor<'a> {
+    monitored: Monitored<'a>,
     every: u64,
     /// step after which is looked next
     next: u64,
@@ -74,13 +74,13 @@ pub(super) struct Stiffening<'a> {
     ask_below: f64,
     asked: u32,
     warned: bool,
-    least: Option<Least>,
+    least: Option<LeastStep>,
 }
 
-impl<'a> Stiffening<'a> {
+impl<'a> CriticalStepMonitor<'a> {
     /// `None` where there is nothing to follow: a method without limit, or one that grows at every step anyway.
-    pub fn of(watched: Watched<'a>, limited: bool) -> Option<Self> {
-        let Watched { scene, method, start, step, .. } = watched;
+    pub fn of(monitored: Monitored<'a>, limited: bool) -> Option<Self> {
+        let Monitored { scene, method, start, step, .. } = monitored;
         if !limited || start.step == 0.0 {
             return None;
         }
@@ -95,8 +95,8 @@ impl<'a> Stiffening<'a> {
         let ratio = known.then(|| start.step / at_start);
         // The start itself is spoken of before the run.
         let warned = step > start.step;
-        Some(Stiffening {
-            watched,
+        Some(CriticalStepMonitor {
+            monitored,
             every,
             next: 1,
             kinetic: 0.0,
@@ -111,8 +111,8 @@ impl<'a> Stiffening<'a> {
     }
 
     /// [s] the least critical step seen after the start, where it is clearly below that at the start.
-    pub fn least(&self) -> Option<Least> {
-        self.least.filter(|least| least.step < FALLEN * self.watched.start.step)
+    pub fn least(&self) -> Option<LeastStep> {
+        self.least.filter(|least| least.step < FALLEN * self.monitored.start.step)
     }
 
     /// After a step, with its end and its size [s] where the end can be seen.
@@ -132,14 +132,14 @@ impl<'a> Stiffening<'a> {
     }
 
     fn look(&mut self, at: StateRef<'_>, h: f64) {
-        let now = step_by_bounds(self.watched.scene, at, &mut self.room);
+        let now = step_by_bounds(self.monitored.scene, at, &mut self.room);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
             self.asked += 1;
             self.ask_below = FALLEN * now;
-            let effort = Effort { stop: self.watched.stop, ..Effort::START };
-            let mut spectrum = Spectrum::with(self.watched.scene, at, effort);
-            let found = spectrum.critical_step(self.watched.method);
+            let effort = Effort { stop: self.monitored.stop, ..Effort::START };
+            let mut spectrum = Spectrum::with(self.monitored.scene, at, effort);
+            let found = spectrum.critical_step(self.monitored.method);
             if spectrum.stopped() {
                 return;
             }
@@ -158,19 +158,14 @@ impl<'a> Stiffening<'a> {
 
     fn remember(&mut self, t: f64, step: f64) {
         if self.least.is_none_or(|least| step < least.step) {
-            self.least = Some(Least { t, step });
+            self.least = Some(LeastStep { t, step });
         }
     }
 
     fn warn(&self, t: f64, h: f64, found: CriticalStep) {
-        let Watched { scene, method, quiet, .. } = self.watched;
-        if quiet {
-            return;
-        }
-        // Over what is left of a progress line.
-        let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
-        complain(&format!(
-            "{clear}warning: at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
+        let Monitored { scene, method, tell, .. } = self.monitored;
+        tell(&format!(
+            "at t = {} s the critical step of {} has fallen to about {} s ({}; set around {}), below the step of {} s; \
              expect it to diverge: {} [{}]",
             figures(t, 4),
             method.info.name,
@@ -184,9 +179,9 @@ impl<'a> Stiffening<'a> {
     }
 }
 
-impl Observer for Stiffening<'_> {
+impl Observer for CriticalStepMonitor<'_> {
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.look(at.state.as_ref(), self.watched.step);
+        self.look(at.state.as_ref(), self.monitored.step);
         Ok(())
     }
 
