@@ -27,8 +27,8 @@
 //!    states, what its [`TermInfo`] says with its forces, copies of it in several blocks with one alone, and steps made
 //!    several at once with steps one by one.
 //!
-//! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars by
-//! [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
+//! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars
+//! by [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
 //! assembler relies on it to know every block's slot in advance.

@@ -21,8 +21,8 @@
 //! carries one kept factor and one first guess from step to step, and `check` counts one solve a step where it does not
 //! try.
 //!
-//! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of its
-//! own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
+//! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
+//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
 //!
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 
