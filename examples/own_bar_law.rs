@@ -1,5 +1,4 @@
-//! A law of bars of the program's own: T = k (l - l0)^3, with implicit Newmark. The energy gives the speed at rest
-//! length.
+//! A law of bars of the program's own: T = k (l - l0)^3, with implicit Newmark. Energy gives speed by elongation.
 //!
 //! ```text
 //! cargo run --release --example own_bar_law

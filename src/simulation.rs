@@ -2,8 +2,8 @@
 //!
 //! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says
 //! by which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
-//! mesh; units are SI. What a program adds of its own: a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
-//! ([`crate::integrate`]), an observer ([`Observer`]); `examples/` has one of each.
+//! mesh; units are SI. A program can add a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
+//! ([`crate::integrate`]) and an observer ([`Observer`]) of its own; `examples/` has one of each.
 //!
 //! ```
 //! use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
@@ -26,6 +26,7 @@ mod state;
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::NodalForce;
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
+pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
@@ -318,7 +319,7 @@ impl Simulation {
                     false => o.resumed(&run.state.from, run.state.row)?,
                 }
             }
-            run.to_its_end(stepper, observers)
+            run.finish(stepper, observers)
         })?
         .map_err(Into::into)
     }

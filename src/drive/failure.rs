@@ -44,7 +44,7 @@ pub struct Failure {
 }
 
 /// Where a run stood when a step failed.
-pub(super) struct Scenery<'a> {
+pub(super) struct FailureContext<'a> {
     pub scene: &'a dyn Scene,
     pub method: &'a MethodChoice,
     /// last good point
@@ -63,7 +63,7 @@ pub(super) struct Scenery<'a> {
 }
 
 /// The state that is wrong, and its account.
-pub(super) struct Wreck<'a> {
+pub(super) struct DivergedState<'a> {
     pub trouble: Trouble,
     pub to: &'a Point,
     pub before: LedgerRow,
@@ -71,11 +71,11 @@ pub(super) struct Wreck<'a> {
     pub gain: Gain,
 }
 
-impl Scenery<'_> {
+impl FailureContext<'_> {
     /// A state that cannot be right.
-    pub(super) fn diverged(&self, wreck: &Wreck<'_>) -> Failure {
-        let mut worst = self.worst_dof(wreck.to);
-        let fullest = self.fullest_spring(wreck);
+    pub(super) fn diverged(&self, diverged: &DivergedState<'_>) -> Failure {
+        let mut worst = self.worst_dof(diverged.to);
+        let fullest = self.fullest_spring(diverged);
         if let Some((_, dof)) = fullest {
             worst = dof;
         }
@@ -83,9 +83,9 @@ impl Scenery<'_> {
         if let Some((spring, _)) = fullest {
             suspect.spring = Some(spring);
         }
-        let how = self.how(wreck, worst, &suspect);
+        let how = self.how(diverged, worst, &suspect);
         let looked_for = self.explain != Explain::Nothing;
-        let answer = match wreck.trouble {
+        let answer = match diverged.trouble {
             _ if !looked_for => Answer::default(),
             // Less than everything that was supplied: the motion is real.
             Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
@@ -96,9 +96,9 @@ impl Scenery<'_> {
             "" => format!("{how}; no limit of the step is seen in the tangent"),
             why => format!("{how}; {why}"),
         };
-        let triangle = self.fastest_triangle(wreck.to, &suspect);
+        let triangle = self.fastest_triangle(diverged.to, &suspect);
         let failure = self.report(suspect, cause, answer.advice);
-        let (grew, growth) = (Some(self.grew(wreck)), wreck.gain.growth);
+        let (grew, growth) = (Some(self.grew(diverged)), diverged.gain.growth);
         Failure { triangle, grew, growth, critical_step: answer.critical, ..failure }
     }
 
@@ -173,14 +173,14 @@ impl Scenery<'_> {
         Failure { time: self.t, step: self.step, node, spring, term, cause, advice, ..Failure::default() }
     }
 
-    fn how(&self, wreck: &Wreck<'_>, worst: usize, suspect: &Suspect) -> String {
+    fn how(&self, diverged: &DivergedState<'_>, worst: usize, suspect: &Suspect) -> String {
         let grows = |gain: Gain| match gain.growth {
             Some(growth) if growth > 1.0 => {
                 format!("; what the scheme makes grew {}-fold in this step", figures(growth, 3))
             }
             _ => String::new(),
         };
-        match wreck.trouble {
+        match diverged.trouble {
             Trouble::NotFinite => "a value is not finite".to_owned(),
             Trouble::Spread { times, .. } => format!("the nodes have spread beyond {times:.0e} times the scene's size"),
             Trouble::Gain(gain) => format!(
@@ -188,23 +188,23 @@ impl Scenery<'_> {
                 self.method.info.name,
                 figures(gain.made, 3),
                 figures(gain.supplied, 3),
-                self.speed(wreck, worst, gain),
+                self.speed(diverged, worst, gain),
                 grows(gain)
             ),
             Trouble::Strain { elastic, gain } => format!(
                 "the springs hold {} J, where {} J were there or were put in{}{}",
                 figures(elastic, 3),
                 figures(gain.supplied, 3),
-                self.strain(wreck, suspect),
+                self.strain(diverged, suspect),
                 grows(gain)
             ),
         }
     }
 
     /// A speed that all energy there is could not give.
-    fn speed(&self, wreck: &Wreck<'_>, worst: usize, gain: Gain) -> String {
+    fn speed(&self, diverged: &DivergedState<'_>, worst: usize, gain: Gain) -> String {
         let inverse = self.scene.inverse_mass().get(worst).copied().unwrap_or(0.0);
-        let speed = wreck.to.state.v.get(worst).map_or(0.0, |v| v.abs());
+        let speed = diverged.to.state.v.get(worst).map_or(0.0, |v| v.abs());
         let possible = (2.0 * gain.supplied * inverse).sqrt();
         if !(possible > 0.0 && speed > possible && speed.is_finite()) {
             return String::new();
@@ -219,11 +219,11 @@ impl Scenery<'_> {
     }
 
     /// The spring with the most energy where the springs are at fault, and a degree of freedom at its end.
-    fn fullest_spring(&self, wreck: &Wreck<'_>) -> Option<(u32, usize)> {
-        let Trouble::Strain { .. } = wreck.trouble else { return None };
+    fn fullest_spring(&self, diverged: &DivergedState<'_>) -> Option<(u32, usize)> {
+        let Trouble::Strain { .. } = diverged.trouble else { return None };
         let (scene, reference) = (self.scene, self.scene.reference());
         let (mut tension, mut strain) = (vec![0.0; scene.edges().len()], vec![0.0; scene.edges().len()]);
-        scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        scene.edge_tension(diverged.to.state.as_ref(), &mut tension, &mut strain);
         let length = |[a, b]: [u32; 2]| -> Option<f64> {
             let (a, b) = (reference.get(a as usize)?, reference.get(b as usize)?);
             Some(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt())
@@ -242,10 +242,10 @@ impl Scenery<'_> {
     }
 
     /// The strain of the suspected spring in the state that is wrong.
-    fn strain(&self, wreck: &Wreck<'_>, suspect: &Suspect) -> String {
+    fn strain(&self, diverged: &DivergedState<'_>, suspect: &Suspect) -> String {
         let n = self.scene.edges().len();
         let (mut tension, mut strain) = (vec![0.0; n], vec![0.0; n]);
-        self.scene.edge_tension(wreck.to.state.as_ref(), &mut tension, &mut strain);
+        self.scene.edge_tension(diverged.to.state.as_ref(), &mut tension, &mut strain);
         let of = |spring: u32| strain.get(spring as usize).map(|strain| (spring, *strain));
         let strained = suspect.spring.and_then(of).filter(|(_, strain)| strain.is_finite());
         strained.map_or(String::new(), |(spring, strain)| {
@@ -254,13 +254,13 @@ impl Scenery<'_> {
     }
 
     /// What changed most in energy in the step; the first that is not finite.
-    fn grew(&self, wreck: &Wreck<'_>) -> String {
-        let changes = self.scene.terms().iter().zip(&self.from.forces.tallies).zip(&wreck.to.forces.tallies);
+    fn grew(&self, diverged: &DivergedState<'_>) -> String {
+        let changes = self.scene.terms().iter().zip(&self.from.forces.tallies).zip(&diverged.to.forces.tallies);
         let changes = changes.map(|((term, from), to)| match term.role {
             Role::Elastic | Role::Gravity => (term.name, (to.energy - from.energy).abs()),
             Role::External | Role::Dissipative => (term.name, (to.power * self.h).abs()),
         });
-        let inertia = ("inertia", (wreck.after.kinetic - wreck.before.kinetic).abs());
+        let inertia = ("inertia", (diverged.after.kinetic - diverged.before.kinetic).abs());
         let size = |change: f64| if change.is_finite() { change } else { f64::INFINITY };
         let largest = changes.fold(inertia, |most, next| if size(next.1) > size(most.1) { next } else { most });
         largest.0.to_owned()

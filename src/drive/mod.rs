@@ -13,9 +13,9 @@ pub mod ledger;
 pub mod max_displacement;
 pub mod observer;
 mod outcome;
-mod pace;
 mod run;
 pub mod snapshot;
+mod step_policy;
 pub mod watch;
 
 pub use error::RunError;

@@ -1,10 +1,10 @@
 //! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go
 //! (`step_block`).
 
+mod accept;
 mod attempt;
 mod reach;
 mod step_block;
-mod take;
 
 use super::clock::Tick;
 use super::error::RunError;
@@ -12,8 +12,8 @@ use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::{LedgerRow, Observer, Occasion, Resumable};
 use super::outcome::{Outcome, RunSpec, Status};
-use super::pace::Pace;
 use super::snapshot::Snapshot;
+use super::step_policy::StepPolicy;
 use super::watch::Watch;
 use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
@@ -59,7 +59,7 @@ pub fn run_from(
     for o in observers.iter_mut() {
         o.started(&state.from, state.row)?;
     }
-    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.to_its_end(stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
 }
 
 /// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a
@@ -79,12 +79,12 @@ pub fn resume(
     for o in observers.iter_mut() {
         o.resumed(&state.from, state.row)?;
     }
-    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.to_its_end(stepper, observers)
+    Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
 }
 
 impl Run<'_> {
     /// Makes all steps that are left.
-    pub(crate) fn to_its_end(
+    pub(crate) fn finish(
         &mut self,
         stepper: &mut Stepper<'_>,
         observers: &mut [&mut dyn Observer],
@@ -127,7 +127,7 @@ impl Run<'_> {
 
     /// The next step, or the next to try; `None` at the end.
     pub(crate) fn next(&self) -> Option<Tick> {
-        self.state.pace.next(self.state.steps, self.state.from.state.t)
+        self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
     /// Whether a scene of this extent [m] has left its place.
@@ -148,7 +148,7 @@ pub(crate) struct Run<'a> {
 /// Where a run stands. After a step `from` is the accepted point and `to` the one before it. It borrows nothing, so it
 /// can be kept beside the scene and the scheme it belongs to.
 pub(crate) struct RunState {
-    pace: Pace,
+    policy: StepPolicy,
     pub from: Point,
     pub to: Point,
     pub counters: Counters,
@@ -169,7 +169,7 @@ pub(crate) struct RunState {
 /// What a run begins with.
 struct Begun {
     from: Point,
-    pace: Pace,
+    policy: StepPolicy,
     ledger: Ledger,
     watch: Watch,
     row: LedgerRow,
@@ -195,8 +195,8 @@ impl RunState {
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
-        let pace = Pace::of(scene, stepper, spec, None);
-        Ok(RunState { counters, ..RunState::at(scene, Begun { from, pace, ledger, watch, row }) })
+        let policy = StepPolicy::of(scene, stepper, spec, None);
+        Ok(RunState { counters, ..RunState::at(scene, Begun { from, policy, ledger, watch, row }) })
     }
 
     /// Where a snapshot was taken. Starts the scheme.
@@ -217,21 +217,21 @@ impl RunState {
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
-        let pace = Pace::of(scene, stepper, spec, adaptive);
+        let policy = StepPolicy::of(scene, stepper, spec, adaptive);
         Ok(RunState {
             counters,
             steps,
             failure,
             doubt,
-            ..RunState::at(scene, Begun { from, pace, ledger, watch, row })
+            ..RunState::at(scene, Begun { from, policy, ledger, watch, row })
         })
     }
 
     /// Before its first step.
-    fn at(scene: &dyn Scene, Begun { from, pace, ledger, watch, row }: Begun) -> Self {
+    fn at(scene: &dyn Scene, Begun { from, policy, ledger, watch, row }: Begun) -> Self {
         let size = scene.size();
         RunState {
-            pace,
+            policy,
             to: from.clone(),
             from,
             counters: Counters::default(),
@@ -254,7 +254,7 @@ impl RunState {
         let RunState { from: at, row, counters, ledger, failure, doubt, steps, .. } = self;
         let (row, counters, failure, doubt) = (*row, *counters, failure.as_ref(), doubt.as_ref());
         let watch = self.watch.account();
-        let adaptive = self.pace.state();
+        let adaptive = self.policy.state();
         Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, doubt, stepper, adaptive }
     }
 
@@ -274,7 +274,7 @@ impl RunState {
         Outcome {
             status,
             steps: self.steps,
-            rejected_steps: self.pace.state().map_or(0, |state| state.rejected),
+            rejected_steps: self.policy.state().map_or(0, |state| state.rejected),
             t_end: self.from.state.t,
             counters: self.counters,
             account_passes: self.account_passes,

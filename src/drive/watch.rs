@@ -3,7 +3,7 @@
 //! ```text
 //! supplied = kinetic + elastic at t = 0, and the most that gravity and external work have put in since
 //! made     = how far `numerical` has fallen below its highest value, and work of the wrong sign
-//! push     = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what they give in one step
+//! push     = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
 //! diverged: made > 10 (supplied + push)      or       elastic > 10 supplied
 //! ```
 //! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged:
@@ -120,7 +120,7 @@ pub struct Watched<'a> {
 
 /// What the watch says of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sight {
+pub enum WatchReport {
     /// nothing to say
     Calm,
     /// the scheme has made energy; said once
@@ -196,7 +196,7 @@ impl Watch {
     }
 
     /// Accounts for a step whose account is finite.
-    pub fn step(&mut self, step: Watched<'_>) -> Sight {
+    pub fn step(&mut self, step: Watched<'_>) -> WatchReport {
         let calm = self.enter(step);
         self.judge(step, calm)
     }
@@ -275,26 +275,26 @@ impl Watch {
             && row.elastic <= CREDIBLE * gain.supplied + rounding
     }
 
-    fn judge(&mut self, step: Watched<'_>, calm: bool) -> Sight {
+    fn judge(&mut self, step: Watched<'_>, calm: bool) -> WatchReport {
         if self.is_calm(step.after) {
-            return Sight::Calm;
+            return WatchReport::Calm;
         }
         let (gain, elastic) = (self.gain(), step.after.elastic);
         let Bounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
         // A scheme whose account lags behind a load that has just come on has not booked its work yet.
         if elastic > DIVERGED * (gain.supplied + self.account.late_push) + rounding {
-            return Sight::Trouble(Trouble::Strain { elastic, gain });
+            return WatchReport::Trouble(Trouble::Strain { elastic, gain });
         }
         if gain.made > impossible + rounding {
             let explained = calm && self.pushed(step, gain, rounding);
-            return if explained { Sight::Calm } else { Sight::Trouble(Trouble::Gain(gain)) };
+            return if explained { WatchReport::Calm } else { WatchReport::Trouble(Trouble::Gain(gain)) };
         }
         if gain.made > doubtful + rounding && !self.account.doubted {
             self.account.doubted = true;
-            return Sight::Doubt(gain);
+            return WatchReport::Doubt(gain);
         }
-        Sight::Calm
+        WatchReport::Calm
     }
 
     /// Whether a load that has just come on explains a gain, as the loads at the start do.

@@ -7,6 +7,15 @@ use crate::integrate::Counters;
 use crate::scene::{ExternalForces, Scene};
 use serde::{Deserialize, Serialize};
 
+/// Where nodes are and how they move, in the numbering of the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeMotion {
+    /// [m] `[n_nodes][3]`
+    pub positions: Vec<[f64; 3]>,
+    /// [m/s] `[n_nodes][3]`
+    pub velocities: Vec<[f64; 3]>,
+}
+
 /// What [`Simulation::snapshot`] writes.
 #[derive(Serialize, Deserialize)]
 struct Saved {
@@ -48,16 +57,16 @@ impl Simulation {
 
     /// [m] Positions, `[n_nodes][3]`. A copy.
     pub fn positions(&self) -> Vec<[f64; 3]> {
-        self.nodes(&self.state.from).0
+        self.nodes(&self.state.from).positions
     }
 
     /// [m/s] Velocities, `[n_nodes][3]`. A copy.
     pub fn velocities(&self) -> Vec<[f64; 3]> {
-        self.nodes(&self.state.from).1
+        self.nodes(&self.state.from).velocities
     }
 
-    /// [m], [m/s] Positions and velocities at the end of the attempted step, each `[n_nodes][3]`; `None` without one.
-    pub fn attempted(&self) -> Option<(Vec<[f64; 3]>, Vec<[f64; 3]>)> {
+    /// Positions and velocities at the end of the attempted step; `None` without one.
+    pub fn attempted(&self) -> Option<NodeMotion> {
         self.pending.as_ref().map(|pending| match pending {
             super::Pending::Fixed(_) => self.nodes(&self.state.to),
             super::Pending::Adaptive(_) => self.nodes(&self.state.from),
@@ -97,11 +106,11 @@ impl Simulation {
         self.scene.clone()
     }
 
-    fn nodes(&self, at: &Point) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    fn nodes(&self, at: &Point) -> NodeMotion {
         let n = self.node_count();
-        let (mut x, mut v) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-        self.scene.trace(at.state.as_ref(), &mut x, &mut v);
-        (x, v)
+        let mut nodes = NodeMotion { positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n] };
+        self.scene.trace(at.state.as_ref(), &mut nodes.positions, &mut nodes.velocities);
+        nodes
     }
 
     fn check(&self, what: &'static str, rows: &[[f64; 3]]) -> Result<(), SimulationError> {

@@ -107,12 +107,12 @@ fn attempts_are_accepted_or_dropped() {
     for (mut sim, mut stepped) in all().into_iter().zip(all()) {
         for _ in 0..5 {
             sim.attempt().expect("it is made");
-            let (tried, _) = sim.attempted().expect("it waits");
+            let tried = sim.attempted().expect("it waits");
             assert!(matches!(sim.step(), Err(SimulationError::Attempt { pending: true })));
             sim.drop_attempt().expect("it waits");
             assert_eq!(sim.positions(), stepped.positions());
             sim.attempt().expect("it is made");
-            assert_eq!(sim.attempted().expect("it waits").0, tried);
+            assert_eq!(sim.attempted().expect("it waits"), tried);
             sim.accept().expect("it waits");
             stepped.step().expect("it goes on");
             assert_same(&sim, &stepped);

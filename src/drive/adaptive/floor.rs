@@ -2,9 +2,9 @@
 
 use super::estimate::Deviation;
 use super::progress::STEPS;
-use crate::drive::failure::{Failure, Scenery};
+use crate::drive::failure::{Failure, FailureContext};
 
-impl Scenery<'_> {
+impl FailureContext<'_> {
     /// The error of the step that was tried stays above the tolerance down to the smallest step, `floor` [s].
     pub(in crate::drive) fn at_the_floor(&self, worst: Deviation, floor: f64) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst.dof);

@@ -4,8 +4,8 @@ use super::super::adaptive::{Bench, Dropped, Kept};
 use super::super::clock::Tick;
 use super::super::observer::Observer;
 use super::super::outcome::Status;
-use super::super::pace::Pace;
-use super::take::{Part, Taken};
+use super::super::step_policy::StepPolicy;
+use super::accept::{Accepted, StepPart};
 use super::{Run, RunError};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
@@ -22,9 +22,9 @@ impl Run<'_> {
             if self.stop.asked() {
                 return Ok(Ok(()));
             }
-            let kept = match &mut self.state.pace {
-                Pace::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
-                Pace::Adaptive(_) => match self.adaptive_step(stepper) {
+            let kept = match &mut self.state.policy {
+                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
+                StepPolicy::Adaptive(_) => match self.adaptive_step(stepper) {
                     Ok(Some(kept)) => Ok(kept),
                     Ok(None) => continue,
                     Err(stopped) => Err(stopped),
@@ -32,23 +32,25 @@ impl Run<'_> {
             };
             return match kept {
                 Err(stopped) => Ok(Err(stopped)),
-                Ok(Kept::Single(report)) => match self.take(stepper, Part::Last, &report, observers)? {
-                    Ok(Taken::Back) => continue,
-                    Ok(Taken::Over) => Ok(Ok(())),
+                Ok(Kept::Single(report)) => match self.accept_step(stepper, StepPart::Last, &report, observers)? {
+                    Ok(Accepted::Back) => continue,
+                    Ok(Accepted::Over) => Ok(Ok(())),
                     Err(stopped) => Ok(Err(stopped)),
                 },
-                Ok(Kept::Halves([first, second])) => match self.take(stepper, Part::First, &first, observers)? {
-                    Ok(Taken::Back) => continue,
-                    Ok(Taken::Over) => {
-                        if let Pace::Adaptive(pace) = &mut self.state.pace
-                            && let Some(end) = pace.second()
-                        {
-                            std::mem::swap(&mut self.state.to, end);
+                Ok(Kept::Halves([first, second])) => {
+                    match self.accept_step(stepper, StepPart::First, &first, observers)? {
+                        Ok(Accepted::Back) => continue,
+                        Ok(Accepted::Over) => {
+                            if let StepPolicy::Adaptive(policy) = &mut self.state.policy
+                                && let Some(end) = policy.second()
+                            {
+                                std::mem::swap(&mut self.state.to, end);
+                            }
+                            Ok(self.accept_step(stepper, StepPart::Last, &second, observers)?.map(|_| ()))
                         }
-                        Ok(self.take(stepper, Part::Last, &second, observers)?.map(|_| ()))
+                        Err(stopped) => Ok(Err(stopped)),
                     }
-                    Err(stopped) => Ok(Err(stopped)),
-                },
+                }
             };
         }
         Ok(Ok(()))
@@ -59,7 +61,7 @@ impl Run<'_> {
         let report = match stepper.attempt(attempt, &mut self.state.to, &mut self.state.counters) {
             Ok(report) => report,
             Err(error) => {
-                self.state.failure = Some(self.scenery(tick).not_converged(&error, worst_of(&error, stepper)));
+                self.state.failure = Some(self.context(tick).not_converged(&error, worst_of(&error, stepper)));
                 return Err(Status::NotConverged);
             }
         };
@@ -73,28 +75,28 @@ impl Run<'_> {
 
     /// One attempt; `None` when it is dropped and a smaller one is left to try.
     fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
-        let Pace::Adaptive(pace) = &mut self.state.pace else { return Ok(None) };
+        let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
         let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
-        pace.begin(&mut bench, &self.state.from, &mut self.state.to);
-        let Some(trial) = pace.next(self.state.from.state.t) else { return Ok(None) };
-        let dropped = match pace.attempt(bench, trial, &self.state.from, &mut self.state.to) {
-            Ok(kept) => match pace.stalls(trial.t) {
+        policy.begin(&mut bench, &self.state.from, &mut self.state.to);
+        let Some(trial) = policy.next(self.state.from.state.t) else { return Ok(None) };
+        let dropped = match policy.attempt(bench, trial, &self.state.from, &mut self.state.to) {
+            Ok(kept) => match policy.stalls(trial.t) {
                 None => return Ok(Some(kept)),
                 Some(gone) => {
-                    self.state.failure = Some(self.scenery(Tick { h: trial.h, t: trial.t }).without_progress(gone));
+                    self.state.failure = Some(self.context(Tick { h: trial.h, t: trial.t }).without_progress(gone));
                     return Err(Status::NotConverged);
                 }
             },
             Err(dropped) => dropped,
         };
-        let floor = pace.floor(self.state.from.state.t);
-        if pace.next(self.state.from.state.t).is_some_and(|next| next.h >= floor) {
+        let floor = policy.floor(self.state.from.state.t);
+        if policy.next(self.state.from.state.t).is_some_and(|next| next.h >= floor) {
             return Ok(None);
         }
-        let scenery = self.scenery(Tick { h: trial.h, t: trial.t });
+        let context = self.context(Tick { h: trial.h, t: trial.t });
         self.state.failure = Some(match &dropped {
-            Dropped::Error(worst) => scenery.at_the_floor(*worst, floor),
-            Dropped::Unsolved(error) => scenery.not_converged(error, worst_of(error, stepper)),
+            Dropped::Error(worst) => context.at_the_floor(*worst, floor),
+            Dropped::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
         });
         Err(Status::NotConverged)
     }

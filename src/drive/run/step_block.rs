@@ -6,7 +6,7 @@
 
 use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
 use super::super::watch::{Watched, power_of};
-use super::{Pace, Run, RunError};
+use super::{Run, RunError, StepPolicy};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::stride::{LONGEST, Passed};
 
@@ -36,8 +36,8 @@ impl Run<'_> {
         if self.state.steps < self.state.blocks.not_before || self.state.failure.is_some() {
             return Ok(false);
         }
-        let h = match &self.state.pace {
-            Pace::Fixed(clock) if self.scene.longest_stride() > 1 => clock.tick(self.state.steps + 1).h,
+        let h = match &self.state.policy {
+            StepPolicy::Fixed(clock) if self.scene.longest_stride() > 1 => clock.tick(self.state.steps + 1).h,
             _ => {
                 self.state.blocks.not_before = u64::MAX;
                 return Ok(false);
@@ -74,7 +74,7 @@ impl Run<'_> {
     /// resumed before it. Says of each step what its summary is to hold.
     fn coming(&self, observers: &[&mut dyn Observer], summaries: &mut [Passed]) -> ([UpcomingStep; LONGEST], usize) {
         let mut coming = [UpcomingStep::default(); LONGEST];
-        let Pace::Fixed(clock) = &self.state.pace else { return (coming, 0) };
+        let StepPolicy::Fixed(clock) = &self.state.policy else { return (coming, 0) };
         let longest = self.scene.longest_stride().min(LONGEST);
         let left = clock.count().saturating_sub(self.state.steps + 1).min(longest as u64) as usize;
         let mut from = self.state.from.state.t;

@@ -1,11 +1,11 @@
 //! What becomes of a step that was made: it is accounted for, looked at, and shown.
 
 use super::super::clock::Tick;
-use super::super::failure::{Scenery, Wreck};
+use super::super::failure::{DivergedState, FailureContext};
 use super::super::observer::{AcceptedStep, LedgerRow, Observer};
 use super::super::outcome::{RunSpec, Status};
-use super::super::pace::Pace;
-use super::super::watch::{Sight, Trouble, Watched, power_of};
+use super::super::step_policy::StepPolicy;
+use super::super::watch::{Trouble, WatchReport, Watched, power_of};
 use super::{BLOW_UP, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::Stepper;
@@ -13,27 +13,27 @@ use crate::integrate::stepper::Stepper;
 /// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half,
 /// which it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum StepPart {
     First,
     Last,
 }
 
 /// Whether the state is the new one, or an adaptive step was taken back because it cannot be right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Taken {
+pub(super) enum Accepted {
     Over,
     Back,
 }
 
 impl Run<'_> {
     /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places.
-    pub(super) fn take(
+    pub(super) fn accept_step(
         &mut self,
         stepper: &mut Stepper<'_>,
-        part: Part,
+        part: StepPart,
         report: &StepReport,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Result<Taken, Status>, RunError> {
+    ) -> Result<Result<Accepted, Status>, RunError> {
         let tick = Tick { h: self.state.to.state.t - self.state.from.state.t, t: self.state.to.state.t };
         let before = (self.state.ledger, self.state.watch);
         let (row, by_stages) =
@@ -41,18 +41,18 @@ impl Run<'_> {
         let finite = row.is_finite() && self.scene.workers().all_finite(&self.state.to.forces.total);
         let left = !finite || self.has_left(self.scene.extent(self.state.to.state.as_ref()));
         match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
-            Sight::Calm => {}
-            Sight::Doubt(gain) => {
-                self.state.new_doubt = Some(self.scenery(tick).doubt(gain));
+            WatchReport::Calm => {}
+            WatchReport::Doubt(gain) => {
+                self.state.new_doubt = Some(self.context(tick).doubt(gain));
             }
-            Sight::Trouble(trouble) => {
-                let adaptive = matches!(self.state.pace, Pace::Adaptive(_));
-                if let Pace::Adaptive(pace) = &mut self.state.pace
-                    && tick.h > 10.0 * pace.floor(self.state.from.state.t)
+            WatchReport::Trouble(trouble) => {
+                let adaptive = matches!(self.state.policy, StepPolicy::Adaptive(_));
+                if let StepPolicy::Adaptive(policy) = &mut self.state.policy
+                    && tick.h > 10.0 * policy.floor(self.state.from.state.t)
                 {
                     (self.state.ledger, self.state.watch) = before;
-                    pace.take_back(tick.h, (part == Part::First).then_some(stepper))?;
-                    return Ok(Ok(Taken::Back));
+                    policy.take_back(tick.h, (part == StepPart::First).then_some(stepper))?;
+                    return Ok(Ok(Accepted::Back));
                 }
                 self.diverged(tick, trouble, row, left);
                 if !finite || !self.spec.keep_going || adaptive {
@@ -63,7 +63,7 @@ impl Run<'_> {
         }
         let credible = self.state.watch.credible(&self.state.to, &row, self.state.steps + 1)
             && self.state.reach.holds(&self.state.from.state, &self.state.to.state, row.kinetic);
-        if part == Part::Last {
+        if part == StepPart::Last {
             stepper.accept();
         }
         std::mem::swap(&mut self.state.from, &mut self.state.to);
@@ -89,7 +89,7 @@ impl Run<'_> {
             }
         }
         self.state.doubt = doubt.or(self.state.doubt.take());
-        Ok(Ok(Taken::Over))
+        Ok(Ok(Accepted::Over))
     }
 
     /// Takes a step of a fixed size that was attempted.
@@ -98,42 +98,50 @@ impl Run<'_> {
         stepper: &mut Stepper<'_>,
         report: &StepReport,
     ) -> Result<Result<(), Status>, RunError> {
-        Ok(self.take(stepper, Part::Last, report, &mut [])?.map(|_| ()))
+        Ok(self.accept_step(stepper, StepPart::Last, report, &mut [])?.map(|_| ()))
     }
 
     /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
-    fn look(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> Sight {
+    fn look(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> WatchReport {
         if left == Some(false) {
-            return Sight::Trouble(Trouble::NotFinite);
+            return WatchReport::Trouble(Trouble::NotFinite);
         }
         let (scene, from, to, before) = (self.scene, &self.state.from, &self.state.to, &self.state.row);
         let (step, power) = (self.state.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
-        let sight =
-            self.state.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
-        match (sight, left) {
-            (Sight::Calm | Sight::Doubt(_), Some(_)) => {
+        let seen = self.state.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
+        match (seen, left) {
+            (WatchReport::Calm | WatchReport::Doubt(_), Some(_)) => {
                 let share = self.state.watch.share(to, after, step);
-                Sight::Trouble(Trouble::Spread { times: BLOW_UP, share, error: self.state.ledger.energy_error(step) })
+                WatchReport::Trouble(Trouble::Spread {
+                    times: BLOW_UP,
+                    share,
+                    error: self.state.ledger.energy_error(step),
+                })
             }
-            _ => sight,
+            _ => seen,
         }
     }
 
     fn diverged(&mut self, tick: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
         if self.state.failure.is_none() {
-            let wreck =
-                Wreck { trouble, to: &self.state.to, before: self.state.row, after, gain: self.state.watch.gain() };
-            self.state.failure = Some(self.scenery(tick).diverged(&wreck));
+            let diverged = DivergedState {
+                trouble,
+                to: &self.state.to,
+                before: self.state.row,
+                after,
+                gain: self.state.watch.gain(),
+            };
+            self.state.failure = Some(self.context(tick).diverged(&diverged));
         }
         if let Some(failure) = self.state.failure.as_mut().filter(|_| left) {
             failure.blow_up_time.get_or_insert(tick.t);
         }
     }
 
-    pub(super) fn scenery(&self, Tick { h, t }: Tick) -> Scenery<'_> {
+    pub(super) fn context(&self, Tick { h, t }: Tick) -> FailureContext<'_> {
         let &Run { scene, spec, stop, .. } = self;
         let from = &self.state.from;
         let RunSpec { method, end, explain, interrupt, .. } = spec;
-        Scenery { scene, method, from, step: self.state.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
+        FailureContext { scene, method, from, step: self.state.steps + 1, h, t, end, explain, stop: stop.or(interrupt) }
     }
 }

@@ -8,23 +8,23 @@ use crate::integrate::stepper::Stepper;
 use crate::scene::Scene;
 
 /// Steps of one size, or of the size a tolerance allows.
-pub(super) enum Pace {
+pub(super) enum StepPolicy {
     Fixed(FixedSteps),
     Adaptive(Box<Adaptive>),
 }
 
-impl Pace {
+impl StepPolicy {
     /// From t = 0, or from where adaptive steps of an earlier run stood.
     pub fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
         match spec.step {
-            Step::Fixed(step) => Pace::Fixed(FixedSteps::new(step, spec.end)),
+            Step::Fixed(step) => StepPolicy::Fixed(FixedSteps::new(step, spec.end)),
             Step::Adaptive(tolerance) => {
                 // Kang's filter is a drag on slow motion too.
                 let coherent = spec.method.info.family == Family::MatrixFree;
                 let frames_every = spec.frames_every.filter(|_| stepper.pair().is_some());
                 let order = spec.method.order();
                 let made = AdaptiveSpec { end: spec.end, frames_every, tolerance, order, coherent };
-                Pace::Adaptive(Box::new(match state {
+                StepPolicy::Adaptive(Box::new(match state {
                     Some(state) => Adaptive::restore(scene, made, state),
                     None => Adaptive::new(scene, made),
                 }))
@@ -35,16 +35,16 @@ impl Pace {
     /// The step after `steps` accepted ones, or the next to try from `t` [s]; `None` at the end.
     pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
         match self {
-            Pace::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
-            Pace::Adaptive(pace) => pace.next(t).map(|Trial { h, t, .. }| Tick { h, t }),
+            StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
+            StepPolicy::Adaptive(policy) => policy.next(t).map(|Trial { h, t, .. }| Tick { h, t }),
         }
     }
 
     /// What adaptive steps carry over.
     pub fn state(&self) -> Option<&AdaptiveState> {
         match self {
-            Pace::Fixed(_) => None,
-            Pace::Adaptive(pace) => Some(pace.state()),
+            StepPolicy::Fixed(_) => None,
+            StepPolicy::Adaptive(policy) => Some(policy.state()),
         }
     }
 }
