@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What the integration cost, output included, set-up not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
-    /// [s] processor time, all threads; `None` where the system does not tell
+    /// [s] processor time, all threads; `None` where the system does not say
     pub cpu: Option<f64>,
     /// time on the clock
     pub wall: Duration,
@@ -39,7 +39,7 @@ impl Stopwatch {
     }
 }
 
-/// [s] processor time of all threads of this process; `None` where the system does not tell.
+/// [s] processor time of all threads of this process; `None` where the system does not say.
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]
     {
@@ -50,12 +50,12 @@ pub fn cpu_seconds() -> Option<f64> {
     None
 }
 
-/// [byte] largest resident memory so far (`VmHWM` of proc(5)); `None` where the system does not tell.
+/// [byte] largest resident memory so far (`VmHWM` of proc(5)); `None` where the system does not say.
 pub fn peak_memory_bytes() -> Option<u64> {
     status_bytes("VmHWM:")
 }
 
-/// [byte] resident memory now (`VmRSS` of proc(5)); `None` where the system does not tell.
+/// [byte] resident memory now (`VmRSS` of proc(5)); `None` where the system does not say.
 pub fn resident_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }

@@ -215,7 +215,7 @@ fn build_pattern(nodes: Nodes<'_>, pairs: &[(u32, u32)], unknown: &[[u32; 3]], s
 /// fixed or in the upper triangle.
 fn add_slots(pattern: &Pattern, column: &[(u32, u32)], unknown: &[[u32; 3]], blocks: &mut Vec<[u32; 9]>) {
     let columns = unknown[column[0].0 as usize];
-    // The blocks' rows follow each other in a column, so the next free slot of each tells where a block's entries go.
+    // The blocks' rows follow each other in a column, so the next free slot of each is where a block's entries go.
     let mut next = columns.map(|j| if j == FIXED { 0 } else { pattern.col_ptr[j as usize] });
     for &(_, i) in column {
         let mut slots = [pattern.nonzeros() as u32; 9];

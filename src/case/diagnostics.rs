@@ -39,7 +39,7 @@ pub struct Fault {
     pub allowed: String,
     /// what to do about it, if there is more to say
     pub hint: Option<String>,
-    /// where it was written, if that can be told
+    /// where it was written, if that is known
     pub place: Option<Location>,
 }
 
@@ -211,7 +211,7 @@ pub(crate) struct Findings {
     renamed: BTreeMap<String, String>,
 }
 
-/// What is told of the faults of a case.
+/// What is reported of the faults of a case.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reported {
     /// the faults that are shown

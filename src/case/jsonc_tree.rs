@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(tree.range("/a/x/y", FaultTarget::Value), 6..7);
     }
 
-    /// What cannot be read over is told by its place.
+    /// What cannot be read over is reported at its place.
     #[test]
     fn some_text_is_no_json_at_all() {
         for (text, at) in [("{\"a\" 1}", 5), ("[1,,2]", 3), ("{} {}", 3)] {

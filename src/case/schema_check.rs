@@ -152,7 +152,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// A `oneOf` sorted by how its branches are told apart.
+/// A `oneOf` sorted by how its branches differ.
 struct Choice<'a> {
     /// plain words: `"all"`
     words: Vec<&'a str>,
@@ -194,7 +194,7 @@ impl<'a> Choice<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number or a list. Of two kinds of list most of the entries tell which is meant.
+    /// The branch for a number or a list. Of two kinds of list most of the entries decide which is meant.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let number = |branch: &&Value| value.is_number() && kind(branch) == "number";

@@ -9,7 +9,7 @@ use crate::drive::observer::ObserveError;
 use crate::scene::{Scene, place_of};
 use crate::study::forecast::{Candidate, Forecast};
 
-/// Everything that is told.
+/// Everything that `check` finds.
 pub(super) struct Report<'a> {
     pub problem: &'a Problem,
     pub scene: &'a dyn Scene,

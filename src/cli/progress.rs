@@ -16,7 +16,7 @@ const REDRAW: Duration = Duration::from_millis(100);
 const RAREST: u64 = 64;
 /// [-] weight of the newest interval in the smoothed rates
 const NEWEST: f64 = 0.3;
-/// [s] Start-ups longer than this are told phase by phase.
+/// [s] Start-ups longer than this are printed phase by phase.
 pub const LONG_START: f64 = 1.0;
 /// Positions of the bar.
 const TICKS: f64 = 1000.0;

@@ -243,7 +243,7 @@ impl Command<'_> {
             let keys = differences(&plan.case, &case.problem().case_json);
             return Err(other(format!("its case is not {} as given now: {keys}", path.display())));
         }
-        // The files that it names may have changed though it has not. One variant tells: others differ in stiffness
+        // The files that it names may have changed though it has not. One variant is enough: others differ in stiffness
         // only.
         if let Some(variant) = plan.variants.first() {
             let now = fingerprint_of(case.with(&variant.overrides)?.problem())?;
@@ -310,7 +310,7 @@ impl ProgressLine {
     }
 }
 
-/// The arguments as typed; what is not UTF-8 is told as well as it can be.
+/// The arguments as typed; what is not UTF-8 is shown as well as it can be.
 fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }

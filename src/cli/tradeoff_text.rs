@@ -1,4 +1,4 @@
-//! What `canopy-fem tradeoff` tells a person.
+//! What `canopy-fem tradeoff` prints.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

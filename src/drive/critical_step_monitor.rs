@@ -42,7 +42,7 @@ pub struct Monitored<'a> {
     pub start: CriticalStep,
     /// [s] nominal step
     pub step: f64,
-    /// told once, when the critical step falls below the step
+    /// reported once, when the critical step falls below the step
     pub tell: &'a dyn Fn(&str),
     /// ends a search for the critical step
     pub stop: Stop<'a>,
@@ -85,7 +85,7 @@ impl<'a> CriticalStepMonitor<'a> {
             return None;
         }
         let damped = scene.velocity_dependent();
-        // An implicit step is dearer than any number of force passes told for it.
+        // An implicit step is dearer than any number of force passes that are expected of it.
         let [still, moving] = method.info.evaluations;
         let evaluations = if damped { moving } else { still }.max(1);
         let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));

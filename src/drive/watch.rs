@@ -41,7 +41,7 @@ const CREDIBLE: f64 = 2.0;
 const ROUNDINGS: f64 = 8.0;
 /// [-] Share of the energies in the account that sums of many numbers lose.
 const SUMS: f64 = 1e-12;
-/// Gains kept to tell how fast they grow.
+/// Number of gains that are kept to find how fast they grow.
 const KEPT: usize = 5;
 
 /// The watch's memory, as far as it cannot be found again from the scene: part of a snapshot.

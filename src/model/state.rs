@@ -1,7 +1,7 @@
 //! Time, positions and velocities: what a step starts from and ends with.
 //!
 //! Degrees of freedom are in the engine's own numbering, which keeps neighbours together (`scene/numbering`), not in
-//! that of the mesh. [`Scene::name_of`](crate::scene::Scene::name_of) tells the node and axis of one,
+//! that of the mesh. [`Scene::name_of`](crate::scene::Scene::name_of) names the node and axis of one,
 //! [`Picture::trace`](crate::model::picture::Picture::trace) gives positions and velocities node by node as the mesh
 //! has them.
 

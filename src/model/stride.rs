@@ -27,7 +27,7 @@ pub struct Passed {
     pub stretch_wanted: bool,
     /// what its nodes are like
     pub nodes: NodeSums,
-    /// [-] largest l^2/l0^2 of all springs, -inf where there is none; told where it is asked for
+    /// [-] largest l^2/l0^2 of all springs, -inf where there is none; only where it was asked for
     pub largest_stretch: f64,
     /// energy or power of every term, in the order of [`crate::model::system::System::terms`]
     pub tallies: Vec<Tally>,
@@ -40,7 +40,7 @@ pub struct NodeSums {
     pub kinetic: f64,
     /// [m^2/s^2] the largest speed, squared
     pub largest_square: f64,
-    /// the box they lie in; told of a stride's last state, of others that of no nodes may stand here
+    /// [m] bounding box; known of the last state of a block, else possibly that of no nodes
     pub bounds: Bounds,
     /// whether all forces are finite, those at fixed degrees of freedom too; told of a stride's last state: in those
     /// before what is not finite shows in the kinetic energy, of the next state at the latest

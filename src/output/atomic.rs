@@ -73,7 +73,7 @@ fn replace_via(
     let file = create_new(part)?;
     let written = write_new(file, durability, fill).and_then(|()| fs::rename(part, path));
     if written.is_err() {
-        // The first error is the one to tell; the part is removed if that is still possible.
+        // The first error is the one to report; the part is removed if that is still possible.
         let _ = fs::remove_file(part);
         return written;
     }

@@ -119,7 +119,7 @@ impl CsvFile {
         let whole = arrived.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
         self.written.add(arrived.get(..whole).unwrap_or_default());
         self.buffer.drain(..whole);
-        // The fault that led here is the one to tell.
+        // The fault that led here is the one to report.
         let end = self.written.bytes();
         let _ = self.file.set_len(end).and_then(|()| self.file.seek(SeekFrom::Start(end)));
     }

@@ -197,7 +197,7 @@ impl ResultFiles {
     /// Hands over everything.
     ///
     /// # Errors
-    /// When the system refuses; all files are tried, the first fault is told.
+    /// When the system refuses; all files are tried, the first fault is reported.
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         let history = self.history.file().flush();
         let probes = self.probes.as_mut().map_or(Ok(()), |probes| probes.file().flush());

@@ -118,7 +118,7 @@ impl<'a> Recorder<'a> {
         self.shown
     }
 
-    /// Also keeps `checkpoint.bin`; a recorder does not unless it is told what the case is.
+    /// Also keeps `checkpoint.bin`; a recorder that does not know the case keeps none.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
         Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }

@@ -38,7 +38,7 @@ impl Schedule {
         Self { every, next }
     }
 
-    /// A schedule whose next frame has number `next`, as [`Schedule::position`] told.
+    /// A schedule whose next frame has number `next`, as [`Schedule::position`] gave it.
     pub fn at(every: Option<f64>, next: u64) -> Self {
         Self { every, next }
     }

@@ -32,7 +32,7 @@ pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) 
     HEAD + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
 }
 
-/// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not tell.
+/// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not say.
 pub fn free_bytes(path: &Path) -> Option<u64> {
     #[cfg(unix)]
     {

@@ -75,11 +75,11 @@ pub struct Summary {
     pub rejected_steps: u64,
     /// [s] time of the last accepted state
     pub t_end: f64,
-    /// [s] processor time of the run, all threads and all parts; null where the system does not tell
+    /// [s] processor time of the run, all threads and all parts; null where the system does not say
     pub cpu_seconds: Option<f64>,
     /// [s] time on the clock, all parts
     pub wall_seconds: f64,
-    /// [byte] largest resident memory; null where the system does not tell
+    /// [byte] largest resident memory; null where the system does not say
     pub peak_memory_bytes: Option<u64>,
     /// [s] where the time before the first step went, of this part of the run
     #[serde(default)]

@@ -32,7 +32,7 @@ pub fn most_frames(size: FrameSize) -> usize {
     (ROOM / size.bytes().max(1)).clamp(FEWEST, MOST)
 }
 
-/// What goes to the thread. Its end is told by closing the channel.
+/// What goes to the thread. Closing the channel ends it.
 enum Message {
     Frame(Frame),
     Row(HistoryRow),
@@ -56,7 +56,7 @@ struct Ends {
 pub struct ResultWriter {
     to_thread: Option<SyncSender<Message>>,
     returned: Receiver<Frame>,
-    /// tells of every checkpoint that is written
+    /// reports every checkpoint that is written
     kept: Receiver<()>,
     /// checkpoints sent and not yet known to be written
     unkept: usize,
@@ -169,7 +169,7 @@ impl ResultWriter {
     /// Waits until everything is with the system.
     ///
     /// # Errors
-    /// The fault that ended the thread; after it was told once, [`ObserveError::WriterGone`].
+    /// The fault that ended the thread; after it was reported once, [`ObserveError::WriterGone`].
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         self.to_thread = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -230,7 +230,7 @@ impl Ends {
 /// The thread: ends when the channel closes or at the first fault, and then saves what it still can.
 fn write_all(mut files: ResultFiles, mut ends: Ends) -> Result<(), ObserveError> {
     let ended = listen(&mut files, &mut ends);
-    // All files are tried; the first fault is the one to tell.
+    // All files are tried; the first fault is the one to report.
     ended.and(files.finish())
 }
 

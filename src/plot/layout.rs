@@ -122,7 +122,7 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
         }),
         None => AxisScale::around(axis.scale, values).ok_or_else(nothing),
     };
-    // What a note or a strip tells is worth a picture, too.
+    // A note or a margin panel is worth a picture, too.
     let told = !chart.notes.is_empty() || chart.strip.is_some();
     if !told {
         drawable().next().ok_or_else(nothing)?;

@@ -1,6 +1,6 @@
 //! Where nodes lie before any displacement, from the first frame of a run: its points less its displacements.
 //!
-//! `probes.csv` gives positions, and a run may begin displaced, so the first row does not tell. The case does, but
+//! `probes.csv` gives positions, and a run may begin displaced, so the first row is not enough. The case is, but
 //! making its mesh again takes long and needs the mesh's file where it was. Source of the format: as in
 //! [`crate::output::encode`]; read is what [`crate::output::vtu`] writes for `canopy-fem solve`: raw appended,
 //! compressed or not, fields of either precision.

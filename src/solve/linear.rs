@@ -111,7 +111,7 @@ pub enum LinearError {
     /// W has no inverse.
     #[error("the tangent matrix is singular{}", unknown.map(|u| format!(" at unknown {u}")).unwrap_or_default())]
     Singular {
-        /// an unknown without pivot, if the factorisation tells
+        /// an unknown without pivot, if the factorisation says which
         unknown: Option<usize>,
     },
     /// Cholesky was chosen for a non-symmetric matrix.

@@ -3,7 +3,7 @@
 use crate::case::diagnostics::excerpt;
 use serde_json::Value;
 
-/// How many keys are told.
+/// How many keys are named.
 const TOLD: usize = 4;
 
 /// The keys in which two cases differ: "time.end was 2 and is 1 now"; empty if they do not.

@@ -21,7 +21,7 @@ const STEPS: [usize; 2] = [6, 5];
 const IMPLICIT_STEPS: usize = 8;
 /// Share by which a quotient of two times is off.
 const ROUNDING: f64 = 1e-9;
-/// Errors smaller than this are of no interest to a study that nobody told what to try.
+/// Errors smaller than this are of no interest to a study without a list of what to try.
 const FINE_ENOUGH: f64 = 1e-8;
 /// Tolerances tried by methods of order 2 and above.
 pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];

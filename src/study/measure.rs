@@ -123,7 +123,7 @@ impl Meter<'_> {
     }
 }
 
-/// [s] Processor time, or that of the wall clock where the system does not tell.
+/// [s] Processor time, or that of the wall clock where the system does not say.
 fn seconds(cost: Cost) -> f64 {
     cost.cpu.unwrap_or(cost.wall.as_secs_f64())
 }

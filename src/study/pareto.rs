@@ -2,11 +2,11 @@
 
 use super::row::Row;
 
-/// Two costs closer than this are the same: what a clock on a shared machine can tell.
+/// Two costs closer than this are the same: what a clock on a shared machine can resolve.
 pub const TIE: f64 = 1.1;
 
 /// Marks the runs of a variant that are on the front. Errors below that of the reference count as that, and of equally
-/// accurate runs the cheapest is on the front. A run that is further off than the scene moves tells nothing and is not.
+/// accurate runs the cheapest is on the front. A run that is further off than the scene moves is not.
 pub fn mark_front(rows: &mut [Row], variant: usize, reference_error: f64) {
     let ranked = |row: &Row| {
         let error = row.rank_error(reference_error).filter(|error| *error <= 1.0)?;
@@ -44,7 +44,7 @@ mod tests {
         }
     }
 
-    /// A diverged run, a dominated one, and one that is better than the reference can tell are not on the front.
+    /// A diverged run, a dominated one, and one that is better than the reference can resolve are not on the front.
     #[test]
     fn only_undominated_completed_runs() {
         use RowStatus::{Completed, Diverged};

@@ -81,7 +81,7 @@ pub struct Planner<'a> {
     pub case_file: &'a Path,
     /// what is asked for
     pub options: StudyOptions,
-    /// the command, to be told in reports
+    /// the command, for reports
     pub command: String,
     /// threads of the force passes
     pub threads: usize,
@@ -89,7 +89,7 @@ pub struct Planner<'a> {
     pub allowance: f64,
     /// set when the user interrupts
     pub stop: &'a AtomicBool,
-    /// told what is being done
+    /// called with what is being done
     pub tell: &'a dyn Fn(&str),
 }
 

@@ -31,7 +31,7 @@ use crate::process::Stopwatch;
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
 /// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a
-/// scene does, are told to differ by this.
+/// scene does, are said to differ by this.
 const ROUNDING: f64 = 1e-13;
 /// [-] Difference above which two solutions do not agree.
 const NOT_AGREED: f64 = 0.1;
@@ -104,7 +104,7 @@ pub struct Workshop<'a> {
     pub allowance: f64,
     /// set when the user interrupts
     pub stop: &'a AtomicBool,
-    /// told of each run before it begins
+    /// called with each run before it begins
     pub tell: &'a dyn Fn(&str),
 }
 
@@ -317,7 +317,7 @@ mod tests {
     use super::*;
     use crate::case::Case;
 
-    /// What was made of a reference is lost with it: nobody is told that the study goes on from there.
+    /// What was made of a reference is lost with it: nothing says that the study goes on from there.
     #[test]
     fn an_interrupted_reference_starts_again() {
         let case = format!("{}/assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));

@@ -116,7 +116,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// The error of a run that reached its end, never told below what the reference is worth.
+    /// The error of a run that reached its end, never below what the reference is worth.
     pub fn rank_error(&self, reference_error: f64) -> Option<f64> {
         let error = self.measured.error.filter(|_| self.measured.status == RowStatus::Completed)?;
         error.is_finite().then(|| error.max(reference_error))

@@ -68,7 +68,7 @@ pub struct Runner<'a> {
     pub deadline: Option<Instant>,
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,
-    /// told of every run before it is made: its number, the number of all, and what it is
+    /// called with every run before it is made: its number, the number of all, and what it is
     pub tell: &'a dyn Fn(usize, usize, &str),
 }
 

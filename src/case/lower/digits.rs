@@ -14,7 +14,7 @@ const LOST: f64 = 1e-3;
 /// [-] The same from which on strains are doubtful.
 const DOUBTFUL: f64 = 1e-8;
 
-/// [-] Share of a motion lost to rounding, step by step, from which on it is told.
+/// [-] Share of a motion lost to rounding, step by step, from which on there is a warning.
 const LOST_MOTION: f64 = 0.01;
 
 /// Checks the mesh's place against its springs, and against what a step [s] moves its nodes by.

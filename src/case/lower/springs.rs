@@ -35,7 +35,7 @@ pub(super) fn springs(
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
             add_mass(density, &edges, geometry, mass);
         }
-        // Before the values are asked for, so that faults of both are told at once.
+        // Before the values are asked for, so that faults of both are reported at once.
         let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
         if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()

@@ -108,7 +108,7 @@ impl Adaptive {
         Ok(Kept::Single(report))
     }
 
-    /// A step and two halves of it, whose difference tells the error.
+    /// A step and two halves of it, whose difference estimates the error.
     pub(super) fn halves(
         &mut self,
         bench: &mut Bench<'_, '_>,

@@ -14,7 +14,7 @@ const SAFETY: f64 = 0.9;
 /// Exponents of the present and the previous error, times the order.
 const PRESENT: f64 = 0.7;
 const PREVIOUS: f64 = 0.4;
-/// Errors below this tell nothing but that the step may grow.
+/// Errors below this only say that the step may grow.
 const NO_ERROR: f64 = 1e-10;
 /// The least previous error that counts (Hairer, Norsett & Wanner 1993, `dopri5`): growth from an error of nothing to a
 /// small one is no reason to shrink.

@@ -213,7 +213,7 @@ impl Quadrature {
 }
 
 /// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v
-/// are one step of the same oscillations, so they tell the time scale as two derivatives of the acceleration do.
+/// are one step of the same oscillations, so they give the time scale as two derivatives of the acceleration do.
 pub fn embedded(stepper: &mut Stepper<'_>, attempt: Attempt<'_>, to: &Point, error: &mut LocalError) -> Bends {
     stepper.embedded_error(attempt, to, ErrorOut { x: &mut error.x, v: &mut error.v });
     let mut bends = Bends::default();

@@ -60,7 +60,7 @@ const TRIFLE: f64 = 1e-6;
 const PATIENCE: u32 = 3;
 /// [-] of the tolerance that all of these steps and trifles may make together.
 const ALL_JUMPS: f64 = 0.5;
-/// Order up to which the parabola through three accelerations tells the error.
+/// Order up to which the parabola through three accelerations estimates the error.
 const ORDER_OF_PARABOLA: u32 = 2;
 
 /// What carries over from step to step; part of a checkpoint.

@@ -48,7 +48,7 @@ impl<const N: usize> Elements<'_, N> {
         self.first..self.first + self.nodes.len()
     }
 
-    /// Adds elements one by one: `element` tells force [N] and energy or power of each from its number and the places
+    /// Adds elements one by one: `element` gives force [N] and energy or power of each from its number and the places
     /// of its nodes, `signs` how it acts on them.
     pub fn each(
         &self,

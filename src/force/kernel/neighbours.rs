@@ -86,7 +86,7 @@ impl Neighbours {
         self.rounds[round as usize].weights[usize::from(q)] = weight;
     }
 
-    /// `filled` tells how many neighbours every node has so far.
+    /// `filled` counts the neighbours that every node has so far.
     fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) -> Slot {
         let (group, q) = (own as usize / SIDE_BY_SIDE, own as usize % SIDE_BY_SIDE);
         let filled = &mut filled[own as usize];

@@ -13,7 +13,7 @@ use bytemuck::cast_slice_mut;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Records in a local buffer at most: as many as 16 bits can tell apart.
+/// Records in a local buffer at most: as many as 16 bits can address.
 const RECORDS: usize = (u16::MAX as usize + 1) / RECORD;
 
 /// The blocks of a scene.
@@ -80,7 +80,7 @@ pub(in crate::force) struct Limits {
 }
 
 impl Partition {
-    /// Cuts `nodes` nodes into blocks and tells every summand its elements.
+    /// Cuts `nodes` nodes into blocks and assigns every summand its elements.
     pub(in crate::force) fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
         let node_block = node_block_size(nodes);
         Partition::within(Limits { node_block, records: RECORDS }, nodes, summands)
@@ -200,7 +200,7 @@ struct Cutter {
 }
 
 impl Cutter {
-    /// Adds a block; tells whether the node block needs another.
+    /// Adds a block; returns whether the node block needs another.
     fn cut(
         &mut self,
         own: Range<usize>,
@@ -270,7 +270,7 @@ mod tests {
     use crate::force::kernel::local_buffer::Records;
     use crate::model::forces::Tally;
 
-    /// Elements, and what was told of each: its block and the places of its nodes.
+    /// Elements, and what is known of each: its block and the places of its nodes.
     #[derive(Default)]
     struct PassKind {
         elements: Vec<Vec<u32>>,

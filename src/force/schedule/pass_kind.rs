@@ -1,4 +1,4 @@
-//! What a pass does in a block: which terms it goes over, and which sums it tells.
+//! What a pass does in a block: which terms it evaluates, and which sums it gives.
 
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
@@ -6,7 +6,7 @@ use crate::force::schedule::sweep::Terms;
 use crate::force::schedule::threads::SUMS;
 use crate::model::forces::Tally;
 
-/// Which sums a pass tells, and what becomes of the first one's own terms.
+/// Which sums a pass gives, and whether forces that depend on position only are stored or reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::force) enum PassKind {
     /// every sum
@@ -23,7 +23,7 @@ impl PassKind {
         self != PassKind::ReusePosition || sum > 0
     }
 
-    /// How many sums are told.
+    /// Number of sums.
     pub fn sums(self) -> usize {
         if self == PassKind::TotalOnly { 1 } else { SUMS }
     }
@@ -41,7 +41,7 @@ pub(in crate::force) struct Sums<'a> {
 }
 
 impl Sums<'_> {
-    /// Leaves in the local buffers what the terms add to the nodes of a block, and tells their energies and powers.
+    /// Leaves in the local buffers what the terms add to the nodes of a block, and returns their energies and powers.
     /// Where terms of the first sum are gone over, it holds zeros before.
     pub fn add<T: Terms + ?Sized>(
         &mut self,

@@ -44,7 +44,7 @@ impl Sweep {
             fill(from, rows(to, n));
         }
         let mut net = Net { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
-        // Begins the first step, which ends nothing: what this tells is of no step.
+        // Begins the first step, which ends none: these sums belong to no step.
         net.go_on(KickDriftScheme { end: None, ..scheme }, true);
         let steps = passed.len();
         for (step, passed) in passed.iter_mut().enumerate() {

@@ -230,7 +230,7 @@ impl Sweep {
                 wants: wants(steps.terms, kind),
                 stretch,
                 kind,
-                // Energies of what was kept are told already.
+                // Energies of reused forces are counted already.
                 level: if kind == PassKind::ReusePosition { level - 1 } else { level },
                 at: NodeState { t, ..span.moving.state() },
                 first: span.moving.first,

@@ -57,7 +57,7 @@ pub(in crate::force) struct Job<'a, T: ?Sized> {
     /// whether the largest stretch is looked for
     pub stretch: bool,
     pub kind: PassKind,
-    /// in which level energies and powers are told
+    /// level of the energies and powers
     pub level: usize,
     /// of nodes from one of them on, as many as elements reach
     pub at: NodeState<'a>,
@@ -70,7 +70,7 @@ pub(in crate::force) struct Job<'a, T: ?Sized> {
 }
 
 impl Sweep {
-    /// Cuts `nodes` nodes into blocks and tells every summand its elements.
+    /// Cuts `nodes` nodes into blocks and assigns every summand its elements.
     pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
         Sweep::of(Partition::new(nodes, summands))
     }

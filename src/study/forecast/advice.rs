@@ -65,10 +65,10 @@ const UNMEASURED: [&str; 2] = ["velocity-verlet", "newmark"];
 /// [-] From so many times on the case's own run, whose error is not known, is said to be cheaper.
 const CHEAPER: f64 = 2.0;
 /// [-] What is concluded from single steps goes before what was measured where it is so many times cheaper: errors that
-/// are told wrong by hundreds are steps, and so costs, told wrong by tens.
+/// are wrong by hundreds, steps, and so costs, are wrong by tens.
 const FAR: f64 = 100.0;
 
-/// [-] Share of the mean step that local errors allow which is told where nothing was measured.
+/// [-] Share of the mean step that local errors allow, advised where nothing was measured.
 const UNKNOWN: f64 = 0.2;
 
 /// A method and its step.

@@ -31,7 +31,7 @@ const SLOWER: f64 = 1.5;
 /// [-] Tolerance of the reference over the accuracy that is wanted, and its bounds.
 const FINER: f64 = 3e-3;
 const TOLERANCES: [f64; 2] = [1e-9, 1e-5];
-/// [-] Part of the run below which nothing is told from it.
+/// [-] Part of the run below which nothing is concluded from it.
 const FEW: f64 = 0.03;
 /// Frames at least, where the run is cut.
 const FRAMES: f64 = 10.0;

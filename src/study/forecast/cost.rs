@@ -57,7 +57,7 @@ pub struct TangentCost {
     pub unknowns: usize,
     /// entries stored of W
     pub matrix_nonzeros: usize,
-    /// entries stored of its factor; null where the library does not tell
+    /// entries stored of its factor; null where the library does not say
     pub factor_nonzeros: Option<usize>,
     /// `cholesky`, `lu` or `cg`
     pub linear_solver: &'static str,
@@ -71,11 +71,11 @@ pub struct TangentCost {
     pub factorization_seconds: f64,
     /// [s] one solve
     pub solve_seconds: f64,
-    /// whether factorisation and solve were measured; else they are told from counts
+    /// whether factorisation and solve were measured; else they are estimated from counts
     pub measured: bool,
     /// element blocks that an assembly adds up
     pub blocks: usize,
-    /// [flop] of a factorisation; null where the library does not tell
+    /// [flop] of a factorisation; null where the library does not say
     pub factor_operations: Option<f64>,
     /// iterations of the measured solve, of conjugate gradients; 0 of a direct solver
     pub cg_iterations: u64,

@@ -4,7 +4,7 @@ use super::beginning::Beginning;
 use super::coarse_reference::Delivered;
 use super::sample::Sample;
 
-/// [-] Paces of parts of a run that differ by more tell little of the parts between.
+/// [-] Paces of parts of a run that differ by more say little of the parts between.
 const UNEVEN: f64 = 3.0;
 
 /// Whether paces [1/s] differ by more than figures are worth.

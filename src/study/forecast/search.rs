@@ -22,7 +22,7 @@ const AIM: f64 = 0.7;
 const ENOUGH: f64 = 0.4;
 /// [-] Share of the accuracy that is aimed at where the last run could not be afforded, and where none could.
 pub(super) const CAREFUL: f64 = 0.4;
-/// [-] What is told from a part of a run must not come closer to the accuracy than this.
+/// [-] What is concluded from a part of a run must not come closer to the accuracy than this.
 pub(super) const FROM_PART: f64 = 0.6;
 /// [-] Most change of a step from run to run.
 const CHANGE: f64 = 20.0;
@@ -32,7 +32,7 @@ pub(super) const LONGEST: f64 = 0.1;
 const FEWEST: f64 = 4.0;
 /// [s] A step with a nominal cost above this is tried with the case's method and Newmark's only.
 const DEAR: f64 = 4e-3;
-/// [-] Errors above are bounded by the motion and tell nothing of shorter steps.
+/// [-] Errors above are bounded by the motion and say nothing of shorter steps.
 pub(super) const SATURATED: f64 = 0.3;
 
 /// What an error is known by.
@@ -119,7 +119,7 @@ impl Search<'_> {
         let shortest = span / most;
         let guess =
             self.reference.period() / std::f64::consts::TAU * self.accuracy.powf(1.0 / f64::from(method.order()));
-        // Two longer steps tell the order where the one that is sought is too dear.
+        // Two longer steps give the order where the one that is sought is too dear.
         let from = if guess < shortest { 2.0 * shortest } else { guess };
         let mut h = nice(if from.is_finite() { from.min(longest) } else { longest }, whole);
         let mut tries: Vec<Try> = Vec::new();
@@ -153,7 +153,7 @@ impl Search<'_> {
         self.judge(&tries, method).filter(|found| found.seconds <= dearest)
     }
 
-    /// The longest step that was good, or what they tell of shorter ones.
+    /// The longest step that was good, or what follows from them for shorter ones.
     fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<Found> {
         let whole = self.reference.whole;
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());

@@ -1,5 +1,5 @@
 //! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what
-//! their order tells of their errors.
+//! their order says of their errors.
 
 use super::coarse_reference::{CoarseReference, Delivered, RunBudget};
 use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
@@ -18,7 +18,7 @@ const BOTH: f64 = 1.5;
 /// [-] A step that is shorter by less is not worth another try.
 const SHORTER: f64 = 0.9;
 
-/// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they tell nothing.
+/// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they settle nothing.
 pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
@@ -54,8 +54,8 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candi
     found
 }
 
-/// A run and its error, told by one with twice the step; `None` where one of them fails, needs more than it may, or is
-/// nowhere near the other.
+/// A run and its error, estimated by one with twice the step. `None` where one of them fails, needs more than it may, or
+/// is nowhere near the other.
 fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(Delivered, f64)> {
     let method = &candidate.method;
     let (reference, made) = CoarseReference::by(spec.scene, spec.problem, method, Step::Fixed(h), budget)?;
@@ -75,7 +75,7 @@ mod tests {
     use crate::study::forecast::memory::Baseline;
     use std::path::Path;
 
-    /// Without any other reference the error that is told is that of the run, within a factor of three, and below the
+    /// Without any other reference the estimated error is that of the run, within a factor of three, and below the
     /// accuracy.
     #[test]
     fn a_run_with_twice_the_step_tells_the_error() {

@@ -9,7 +9,7 @@ const SAMPLE: f64 = 20e-6;
 /// Samples of which the median is taken.
 const SAMPLES: usize = 7;
 
-/// Reads processor time, or the wall clock where the system does not tell.
+/// Reads processor time, or the wall clock where the system does not say.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock(Instant);
 

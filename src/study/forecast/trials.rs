@@ -155,7 +155,7 @@ impl<'a> Trials<'a> {
 
     /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and
     /// differs from one part of the run to the next. Where only a small part was made and a trial of the rest fails,
-    /// nothing is told here.
+    /// nothing is said here.
     fn as_it_begins(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let mut stepper = Stepper::bind(method.scheme(self.solver), self.scene.abilities()).ok()?;
         let tried = Attempted {

@@ -72,7 +72,7 @@ impl Units {
     }
 
     /// [s] What a step of a method costs before any was made, where that decides how far trials go. An implicit one is
-    /// told by its equations, which mostly keep a matrix, an explicit one as a study tells it.
+    /// known by its equations, which mostly keep a matrix, an explicit one as a study measures it.
     pub fn affordable(&self, scene: &dyn Scene, method: &MethodChoice) -> f64 {
         match method.info.family {
             Family::Implicit => self.untried(method, 1.0),

@@ -14,7 +14,7 @@ pub struct Rerun {
     pub machine: Machine,
 }
 
-/// A machine, as far as it tells.
+/// A machine, as far as it is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Machine {
     /// model of the processor

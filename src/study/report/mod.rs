@@ -26,7 +26,7 @@ use super::runner::Study;
 use super::store::system;
 use crate::output::atomic::{Durability, replace_shared};
 
-/// All files a report may have; those that a study has nothing for are removed, lest they tell of an earlier one.
+/// All files a report may have; those that a study has nothing for are removed, so that none is left of an earlier one.
 pub const FILES: [&str; 8] = [
     "tradeoff.csv",
     "tradeoff.json",

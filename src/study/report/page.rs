@@ -134,8 +134,8 @@ fn section(study: &Study, answers: &Recommendations, number: usize, variant: &Va
     }
 }
 
-/// Wanted accuracy; method, pace, error (not told below `floor`) and cost of the best; the next one and its factor; the
-/// best of each family.
+/// Wanted accuracy; method, pace, error (not shown below `floor`) and cost of the best; the next one and its factor;
+/// the best of each family.
 fn answer(answer: &Recommendation, floor: f64) -> [String; 9] {
     let Recommendation { wanted, best, next, explicit, implicit, .. } = answer;
     let factor = |pick: &Pick| format!("{} ×", figures(pick.cpu_seconds / best.cpu_seconds, 2));

@@ -1,6 +1,6 @@
 //! How a method looks in all figures of a study.
 //!
-//! Its family is told by the shape of its marks: discs and triangles for explicit methods, stars for those without a
+//! The shape of its marks shows its family: discs and triangles for explicit methods, stars for those without a
 //! matrix, squares and diamonds for implicit ones. Fixed steps are full lines with filled marks, adaptive steps dashed
 //! lines with open ones.
 

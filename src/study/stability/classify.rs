@@ -11,7 +11,7 @@
 //! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that turns at every step has no other v
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable
-//! oscillation, as one step of it on an oscillator tells. Just below its limit a symplectic scheme swings it up to
+//! oscillation, as one step of it on an oscillator shows. Just below its limit a symplectic scheme swings it up to
 //! `1/(1 - (h/h_c)^2)`, 25 times at 0.98 h_c and 100 times at 0.995 h_c, and down again within some ten steps; growth
 //! does not come down. An instability that a nonlinear scene holds at some level, such as a pendulum that whirls or a
 //! dashpot that overshoots in one spring of a cloth, keeps up a motion that dies out in shorter steps, or makes energy

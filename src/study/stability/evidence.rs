@@ -8,8 +8,8 @@ use crate::scene::{BoundBuffer, Scene};
 /// Number of states of a run that are measured.
 const LOOKS: u64 = 64;
 /// [-] Measures that differ by no more than this share are the same. Of states with the same the last is kept: the
-/// start is known already, and what the measure cannot tell, such as a motion across springs that have come under
-/// tension, may be told by another.
+/// start is known already, and what the measure cannot see, such as a motion across springs that have come under
+/// tension, another state may show.
 const ROUNDING: f64 = 1e-7;
 
 /// Now and then a measure of the critical step, from one pass over the elements.

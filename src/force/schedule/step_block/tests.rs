@@ -140,7 +140,7 @@ fn kicked(from: &Point, scheme: KickDriftScheme, v: &mut [f64], f: &[f64]) {
     }
 }
 
-/// What a stride leaves, and what was told of every step.
+/// What a block leaves, and the summary of every step.
 #[derive(Debug, PartialEq)]
 struct Found {
     forces: Forces,
@@ -188,7 +188,7 @@ fn in_a_block<T: Terms>(
     (Found { forces, state, told }, tallies)
 }
 
-/// What is told of all nodes at the end of a step, node block after node block; where it is the last, their bounds too.
+/// Sums over all nodes at the end of a step, node block after node block; where it is the last, their bounds too.
 fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
     let [mass, _] = masses();
     let of = |node_block: usize| {
@@ -210,7 +210,7 @@ fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
     sweep.partition.node_blocks().map(of).fold(NodeSums::default(), NodeSums::and)
 }
 
-/// Single steps, and what is to be told of them.
+/// Single steps, and what their summaries are to hold.
 fn one_by_one<T: Terms>(scene: &(T, Sweep), (scheme, present): (KickDriftScheme, [bool; 2]), steps: usize) -> Found {
     let (mut from, mut of_steps) = (start(present), Vec::new());
     for step in 1..=steps {
@@ -297,7 +297,7 @@ fn apart(a: &Found, b: &Found) -> f64 {
     numbers(a).into_iter().zip(numbers(b)).map(off).fold(0.0, f64::max)
 }
 
-/// A step as equations with whole passes between, of which the last is told.
+/// A step as equations with whole passes between, of which the last is summarised.
 fn apart_from_passes<T: Terms>(
     (terms, sweep): &(T, Sweep),
     (scheme, from): (KickDriftScheme, &Point),
