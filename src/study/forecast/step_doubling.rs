@@ -54,8 +54,8 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candi
     found
 }
 
-/// A run and its error, estimated by one with twice the step. `None` where one of them fails, needs more than it may, or
-/// is nowhere near the other.
+/// A run and its error, estimated by one with twice the step. `None` where one of them fails, needs more than it may,
+/// or is nowhere near the other.
 fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(Delivered, f64)> {
     let method = &candidate.method;
     let (reference, made) = CoarseReference::by(spec.scene, spec.problem, method, Step::Fixed(h), budget)?;
