@@ -31,6 +31,7 @@
 pub mod analysis;
 pub mod assembly;
 pub mod case;
+pub mod checksum;
 pub mod cli;
 pub mod drive;
 pub mod force;
@@ -45,7 +46,6 @@ pub mod preflight;
 pub mod process;
 pub mod scene;
 pub mod simulation;
-
 pub mod solve;
 pub mod startup;
 pub mod study;

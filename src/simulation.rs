@@ -21,43 +21,28 @@
 //! ```
 
 mod builder;
+mod error;
+mod follow;
 mod state;
 
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::NodalForce;
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
+pub use error::{SetupError, SimulationError};
+pub use follow::{FollowSpec, Seen, follow};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
-use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
-use crate::drive::{Failure, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
+use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
+use crate::drive::{Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::StepReport;
-use crate::integrate::stepper::{NeedsNetwork, Scheme, Stepper};
+use crate::integrate::stepper::{Scheme, Stepper};
 use crate::model::spec::NetworkSpec;
 use crate::model::stop::Stop;
-use crate::scene::{BuildError, Pendulum, Scene, build_network, build_network_with};
+use crate::scene::{Pendulum, Scene, build_network, build_network_with};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// Why a good case cannot be made ready.
-#[derive(Debug, thiserror::Error)]
-pub enum SetupError {
-    /// The specification contradicts itself.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// The method does not fit the scene.
-    #[error("{method}: {source}")]
-    Method {
-        /// the method's name
-        method: &'static str,
-        /// why
-        source: NeedsNetwork,
-    },
-    /// The operating system gave no threads.
-    #[error("threads cannot be started: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-}
 
 /// Builds the scene of a case for `threads` threads, the calling one among them ([`Threads::with_caller`]).
 ///
@@ -75,65 +60,11 @@ pub fn build_scene(system: SystemSpec, threads: usize) -> Result<Box<dyn Scene>,
 /// # Errors
 /// When the method needs a network and the scene is none.
 pub fn bind<'a>(problem: &Problem, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
-    let method = &problem.method;
-    Stepper::bind(method.scheme(problem.solver), scene.abilities())
-        .map_err(|source| SetupError::Method { method: method.info.name, source })
+    bind_scheme(problem.method.scheme(problem.solver), problem.method.info.name, scene)
 }
 
-/// Why a simulation cannot go on, or refuses what it is given.
-#[derive(Debug, thiserror::Error)]
-pub enum SimulationError {
-    /// The scene or the method cannot be made ready.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The run cannot start, or an observer cannot write.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A step diverged or could not be solved. The state is that before the step.
-    #[error("step {} ending at t = {} s failed: {}; {}", .0.step, .0.time, .0.cause, .0.advice)]
-    Failed(Box<Failure>),
-    /// The end of the run is reached.
-    #[error("the simulation has reached its end at t = {t} s")]
-    Ended {
-        /// [s] time
-        t: f64,
-    },
-    /// An attempted step waits for [`Simulation::accept`] or [`Simulation::drop_attempt`]; or there is none.
-    #[error("{}", if *.pending { "an attempted step is neither accepted nor dropped" } else { "no step was attempted" })]
-    Attempt {
-        /// whether there is one
-        pending: bool,
-    },
-    /// A slice does not have a row for each node.
-    #[error("{what} has {found} rows, the scene {needed} nodes")]
-    Shape {
-        /// e.g. "positions"
-        what: &'static str,
-        /// rows given
-        found: usize,
-        /// nodes of the scene
-        needed: usize,
-    },
-    /// A number is not finite.
-    #[error("{what}: row {row} is not finite")]
-    NotFinite {
-        /// e.g. "positions"
-        what: &'static str,
-        /// row of the slice
-        row: usize,
-    },
-    /// The scene has no such thing: a pendulum has no forces from outside, a network without air no wind.
-    #[error("this scene has no {0}")]
-    Unsupported(&'static str),
-    /// The first external force changes the scene, which the program still holds from [`Simulation::scene`].
-    #[error("the scene is in use; add the first external force before taking it")]
-    SceneInUse,
-    /// The bytes are no snapshot of this version of the library.
-    #[error("the snapshot cannot be read: {0}")]
-    Snapshot(String),
-    /// A panic in an earlier step has left the simulation without its scheme.
-    #[error("the simulation was interrupted in the middle of a step; restore a snapshot into a new one")]
-    Broken,
+fn bind_scheme<'a>(scheme: Scheme, method: &'static str, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
+    Stepper::bind(scheme, scene.abilities()).map_err(|source| SetupError::Method { method, source })
 }
 
 /// A step that was made.
@@ -222,9 +153,8 @@ impl Simulation {
     pub fn of_scene(scene: Arc<dyn Scene>, settings: RunSettings) -> Result<Self, SimulationError> {
         let mut stepper = settings.stepper(&*scene)?;
         let state = RunState::start(&*scene, &mut stepper, settings.spec(), scene.initial_state())?;
-        let scheme = Some(stepper.unbind());
-        let (pending, wind, changed, resumed) = (None, None, false, false);
-        Ok(Simulation { scene, scheme, settings, state, pending, wind, changed, resumed })
+        let scheme = stepper.unbind();
+        Ok(Self::at(scene, settings, scheme, state))
     }
 
     /// A scene where a snapshot was taken of a run with the same scene and settings: every further step has the bits of
@@ -235,9 +165,13 @@ impl Simulation {
     pub fn resume(scene: Arc<dyn Scene>, settings: RunSettings, snapshot: Snapshot) -> Result<Self, SimulationError> {
         let mut stepper = settings.stepper(&*scene)?;
         let state = RunState::restore(&*scene, &mut stepper, settings.spec(), snapshot)?;
-        let scheme = Some(stepper.unbind());
-        let (pending, wind, changed, resumed) = (None, None, false, true);
-        Ok(Simulation { scene, scheme, settings, state, pending, wind, changed, resumed })
+        let scheme = stepper.unbind();
+        Ok(Simulation { resumed: true, ..Self::at(scene, settings, scheme, state) })
+    }
+
+    fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
+        let (scheme, pending, wind, changed, resumed) = (Some(scheme), None, None, false, false);
+        Simulation { scene, scheme, settings, state, pending, wind, changed, resumed }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -279,10 +213,10 @@ impl Simulation {
 
     fn go(&mut self, until: Until, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
         self.idle()?;
+        let mut limit = until;
+        let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
+        all.push(&mut limit);
         while !until.reached(self.state.steps, self.state.from.state.t) {
-            let mut limit = until;
-            let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
-            all.push(&mut limit);
             let made = self.at_work(Stop::NEVER, |run, stepper| {
                 if run.next().is_none() {
                     return Ok(None);
@@ -439,87 +373,5 @@ impl Observer for Until {
 
     fn accepted(&mut self, _step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         Ok(())
-    }
-}
-
-/// One state of a run as a person sees it: nodes in the user's numbering.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
-    /// [s] time
-    pub t: f64,
-    /// [m] positions before any displacement
-    pub reference: &'a [[f64; 3]],
-    /// [m] positions
-    pub positions: &'a [[f64; 3]],
-    /// [m/s] velocities
-    pub velocities: &'a [[f64; 3]],
-    /// energy account
-    pub ledger: LedgerRow,
-    /// Newton iterations of the step that led here
-    pub newton_iterations: u32,
-}
-
-/// How [`follow`] runs a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FollowSpec {
-    /// threads for the force passes of scenes above 2,000 nodes, at least 1; results do not depend on it
-    pub threads: usize,
-    /// go on past a blow-up until a value stops being finite
-    pub keep_going: bool,
-}
-
-impl Default for FollowSpec {
-    fn default() -> Self {
-        FollowSpec { threads: 1, keep_going: false }
-    }
-}
-
-/// Runs a case to its end or its failure, without files: `watch` sees the start and every accepted step.
-///
-/// ```
-/// # use canopy_fem::{case::Case, simulation::{FollowSpec, follow}};
-/// # let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cases/oscillator.json"));
-/// let case = Case::from_file(path, &[])?;
-/// let mut highest = 0.0_f64;
-/// let outcome = follow(case.problem(), FollowSpec::default(), |seen| highest = highest.max(seen.positions[1][0]))?;
-/// assert_eq!((outcome.steps, highest), (2000, 12.0));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// When the scene cannot be built or the scheme not start. A diverged or unsolvable run is an [`Outcome`].
-pub fn follow(problem: &Problem, how: FollowSpec, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, SimulationError> {
-    let settings = RunSettings { keep_going: how.keep_going, ..RunSettings::of_case(problem, how.threads) };
-    let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), how.threads)?.into(), settings)?;
-    let scene = simulation.scene();
-    let n = scene.reference().len();
-    let mut follower = Follower { scene: &*scene, positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n], watch };
-    simulation.run(&mut [&mut follower], &AtomicBool::new(false))
-}
-
-struct Follower<'a, W> {
-    scene: &'a dyn Scene,
-    positions: Vec<[f64; 3]>,
-    velocities: Vec<[f64; 3]>,
-    watch: W,
-}
-
-impl<W: FnMut(&Seen<'_>)> Follower<'_, W> {
-    fn show(&mut self, at: &Point, ledger: LedgerRow, newton_iterations: u32) -> Result<(), ObserveError> {
-        self.scene.trace(at.state.as_ref(), &mut self.positions, &mut self.velocities);
-        let Follower { scene, positions, velocities, watch } = self;
-        let reference = scene.reference();
-        watch(&Seen { t: at.state.t, reference, positions, velocities, ledger, newton_iterations });
-        Ok(())
-    }
-}
-
-impl<W: FnMut(&Seen<'_>)> Observer for Follower<'_, W> {
-    fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.show(at, ledger, 0)
-    }
-
-    fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
-        step.end.map_or(Ok(()), |end| self.show(end, step.ledger, step.newton_iterations))
     }
 }

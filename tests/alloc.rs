@@ -19,6 +19,7 @@ use canopy_fem::model::stop::Stop;
 use canopy_fem::model::stride::Passed;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
+use canopy_fem::simulation::{RunSettings, Simulation};
 use canopy_fem::solve::LinearChoice;
 use canopy_fem::solve::newton::{NewtonSpec, Strategy};
 use common::{patch, spring_group, square};
@@ -112,6 +113,21 @@ fn stride_blocks(scene: &Network, method: &str) -> u64 {
     dhat::HeapStats::get().total_blocks - before
 }
 
+/// Heap blocks that a simulation with a fixed external force allocates in one call for `steps` steps, after ten.
+fn external_blocks(steps: u64) -> u64 {
+    let mut spec = square(20, 10.0);
+    spec.fixed[0] = [true; 3];
+    spec.springs = vec![spring_group(&spec, Slack::None)];
+    let push = vec![[0.0, 0.0, 1e-3]; spec.mass.len()];
+    let settings = RunSettings::fixed("velocity-verlet", 1e-4, 1.0).expect("registered");
+    let mut sim = Simulation::new(spec, settings).expect("a network");
+    sim.set_nodal_force("push", &push).expect("a network takes forces");
+    sim.advance(10).expect("easy steps");
+    let before = dhat::HeapStats::get().total_blocks;
+    sim.advance(steps).expect("easy steps");
+    dhat::HeapStats::get().total_blocks - before
+}
+
 /// Heap blocks at the first accepted step after 60 and after 120, where the run is stopped.
 struct Marks<'a> {
     blocks: [u64; 2],
@@ -187,6 +203,7 @@ fn main() {
         assert_eq!(stride_blocks(&large, method), 0, "strides of {method}");
         assert_eq!(stride_blocks(&sheet(20), method), 0, "strides of {method} in the windows of one tile");
     }
+    assert_eq!(external_blocks(10), external_blocks(60), "steps with an external force");
     // The measurement itself sees an allocation when there is one.
     let before = dhat::HeapStats::get().total_blocks;
     drop(std::hint::black_box(vec![0u8; 100]));

@@ -5,8 +5,7 @@ use crate::model::forces::{Forces, Role, Tally};
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TermInfo, Weights};
 
-const SPRING: TermInfo =
-    TermInfo { name: "spring", role: Role::Elastic, velocity_dependent: false, follower: false, on_triangles: false };
+const SPRING: TermInfo = TermInfo::of("spring", Role::Elastic);
 const DAMPING: TermInfo = TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..SPRING };
 static TERMS: [TermInfo; 2] = [SPRING, DAMPING];
 

@@ -22,8 +22,7 @@ use faer::c64;
 use std::sync::Arc;
 
 /// K x and C v together.
-static TERMS: [TermInfo; 1] =
-    [TermInfo { name: "tangent", role: Role::Elastic, velocity_dependent: true, follower: false, on_triangles: false }];
+static TERMS: [TermInfo; 1] = [TermInfo { velocity_dependent: true, ..TermInfo::of("tangent", Role::Elastic) }];
 
 /// Ritz values with a larger relative residual have not converged.
 const CONVERGED: f64 = 0.005;

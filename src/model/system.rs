@@ -27,6 +27,13 @@ pub struct TermInfo {
     pub on_triangles: bool,
 }
 
+impl TermInfo {
+    /// A term that depends on positions and time alone, is no follower load, and does not act on triangles.
+    pub const fn of(name: &'static str, role: Role) -> Self {
+        TermInfo { name, role, velocity_dependent: false, follower: false, on_triangles: false }
+    }
+}
+
 /// Steps of one size by a scheme that kicks and drifts.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDriftBlock<'a> {

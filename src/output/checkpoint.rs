@@ -20,6 +20,7 @@ use super::files::FilesProgress;
 use super::recorder::RecorderState;
 use super::resume::ResumeError;
 use crate::case::fingerprint::Fingerprint;
+use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;
 use crate::process::Cost;
 
@@ -29,8 +30,6 @@ pub const FORMAT: u32 = 8;
 const MAGIC: [u8; 8] = *b"\x89CNPY\r\n\x1a";
 /// What comes before the payload: magic, format, length.
 const HEAD: usize = 8 + 4 + 8;
-/// The checksum after it.
-const TAIL: usize = 4;
 /// The program whose bits are stored.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 
@@ -117,8 +116,7 @@ impl Checkpoint {
         if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
             place.copy_from_slice(&length.to_le_bytes());
         }
-        let sum = crc32fast::hash(out);
-        out.extend_from_slice(&sum.to_le_bytes());
+        checksum::append(out);
         Ok(())
     }
 
@@ -134,8 +132,8 @@ impl Checkpoint {
         }
         let found = bytes.len() as u64;
         let cut = |needed: u64| CheckpointFault::CutShort { found, needed };
-        let least = (HEAD + TAIL) as u64;
-        let (head, rest) = bytes.split_first_chunk::<HEAD>().ok_or(cut(least))?;
+        let least = (HEAD + checksum::LENGTH) as u64;
+        let head = bytes.first_chunk::<HEAD>().ok_or(cut(least))?;
         let [.., f0, f1, f2, f3, n0, n1, n2, n3, n4, n5, n6, n7] = *head;
         let format = u32::from_le_bytes([f0, f1, f2, f3]);
         if format != FORMAT {
@@ -148,15 +146,11 @@ impl Checkpoint {
         if found > needed {
             return Err(CheckpointFault::TooLong { found, needed });
         }
-        let (payload, sum) = rest.split_last_chunk::<TAIL>().ok_or(cut(needed))?;
-        let stored = u32::from_le_bytes(*sum);
-        let mut computed = crc32fast::Hasher::new();
-        computed.update(head);
-        computed.update(payload);
-        let computed = computed.finalize();
-        if stored != computed {
-            return Err(CheckpointFault::Checksum { stored, computed });
-        }
+        let content = checksum::verified(bytes).map_err(|error| match error {
+            ChecksumError::Missing => cut(needed),
+            ChecksumError::Differs { stored, computed } => CheckpointFault::Checksum { stored, computed },
+        })?;
+        let payload = content.get(HEAD..).unwrap_or_default();
         let (program, content): (String, _) = postcard::take_from_bytes(payload)?;
         if program != PROGRAM {
             return Err(CheckpointFault::Program { found: program });

@@ -5,7 +5,7 @@ use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
 use glam::DVec3;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// A force on the nodes that a program computes itself. Slices have shape `[n_nodes][3]` in the user's numbering.
 ///
@@ -28,16 +28,23 @@ enum Source {
 
 /// All forces from outside, by name in the order in which they came.
 #[derive(Default)]
-pub struct ExternalForces(RwLock<Vec<(String, Source)>>);
+pub struct ExternalForces {
+    sources: RwLock<Vec<(String, Source)>>,
+    buffers: Mutex<Buffers>,
+}
+
+/// Nodes of a pass in the user's numbering, `[n_nodes][3]`.
+#[derive(Default)]
+struct Buffers {
+    /// [m] positions and [m/s] velocities, for laws
+    x: Vec<[f64; 3]>,
+    v: Vec<[f64; 3]>,
+    /// [N] sum of all forces
+    sum: Vec<[f64; 3]>,
+}
 
 /// What the account and failure reports call them.
-pub(super) const EXTERNAL: TermInfo = TermInfo {
-    name: "external forces",
-    role: Role::External,
-    velocity_dependent: false,
-    follower: false,
-    on_triangles: false,
-};
+pub(super) const EXTERNAL: TermInfo = TermInfo::of("external forces", Role::External);
 
 impl ExternalForces {
     /// Sets the force [N] `[n_nodes][3]` of this name, user's numbering.
@@ -52,7 +59,7 @@ impl ExternalForces {
 
     /// Removes a force; `false` if there is none of this name.
     pub(crate) fn remove(&self, name: &str) -> bool {
-        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let mut all = self.sources.write().unwrap_or_else(PoisonError::into_inner);
         let before = all.len();
         all.retain(|(other, _)| other != name);
         all.len() < before
@@ -60,7 +67,7 @@ impl ExternalForces {
 
     /// Names and values of the forces that are fixed values.
     pub(crate) fn values(&self) -> Vec<(String, Vec<[f64; 3]>)> {
-        let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        let all = self.sources.read().unwrap_or_else(PoisonError::into_inner);
         let fixed = all.iter().filter_map(|(name, source)| match source {
             Source::Values(force) => Some((name.clone(), force.to_vec())),
             Source::Law(_) => None,
@@ -70,12 +77,12 @@ impl ExternalForces {
 
     /// Removes all forces that are fixed values.
     pub(crate) fn clear_values(&self) {
-        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let mut all = self.sources.write().unwrap_or_else(PoisonError::into_inner);
         all.retain(|(_, source)| matches!(source, Source::Law(_)));
     }
 
     fn set(&self, name: &str, source: Source) {
-        let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let mut all = self.sources.write().unwrap_or_else(PoisonError::into_inner);
         match all.iter_mut().find(|(other, _)| other == name) {
             Some((_, old)) => *old = source,
             None => all.push((name.to_owned(), source)),
@@ -85,18 +92,26 @@ impl ExternalForces {
 
 impl Network {
     /// Adds the forces from outside to the sums of a pass: all forces, and the external ones [N] `[n_nodes]`. Returns
-    /// their power. Allocates.
+    /// their power.
     pub(super) fn add_external(&self, at: StateRef<'_>, sums: [&mut [DVec3]; 2]) -> Tally {
         let Some(external) = &self.external else { return Tally::default() };
-        let [mut x, mut v, mut sum] = [(); 3].map(|()| vec![[0.0; 3]; self.mass.len()]);
-        self.numbering.to_user(by_node(at.x), &mut x);
-        self.numbering.to_user(by_node(at.v), &mut v);
-        for (_, source) in external.0.read().unwrap_or_else(PoisonError::into_inner).iter() {
+        let sources = external.sources.read().unwrap_or_else(PoisonError::into_inner);
+        let mut buffers = external.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        let Buffers { x, v, sum } = &mut *buffers;
+        sum.clear();
+        sum.resize(self.mass.len(), [0.0; 3]);
+        if sources.iter().any(|(_, source)| matches!(source, Source::Law(_))) {
+            for (nodes, dofs) in [(&mut *x, at.x), (&mut *v, at.v)] {
+                nodes.resize(self.mass.len(), [0.0; 3]);
+                self.numbering.to_user(by_node(dofs), nodes);
+            }
+        }
+        for (_, source) in sources.iter() {
             match source {
                 Source::Values(force) => {
                     sum.as_flattened_mut().iter_mut().zip(force.as_flattened()).for_each(|(sum, f)| *sum += f);
                 }
-                Source::Law(law) => law.add(at.t, &x, &v, &mut sum),
+                Source::Law(law) => law.add(at.t, x, v, sum),
             }
         }
         let forces = || self.numbering.user.iter().map(|&user| DVec3::from_array(sum[user as usize]));

@@ -24,13 +24,7 @@ pub struct Pendulum {
 impl Pendulum {
     /// Makes a pendulum; the case reader has checked the numbers.
     pub fn new(spec: PendulumSpec) -> Self {
-        let gravity = TermInfo {
-            name: "gravity",
-            role: Role::Gravity,
-            velocity_dependent: false,
-            follower: false,
-            on_triangles: false,
-        };
+        let gravity = TermInfo::of("gravity", Role::Gravity);
         let mut terms = vec![gravity];
         if spec.damping != 0.0 {
             terms.push(TermInfo { name: "damping", role: Role::Dissipative, velocity_dependent: true, ..gravity });

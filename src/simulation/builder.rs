@@ -1,6 +1,6 @@
 //! Networks made in code, and the settings of a run.
 
-use super::{NeedsNetwork, Problem, RunSpec, Scene, Scheme, SetupError, Stepper};
+use super::{Problem, RunSpec, Scene, Scheme, SetupError, Stepper, bind_scheme};
 use crate::drive::Explain;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
@@ -85,8 +85,7 @@ impl RunSettings {
     }
 
     pub(super) fn bind<'a>(&self, scheme: Scheme, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
-        let refused = |source: NeedsNetwork| SetupError::Method { method: self.method.info.name, source };
-        Stepper::bind(scheme, scene.abilities()).map_err(refused)
+        bind_scheme(scheme, self.method.info.name, scene)
     }
 
     /// A new scheme bound to a scene.

@@ -1,6 +1,7 @@
 //! What a program reads from a simulation and changes in it.
 
-use super::{Arc, NodalForce, RunState, SetupError, Simulation, SimulationError};
+use super::{Arc, NodalForce, RunState, Simulation, SimulationError};
+use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::integrate::Counters;
@@ -251,8 +252,7 @@ impl Simulation {
         let saved = Saved { snapshot, forces, wind: self.wind };
         let mut bytes = Vec::new();
         postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
-        let sum = crc32fast::hash(&bytes);
-        bytes.extend_from_slice(&sum.to_le_bytes());
+        checksum::append(&mut bytes);
         Ok(bytes)
     }
 
@@ -262,10 +262,10 @@ impl Simulation {
     /// Bytes that are damaged or of another version or scene; the state is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimulationError> {
         let unreadable = |why: &str| SimulationError::Snapshot(why.to_owned());
-        let (content, sum) = bytes.split_last_chunk::<4>().ok_or_else(|| unreadable("it is cut short"))?;
-        if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
-            return Err(unreadable("its checksum is wrong"));
-        }
+        let content = checksum::verified(bytes).map_err(|error| match error {
+            ChecksumError::Missing => unreadable("it is cut short"),
+            ChecksumError::Differs { .. } => unreadable("its checksum is wrong"),
+        })?;
         let (program, saved): (String, Saved) =
             postcard::from_bytes(content).map_err(|error| unreadable(&error.to_string()))?;
         if program != PROGRAM {
@@ -286,11 +286,5 @@ impl Simulation {
         }
         self.wind = wind;
         self.take_up(snapshot)
-    }
-}
-
-impl From<crate::scene::BuildError> for SimulationError {
-    fn from(error: crate::scene::BuildError) -> Self {
-        SimulationError::Setup(SetupError::Build(error))
     }
 }

@@ -21,6 +21,7 @@ use super::frames::Distance;
 use super::plan::{FORMAT, PROGRAM, Plan};
 use super::reference::Reference;
 use super::row::{Job, Measured};
+use crate::checksum;
 use crate::drive::Snapshot;
 use crate::input_file;
 use crate::output::atomic::{Durability, replace_shared};
@@ -202,8 +203,7 @@ impl Store {
     fn write_binary(&self, path: &Path, value: &impl Serialize) -> Result<(), StudyError> {
         let invalid = |e: postcard::Error| system(path, io::Error::new(io::ErrorKind::InvalidData, e));
         let mut bytes = postcard::to_stdvec(&(FORMAT, PROGRAM, value)).map_err(invalid)?;
-        let sum = crc32fast::hash(&bytes);
-        bytes.extend_from_slice(&sum.to_le_bytes());
+        checksum::append(&mut bytes);
         self.write(path, &bytes)
     }
 
@@ -216,10 +216,7 @@ impl Store {
 
 /// A binary file of this program that is whole.
 fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
-    let (content, sum) = bytes.split_last_chunk::<4>()?;
-    if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
-        return None;
-    }
+    let content = checksum::verified(bytes).ok()?;
     // The head first: the rest of another format may not be what it looks like.
     let (head, _): ((u32, String), &[u8]) = postcard::take_from_bytes(content).ok()?;
     if head.0 != FORMAT || head.1 != PROGRAM {

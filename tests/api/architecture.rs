@@ -181,7 +181,8 @@ fn nothing_a_user_can_cause_panics_by_design() {
 /// force.
 #[test]
 fn forces_are_known_by_what_they_say_and_not_by_name() {
-    let named = |line: &str| Some(line.split_once("name: \"")?.1.split_once('"')?.0.to_owned());
+    let after = |line: &str, mark: &str| Some(line.split_once(mark)?.1.split_once('"')?.0.to_owned());
+    let named = |line: &str| after(line, "name: \"").or_else(|| after(line, "TermInfo::of(\""));
     let forces = sources("force");
     let names: Vec<String> = forces.iter().flat_map(|(_, text)| code(text).filter_map(|(_, l)| named(l))).collect();
     assert!(names.len() >= 9, "{names:?}");

@@ -98,7 +98,7 @@ impl Run<'_> {
 
     /// Books the steps of a block; `false` where one of them looks wrong.
     fn account_for(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
-        let (mut before, mut t, mut way) = (self.state.row, self.state.from.state.t, 0.0);
+        let (mut before, mut way) = (self.state.row, 0.0);
         let mut power_before = power_of(self.scene, &self.state.from.forces.tallies);
         for ((step, passed), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
             let after = self.state.ledger.passed(self.scene, passed);
@@ -109,7 +109,7 @@ impl Run<'_> {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.state.from, &self.state.to);
-            let (h, power) = (step.t - t, [power_before, power_of(scene, &passed.tallies)]);
+            let (h, power) = (step.h(), [power_before, power_of(scene, &passed.tallies)]);
             // Schemes that integrate work by stages make their steps one by one.
             let (by_stages, step_number) = (false, step.step);
             let watched =
@@ -117,7 +117,7 @@ impl Run<'_> {
             if !self.state.watch.unseen_step(watched) || !self.state.reach.allows(passed.max_speed(), h) {
                 return false;
             }
-            (*row, before, t, power_before) = (after, after, step.t, power[1]);
+            (*row, before, power_before) = (after, after, power[1]);
         }
         true
     }

@@ -100,7 +100,7 @@ impl PressureLaw for AirLaw<'_> {
 
 impl ForceTerm for Air {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "air", role: Role::External, velocity_dependent: true, follower: true, on_triangles: true }
+        TermInfo { velocity_dependent: true, follower: true, on_triangles: true, ..TermInfo::of("air", Role::External) }
     }
 
     fn symmetric(&self) -> bool {

@@ -95,13 +95,7 @@ impl Kernel<2> for AxialData {
 
 impl ForceTerm for AxialDashpots {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "axial dashpots",
-            role: Role::Dissipative,
-            velocity_dependent: true,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo { velocity_dependent: true, ..TermInfo::of("axial dashpots", Role::Dissipative) }
     }
 
     fn symmetric(&self) -> bool {

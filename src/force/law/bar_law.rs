@@ -91,7 +91,7 @@ impl Kernel<2> for BarData {
 
 impl ForceTerm for LawBars {
     fn info(&self) -> TermInfo {
-        TermInfo { name: "bars", role: Role::Elastic, velocity_dependent: false, follower: false, on_triangles: false }
+        TermInfo::of("bars", Role::Elastic)
     }
 
     fn symmetric(&self) -> bool {

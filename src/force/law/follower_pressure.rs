@@ -58,13 +58,7 @@ impl PressureLaw for FollowerLaw {
 
 impl ForceTerm for FollowerPressure {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "follower pressure",
-            role: Role::External,
-            velocity_dependent: false,
-            follower: true,
-            on_triangles: true,
-        }
+        TermInfo { follower: true, on_triangles: true, ..TermInfo::of("follower pressure", Role::External) }
     }
 
     fn symmetric(&self) -> bool {

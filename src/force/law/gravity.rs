@@ -106,13 +106,7 @@ impl Summand for Gravity {
 
 impl ForceTerm for Gravity {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "gravity",
-            role: Role::Gravity,
-            velocity_dependent: false,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo::of("gravity", Role::Gravity)
     }
 
     fn symmetric(&self) -> bool {

@@ -13,8 +13,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// Forces that are given node by node.
-pub const FORCES: TermInfo =
-    TermInfo { name: "forces", role: Role::External, velocity_dependent: false, follower: false, on_triangles: false };
+pub const FORCES: TermInfo = TermInfo::of("forces", Role::External);
 
 /// Forces that a pressure leaves on the nodes of its triangles.
 const DEAD_PRESSURE: TermInfo = TermInfo { name: "dead pressure", on_triangles: true, ..FORCES };

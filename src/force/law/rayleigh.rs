@@ -44,13 +44,7 @@ impl Summand for RayleighMass {
 
 impl ForceTerm for RayleighMass {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "rayleigh mass damping",
-            role: Role::Dissipative,
-            velocity_dependent: true,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh mass damping", Role::Dissipative) }
     }
 
     fn symmetric(&self) -> bool {
@@ -98,13 +92,7 @@ impl Kernel<2> for RayleighData {
 
 impl ForceTerm for RayleighStiffness {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "rayleigh stiffness damping",
-            role: Role::Dissipative,
-            velocity_dependent: true,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh stiffness damping", Role::Dissipative) }
     }
 
     fn symmetric(&self) -> bool {

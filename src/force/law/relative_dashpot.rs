@@ -56,13 +56,7 @@ impl AxialLaw for DashpotLaw {
 
 impl ForceTerm for RelativeDashpots {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "relative dashpots",
-            role: Role::Dissipative,
-            velocity_dependent: true,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo { velocity_dependent: true, ..TermInfo::of("relative dashpots", Role::Dissipative) }
     }
 
     fn symmetric(&self) -> bool {

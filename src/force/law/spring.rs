@@ -160,13 +160,7 @@ impl EdgeKernel for SpringData {
 
 impl ForceTerm for Springs {
     fn info(&self) -> TermInfo {
-        TermInfo {
-            name: "springs",
-            role: Role::Elastic,
-            velocity_dependent: false,
-            follower: false,
-            on_triangles: false,
-        }
+        TermInfo::of("springs", Role::Elastic)
     }
 
     fn symmetric(&self) -> bool {

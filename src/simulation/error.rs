@@ -1,0 +1,86 @@
+//! Why there is no simulation, and why one does not go on.
+
+use crate::drive::{Failure, RunError};
+use crate::integrate::stepper::NeedsNetwork;
+use crate::scene::BuildError;
+
+/// Why a good case cannot be made ready.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The specification contradicts itself.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The method does not fit the scene.
+    #[error("{method}: {source}")]
+    Method {
+        /// the method's name
+        method: &'static str,
+        /// why
+        source: NeedsNetwork,
+    },
+    /// The operating system gave no threads.
+    #[error("threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// Why a simulation cannot go on, or refuses what it is given.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The scene or the method cannot be made ready.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The run cannot start, or an observer cannot write.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A step diverged or could not be solved. The state is that before the step.
+    #[error("step {} ending at t = {} s failed: {}; {}", .0.step, .0.time, .0.cause, .0.advice)]
+    Failed(Box<Failure>),
+    /// The end of the run is reached.
+    #[error("the simulation has reached its end at t = {t} s")]
+    Ended {
+        /// [s] time
+        t: f64,
+    },
+    /// An attempted step waits for [`Simulation::accept`] or [`Simulation::drop_attempt`]; or there is none.
+    #[error("{}", if *.pending { "an attempted step is neither accepted nor dropped" } else { "no step was attempted" })]
+    Attempt {
+        /// whether there is one
+        pending: bool,
+    },
+    /// A slice does not have a row for each node.
+    #[error("{what} has {found} rows, the scene {needed} nodes")]
+    Shape {
+        /// e.g. "positions"
+        what: &'static str,
+        /// rows given
+        found: usize,
+        /// nodes of the scene
+        needed: usize,
+    },
+    /// A number is not finite.
+    #[error("{what}: row {row} is not finite")]
+    NotFinite {
+        /// e.g. "positions"
+        what: &'static str,
+        /// row of the slice
+        row: usize,
+    },
+    /// The scene has no such thing: a pendulum has no forces from outside, a network without air no wind.
+    #[error("this scene has no {0}")]
+    Unsupported(&'static str),
+    /// The first external force changes the scene, which the program still holds from [`Simulation::scene`].
+    #[error("the scene is in use; add the first external force before taking it")]
+    SceneInUse,
+    /// The bytes are no snapshot of this version of the library.
+    #[error("the snapshot cannot be read: {0}")]
+    Snapshot(String),
+    /// A panic in an earlier step has left the simulation without its scheme.
+    #[error("the simulation was interrupted in the middle of a step; restore a snapshot into a new one")]
+    Broken,
+}
+
+impl From<BuildError> for SimulationError {
+    fn from(error: BuildError) -> Self {
+        SimulationError::Setup(SetupError::Build(error))
+    }
+}
