@@ -1,69 +1,54 @@
 //! `tradeoff.csv` and `stiffness.csv`.
 
-use std::fmt::Write;
-
+use crate::case::schema::Method;
 use crate::output::sanitize::csv_field;
-use crate::study::error::StudyError;
-use crate::study::recommendations::{Pick, Recommendations, StiffnessPoint};
+use crate::study::recommendations::{Pick, Recommendations};
 use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
 
-/// Columns of `tradeoff.csv`; other programs rely on them.
-const HEADER: &str = "method,step,tolerance,status,error,error_max,energy_error,cpu_seconds,force_evaluations,tangent_assemblies,factorizations,linear_solves,pareto";
+/// Columns of `tradeoff.csv`, with the text of a run's cell; other programs rely on them.
+type Column = (&'static str, fn(&Row) -> String);
+const COLUMNS: [Column; 13] = [
+    ("method", |row| csv_field(&typed(&row.job.method))),
+    ("step", |row| match row.job.pace {
+        Pace::Step(h) => number(Some(h)),
+        Pace::Tolerance(_) => String::new(),
+    }),
+    ("tolerance", |row| match row.job.pace {
+        Pace::Step(_) => String::new(),
+        Pace::Tolerance(tolerance) => number(Some(tolerance)),
+    }),
+    ("status", |row| row.measured.status.word().to_owned()),
+    ("error", |row| number(row.measured.error)),
+    ("error_max", |row| number(row.measured.error_max)),
+    ("energy_error", |row| number(row.measured.energy_error)),
+    ("cpu_seconds", |row| number(row.cpu_seconds)),
+    ("force_evaluations", |row| row.measured.counters.force_evaluations.to_string()),
+    ("tangent_assemblies", |row| row.measured.counters.tangent_assemblies.to_string()),
+    ("factorizations", |row| row.measured.counters.factorizations.to_string()),
+    ("linear_solves", |row| row.measured.counters.linear_solves.to_string()),
+    ("pareto", |row| row.pareto.to_string()),
+];
+
 /// Columns of `stiffness.csv`.
 const STIFFNESS: &str = "stiffness_factor,wanted,explicit,explicit_cpu_seconds,implicit,implicit_cpu_seconds";
 
 /// One row a run, in the plan's order; the factor on the stiffness goes before it where there are several.
-///
-/// # Errors
-/// A method that cannot be written as JSON, which those of a plan can.
-pub(super) fn tradeoff(study: &Study) -> Result<String, StudyError> {
+pub(super) fn tradeoff(study: &Study) -> String {
     let sweep = study.plan.variants.len() > 1;
-    let mut text = format!("{}{HEADER}\n", if sweep { "stiffness_factor," } else { "" });
+    let head = sweep.then_some("stiffness_factor").into_iter().chain(COLUMNS.map(|(name, _)| name));
+    let mut text = head.collect::<Vec<_>>().join(",") + "\n";
     for row in &study.rows {
-        if sweep {
-            let factor = study.plan.variant_of(&row.job).map(|v| v.stiffness_factor);
-            text.push_str(&number(factor));
-            text.push(',');
-        }
-        text.push_str(&line(row)?);
-        text.push('\n');
+        let factor = sweep.then(|| number(study.plan.variant_of(&row.job).map(|v| v.stiffness_factor)));
+        let cells = factor.into_iter().chain(COLUMNS.map(|(_, cell)| cell(row)));
+        text += &(cells.collect::<Vec<_>>().join(",") + "\n");
     }
-    Ok(text)
-}
-
-fn line(row: &Row) -> Result<String, StudyError> {
-    let (step, tolerance) = match row.job.pace {
-        Pace::Step(h) => (Some(h), None),
-        Pace::Tolerance(t) => (None, Some(t)),
-    };
-    let m = &row.measured;
-    let c = &m.counters;
-    Ok([
-        csv_field(&method(row)?),
-        number(step),
-        number(tolerance),
-        m.status.word().to_owned(),
-        number(m.error),
-        number(m.error_max),
-        number(m.energy_error),
-        number(row.cpu_seconds),
-        c.force_evaluations.to_string(),
-        c.tangent_assemblies.to_string(),
-        c.factorizations.to_string(),
-        c.linear_solves.to_string(),
-        row.pareto.to_string(),
-    ]
-    .join(","))
+    text
 }
 
 /// A method as `--method` takes it: its name, or a JSON object where parameters were given.
-pub(super) fn method(row: &Row) -> Result<String, StudyError> {
-    let method = &row.job.method;
-    if method.parameters.is_empty() {
-        return Ok(method.name.clone());
-    }
-    serde_json::to_string(method).map_err(|e| StudyError::Page(format!("{}: {e}", method.name)))
+fn typed(method: &Method) -> String {
+    if method.parameters.is_empty() { method.name.clone() } else { serde_json::json!(method).to_string() }
 }
 
 /// The shortest number that reads back as the same; nothing for none.
@@ -73,19 +58,13 @@ fn number(value: Option<f64>) -> String {
 
 /// One row an accuracy and factor.
 pub(super) fn stiffness(answers: &Recommendations) -> String {
-    let mut text = format!("{STIFFNESS}\n");
-    for StiffnessPoint { stiffness_factor, wanted, explicit, implicit } in &answers.stiffness {
-        let pick = |pick: &Option<Pick>| match pick {
-            Some(pick) => format!("{},{}", csv_field(&used(pick)), number(Some(pick.cpu_seconds))),
-            None => ",".to_owned(),
-        };
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{stiffness_factor:?},{wanted:?},{},{}", pick(explicit), pick(implicit));
-    }
-    text
-}
-
-/// A run in a word: its method and its steps.
-pub(super) fn used(pick: &Pick) -> String {
-    pick.pace.of(&pick.method)
+    let pick = |pick: &Option<Pick>| match pick {
+        Some(pick) => format!("{},{}", csv_field(&pick.pace.of(&pick.method)), number(Some(pick.cpu_seconds))),
+        None => ",".to_owned(),
+    };
+    let lines = answers.stiffness.iter().map(|point| {
+        let (explicit, implicit) = (pick(&point.explicit), pick(&point.implicit));
+        format!("{:?},{:?},{explicit},{implicit}\n", point.stiffness_factor, point.wanted)
+    });
+    format!("{STIFFNESS}\n") + &lines.collect::<String>()
 }

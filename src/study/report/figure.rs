@@ -13,6 +13,7 @@ use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
 
 /// A figure of the report.
+#[derive(serde::Serialize)]
 pub(super) struct Figure {
     /// name of its file
     pub file: &'static str,

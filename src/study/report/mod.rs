@@ -3,16 +3,13 @@
 //! Everything is made from the study and its answers alone; only the page's and the JSON file's account of the machine
 //! differs from one machine and day to the next.
 
-mod case;
 mod convergence;
 mod csv;
 mod figure;
-mod json;
 mod machine;
 mod page;
 mod stiffness;
 mod style;
-mod table;
 
 use std::fs;
 use std::io;
@@ -20,8 +17,12 @@ use std::path::{Path, PathBuf};
 
 pub use machine::{Machine, Rerun};
 
+use serde::Serialize;
+
 use super::error::StudyError;
+use super::plan::{PROGRAM, Plan};
 use super::recommendations::Recommendations;
+use super::row::Row;
 use super::runner::Study;
 use super::store::system;
 use crate::output::atomic::{Durability, replace_shared};
@@ -45,8 +46,8 @@ pub const FILES: [&str; 8] = [
 pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) -> Result<Vec<PathBuf>, StudyError> {
     let figures = figure::all(study, answers)?;
     let mut made: Vec<(&str, String)> = vec![
-        ("tradeoff.csv", csv::tradeoff(study)?),
-        ("tradeoff.json", json::tradeoff(study, answers, how)?),
+        ("tradeoff.csv", csv::tradeoff(study)),
+        ("tradeoff.json", json(study, answers, how)?),
         ("tradeoff.html", page::html(study, answers, how, &figures)?),
     ];
     if study.plan.variants.len() > 1 {
@@ -66,6 +67,23 @@ pub fn write(out: &Path, study: &Study, answers: &Recommendations, how: &Rerun) 
         }
     }
     Ok(written)
+}
+
+/// `tradeoff.json`: all that is known of a study.
+#[derive(Serialize)]
+struct Json<'a> {
+    version: &'a str,
+    command: &'a str,
+    plan: &'a Plan,
+    rows: &'a [Row],
+    answers: &'a Recommendations,
+    machine: &'a Machine,
+}
+
+fn json(study: &Study, answers: &Recommendations, how: &Rerun) -> Result<String, StudyError> {
+    let (Study { plan, rows }, Rerun { command, machine }) = (study, how);
+    let text = serde_json::to_string_pretty(&Json { version: PROGRAM, command, plan, rows, answers, machine });
+    Ok(text.map_err(|e| StudyError::Page(format!("tradeoff.json: {e}")))? + "\n")
 }
 
 /// Removes the report of an earlier study.

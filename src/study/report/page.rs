@@ -1,70 +1,35 @@
-//! `tradeoff.html`: one page that needs nothing beside it.
+//! `tradeoff.html`: one page that needs nothing beside it. Its words and its layout are those of the template.
 
+use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Serialize;
 
 use super::figure::Figure;
-use super::machine::{Machine, Rerun};
-use super::table::{self, Table, short};
-use super::{case, csv};
+use super::{Machine, Rerun};
 use crate::format_number::figures;
-use crate::integrate::Counters;
 use crate::study::error::StudyError;
-use crate::study::plan::{PROGRAM, Variant};
-use crate::study::recommendations::{Pick, Recommendation, Recommendations, unfinished};
-use crate::study::row::RowStatus;
+use crate::study::plan::{PROGRAM, Plan};
+use crate::study::recommendations::{Recommendations, unfinished};
+use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
 
 /// The page's template. Its name ends in html: everything put into it is escaped.
-const TEMPLATE: (&str, &str) = ("tradeoff.html", include_str!("page.html"));
+const TEMPLATE: (&str, &str) = ("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"));
 
 /// All that the template shows.
 #[derive(Serialize)]
 struct Page<'a> {
-    name: &'a str,
     version: &'a str,
-    case_words: Vec<String>,
-    counts: String,
-    failures: String,
-    variants: Vec<Section>,
-    stiffness: Vec<String>,
-    figures: Vec<Shown<'a>>,
-    runs: Table,
-    repeat: u32,
-    case_file: &'a str,
-    case_json: String,
     command: &'a str,
-    machine: Vec<(&'static str, String)>,
-    date: Option<&'a str>,
-}
-
-/// What is said of a variant.
-#[derive(Serialize)]
-struct Section {
-    /// empty for a study of one variant
-    heading: String,
-    sentences: Vec<String>,
-    crossover: String,
-    answers: Vec<[String; 9]>,
-    reference: Reference,
-    limits: Vec<(String, String)>,
-}
-
-/// What the reference is worth.
-#[derive(Serialize)]
-struct Reference {
-    how: String,
-    error: String,
-    error_max: String,
-    cost: String,
-    largest: String,
-}
-
-/// A figure with its caption.
-#[derive(Serialize)]
-struct Shown<'a> {
-    file: &'a str,
-    svg: &'a str,
-    caption: &'static str,
+    machine: &'a Machine,
+    plan: &'a Plan,
+    case_json: String,
+    /// runs without a result, counted
+    failures: String,
+    /// whether any run has a note
+    noted: bool,
+    rows: Vec<&'a Row>,
+    answers: &'a Recommendations,
+    figures: &'a [Figure],
 }
 
 /// The page.
@@ -77,88 +42,59 @@ pub(super) fn html(
     how: &Rerun,
     figures: &[Figure],
 ) -> Result<String, StudyError> {
-    let plan = &study.plan;
-    let refused = |e: minijinja::Error| StudyError::Page(e.to_string());
-    let case_json = serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?;
-    let completed = study.rows.iter().filter(|row| row.measured.status == RowStatus::Completed).count();
+    let Study { plan, rows } = study;
     let page = Page {
-        name: &plan.name,
         version: PROGRAM,
-        case_words: case::words(plan),
-        counts: format!("{completed} of {} runs reached their end", study.rows.len()),
-        failures: unfinished(&study.rows),
-        variants: plan.variants.iter().enumerate().map(|(i, variant)| section(study, answers, i, variant)).collect(),
-        stiffness: answers.stiffness_crossovers.iter().map(|c| sentence(&c.sentence)).collect(),
-        figures: figures.iter().map(|f| Shown { file: f.file, svg: &f.svg, caption: caption(f.file) }).collect(),
-        runs: table::runs(study)?,
-        repeat: plan.asked.repeat,
-        case_file: &plan.case_file,
-        case_json,
         command: &how.command,
-        machine: account(&how.machine),
-        date: how.machine.date.as_deref(),
+        machine: &how.machine,
+        plan,
+        case_json: serde_json::to_string_pretty(&plan.case).map_err(|e| StudyError::Page(e.to_string()))?,
+        failures: unfinished(rows),
+        noted: rows.iter().any(|row| !row.measured.note.is_empty()),
+        rows: sorted(rows),
+        answers,
+        figures,
     };
-    let mut templates = minijinja::Environment::new();
-    templates.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
-    templates.add_template(TEMPLATE.0, TEMPLATE.1).map_err(refused)?;
-    templates.get_template(TEMPLATE.0).and_then(|template| template.render(&page)).map_err(refused)
+    render(&page).map_err(|e| StudyError::Page(format!("{e:#}")))
 }
 
-fn section(study: &Study, answers: &Recommendations, number: usize, variant: &Variant) -> Section {
-    let own: Vec<&Recommendation> = answers.targets.iter().filter(|a| a.variant == number).collect();
-    let mut sentences: Vec<String> = own.iter().map(|a| sentence(&a.sentence)).collect();
-    if sentences.is_empty() {
-        sentences.push("No run of this study reached an error of 0.1 or less.".to_owned());
-    }
-    let crossover = answers.crossovers.iter().find(|c| c.variant == number);
-    let limits = variant.critical_steps.iter().map(|(method, h)| (method.clone(), short(*h, 4)));
-    let heading = match study.plan.variants.len() {
-        1 => String::new(),
-        _ => format!("{} times the stiffness", figures(variant.stiffness_factor, 4)),
-    };
-    let account = &variant.reference;
-    let reference = Reference {
-        how: format!("By {}.", account.how),
-        error: short(account.error, 2),
-        error_max: short(account.error_max, 2),
-        cost: work(&account.counters, account.cpu_seconds),
-        largest: figures(account.motion.largest, 3),
-    };
-    Section {
-        heading,
-        sentences,
-        crossover: crossover.map(|c| sentence(&c.sentence)).unwrap_or_default(),
-        answers: own.into_iter().map(|a| answer(a, account.error)).collect(),
-        reference,
-        limits: limits.collect(),
-    }
+fn render(page: &Page<'_>) -> Result<String, minijinja::Error> {
+    let mut templates = Environment::new();
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    templates.add_filter("figures", figures);
+    templates.add_filter("short", short);
+    templates.add_filter("json", |value: Value| serde_json::to_string(&value).unwrap_or_default());
+    templates.add_filter("scientific", |value: f64| format!("{value:e}"));
+    templates.add_filter("sentence", sentence);
+    templates.add_template(TEMPLATE.0, TEMPLATE.1)?;
+    templates.get_template(TEMPLATE.0)?.render(page)
 }
 
-/// Wanted accuracy; method, pace, error (not shown below `floor`) and cost of the best; the next one and its factor;
-/// the best of each family.
-fn answer(answer: &Recommendation, floor: f64) -> [String; 9] {
-    let Recommendation { wanted, best, next, explicit, implicit, .. } = answer;
-    let factor = |pick: &Pick| format!("{} ×", figures(pick.cpu_seconds / best.cpu_seconds, 2));
-    let told = |pick: &Option<Pick>| pick.as_ref().map(csv::used).unwrap_or_else(|| "–".to_owned());
-    let cost = |pick: &Option<Pick>| match pick {
-        Some(pick) => format!("{}: {} s", csv::used(pick), short(pick.cpu_seconds, 2)),
-        None => "none".to_owned(),
+/// All runs: variant by variant, method by method, fixed steps before adaptive ones, the largest first.
+fn sorted(rows: &[Row]) -> Vec<&Row> {
+    let key = |row: &Row| {
+        let method = rows.iter().position(|other| other.job.method == row.job.method);
+        let (adaptive, size) = match row.job.pace {
+            Pace::Step(h) => (false, h),
+            Pace::Tolerance(tolerance) => (true, tolerance),
+        };
+        ((row.job.variant, method, adaptive), size)
     };
-    let (kind, value) = match best.pace {
-        crate::study::row::Pace::Step(h) => ("step", short(h, 4)),
-        crate::study::row::Pace::Tolerance(t) => ("tolerance", short(t, 4)),
-    };
-    [
-        format!("{wanted:e}"),
-        best.method.clone(),
-        format!("{kind} {value}"),
-        if best.error < floor { format!("<{}", short(floor, 2)) } else { short(best.error, 2) },
-        short(best.cpu_seconds, 2),
-        told(next),
-        next.as_ref().map(factor).unwrap_or_default(),
-        cost(explicit),
-        cost(implicit),
-    ]
+    let mut sorted: Vec<_> = rows.iter().map(|row| (key(row), row)).collect();
+    sorted.sort_by(|((a, larger), _), ((b, smaller), _)| a.cmp(b).then_with(|| smaller.total_cmp(larger)));
+    sorted.into_iter().map(|(_, row)| row).collect()
+}
+
+/// A number of so many digits, with a power of ten below a hundredth, where tables read better so; nothing for none.
+fn short(value: Option<f64>, digits: usize) -> String {
+    match value.filter(|v| v.is_finite()) {
+        None => String::new(),
+        Some(v) if v != 0.0 && v.abs() < 1e-2 => {
+            let rounded: f64 = format!("{v:.*e}", digits.saturating_sub(1)).parse().unwrap_or(v);
+            format!("{rounded:e}")
+        }
+        Some(v) => figures(v, digits),
+    }
 }
 
 /// With a capital letter and a full stop.
@@ -167,49 +103,4 @@ fn sentence(text: &str) -> String {
     let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
     let stop = if text.is_empty() || text.ends_with(['.', '!', '?']) { "" } else { "." };
     format!("{first}{}{stop}", letters.as_str())
-}
-
-fn work(counters: &Counters, seconds: Option<f64>) -> String {
-    let Counters { force_evaluations, factorizations, .. } = counters;
-    let seconds = seconds.map(|s| format!("{} s of processor time, ", short(s, 2))).unwrap_or_default();
-    let matrices = if *factorizations > 0 { format!(", {factorizations} factorisations") } else { String::new() };
-    format!("{seconds}{force_evaluations} force evaluations{matrices}")
-}
-
-fn account(machine: &Machine) -> Vec<(&'static str, String)> {
-    let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / 1024f64.powi(3));
-    let vectors = Some(machine.vectors.join(", ")).filter(|v| !v.is_empty());
-    let known = [
-        ("processor", machine.processor.clone()),
-        ("vector instructions", vectors),
-        ("threads at once", machine.cores.map(|n| n.to_string())),
-        ("memory", machine.memory_bytes.map(gib)),
-        ("system", Some(machine.system.clone()).filter(|s| !s.is_empty())),
-    ];
-    known.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
-}
-
-fn caption(file: &str) -> &'static str {
-    match file {
-        "tradeoff.svg" => {
-            "Work-precision diagram. Left is more accurate, down is cheaper. The staircase is the Pareto front: no run is below it. \
-             Errors are not told below that of the reference. Runs without a result stand in the strip at the right, at what they \
-             had cost when they ended; those that cost nothing (refused, not run) stand below its line."
-        }
-        "work.svg" => {
-            "The same against force evaluations, which repeat exactly on any machine. They leave out what implicit steps spend on \
-             matrices: compare methods of one family."
-        }
-        "convergence.svg" => {
-            "Error against step, for fixed steps. Grey lines have slopes 1, 2 and 4, the orders of methods. Ticks on the lower edge \
-             are the stability limits at the start of the run, in the colour of their methods. Runs without a result stand in the \
-             strip above, at their step. Between the ends of a step frames are cubic in time, so that methods of order 5 and above \
-             show their order only in steps that meet the frames."
-        }
-        "stiffness.svg" => {
-            "Cheapest explicit and cheapest implicit run for an accuracy against the factor on the stiffness. Stars mark where both \
-             cost the same, by interpolation."
-        }
-        _ => "",
-    }
 }
