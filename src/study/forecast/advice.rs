@@ -3,10 +3,10 @@
 use super::coarse_reference::CoarseReference;
 use super::cost::TangentCost;
 use super::estimate::Estimate;
-use super::search::{Asked, CAREFUL, Found, Proof, Search, nice};
+use super::nominal::NominalCosts;
+use super::search::{CAREFUL, FoundStep, FoundTolerance, KnownBy, Search, nice};
 use super::step_doubling::by_step_doubling;
 use super::trials::Trials;
-use super::units::Units;
 use super::{Candidate, ForecastSpec, planned, tolerance_of};
 use crate::drive::clock::Step;
 use crate::integrate::registry::Family;
@@ -27,7 +27,7 @@ pub struct Choice {
     /// [-] its error; null where no run was affordable
     pub step_error: Option<f64>,
     /// how it is known
-    pub known_by: Proof,
+    pub known_by: KnownBy,
     /// [s] the run with that step without output: counted work times what its units cost
     pub integration_seconds: f64,
     /// the run with that step
@@ -72,12 +72,12 @@ const FAR: f64 = 100.0;
 const UNKNOWN: f64 = 0.2;
 
 /// A method and its step.
-type Offer<'c> = (&'c Candidate, Found);
+type Offer<'c> = (&'c Candidate, FoundStep);
 
 /// Looks for the steps of all methods that may be cheap.
 pub struct Adviser<'s, 'a> {
     spec: &'s ForecastSpec<'a>,
-    units: Units,
+    costs: NominalCosts,
     search: Option<Search<'a>>,
 }
 
@@ -85,10 +85,10 @@ impl<'s, 'a> Adviser<'s, 'a> {
     /// Makes the reference.
     pub fn new(spec: &'s ForecastSpec<'a>, tangent: Option<&TangentCost>) -> Self {
         let ForecastSpec { scene, accuracy, .. } = *spec;
-        let units = Units::new(scene, tangent);
+        let costs = NominalCosts::new(scene, tangent);
         let reference = CoarseReference::of(spec);
-        let search = reference.map(|reference| Search { reference, units, accuracy });
-        Adviser { spec, units, search }
+        let search = reference.map(|reference| Search { reference, costs, accuracy });
+        Adviser { spec, costs, search }
     }
 
     /// Whether runs were compared to their end.
@@ -133,7 +133,6 @@ impl<'s, 'a> Adviser<'s, 'a> {
             }
             let cheapest = offers.iter().map(|(_, found)| found.seconds).fold(f64::INFINITY, f64::min);
             offers.extend(search.step(candidate, TIE * cheapest).map(|found| (candidate, found)));
-            self.spec.budget.spend(search.reference.spent());
         }
         offers
     }
@@ -142,7 +141,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
     fn halved(&self) -> Vec<Offer<'a>> {
         let own = self.spec.problem.method.info.name;
         let tried = self.family(true).find(|c| own == c.method.info.name || UNMEASURED.contains(&c.method.info.name));
-        tried.and_then(|c| by_step_doubling(self.spec, self.units, c).map(|found| (c, found))).into_iter().collect()
+        tried.and_then(|c| by_step_doubling(self.spec, self.costs, c).map(|found| (c, found))).into_iter().collect()
     }
 
     /// From what local errors let adaptive steps be.
@@ -159,8 +158,8 @@ impl<'s, 'a> Adviser<'s, 'a> {
             let careful = UNKNOWN * CAREFUL.powf(1.0 / f64::from(candidate.method.order()));
             let step = nice((careful * made.mean_step).min(limit.safe()), problem.time.end);
             // Adaptive steps need other work: every change of a step changes W.
-            let seconds = self.units.untried(&candidate.method, problem.time.end / step);
-            Some((candidate, Found { step, error: None, proof: Proof::LocalErrors, seconds, run: None }))
+            let seconds = self.costs.untried(&candidate.method, problem.time.end / step);
+            Some((candidate, FoundStep { step, error: None, known_by: KnownBy::LocalErrors, seconds, run: None }))
         };
         tried.filter_map(offer).collect()
     }
@@ -199,27 +198,23 @@ impl<'s, 'a> Adviser<'s, 'a> {
         let name = own.method.info.name;
         // A method that was measured and is not among the offers was too dear with the step of the accuracy.
         let known = match offers.iter().find(|(c, _)| c.method.info.name == name) {
-            Some((_, found)) => found.proof != Proof::LocalErrors,
+            Some((_, found)) => found.known_by != KnownBy::LocalErrors,
             None => self.search.as_ref().is_some_and(|search| search.tries(own, name)),
         };
         let step = planned(own, problem.time.step, problem.time.end).fixed()?;
-        let times = seconds / self.units.untried(&own.method, problem.time.end / step);
+        let times = seconds / self.costs.untried(&own.method, problem.time.end / step);
         (times > CHEAPER && !known).then_some(times)
     }
 
     fn choice(
         &self,
         candidate: &Candidate,
-        found: Found,
+        found: FoundStep,
         complete: &mut impl FnMut(&Candidate, Step, Option<Estimate>) -> Option<Estimate>,
     ) -> Choice {
-        let Asked { tolerance, error, run: adaptive } = match &self.search {
-            Some(search) if self.spec.budget.left() > 0.0 => {
-                let asked = search.tolerance(candidate, &found);
-                self.spec.budget.spend(search.reference.spent());
-                asked
-            }
-            _ => Asked::untried(self.spec.accuracy),
+        let FoundTolerance { tolerance, error, run: adaptive } = match &self.search {
+            Some(search) if self.spec.budget.left() > 0.0 => search.tolerance(candidate, &found),
+            _ => FoundTolerance::untried(self.spec.accuracy),
         };
         let adaptive = complete(candidate, Step::Adaptive(tolerance_of(tolerance)), adaptive);
         Choice {
@@ -229,7 +224,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
             cpu_seconds: adaptive.map(|estimate| estimate.cpu_seconds),
             step: found.step,
             step_error: found.error,
-            known_by: found.proof,
+            known_by: found.known_by,
             integration_seconds: found.seconds,
             fixed: complete(candidate, Step::Fixed(found.step), found.run),
         }
@@ -239,7 +234,7 @@ impl<'s, 'a> Adviser<'s, 'a> {
 /// What was measured goes before what is concluded from single steps, unless that is far cheaper.
 fn best_of<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
     let (concluded, measured): (Vec<Offer<'c>>, Vec<Offer<'c>>) =
-        offers.iter().copied().partition(|(_, found)| found.proof == Proof::LocalErrors);
+        offers.iter().copied().partition(|(_, found)| found.known_by == KnownBy::LocalErrors);
     let concluded = prefer(&concluded, own);
     let Some(measured) = prefer(&measured, own) else { return concluded };
     Some(concluded.filter(|(_, found)| FAR * found.seconds < measured.1.seconds).unwrap_or(measured))
@@ -258,8 +253,8 @@ fn prefer<'c>(offers: &[Offer<'c>], own: &str) -> Option<Offer<'c>> {
 mod tests {
     use super::*;
 
-    fn found(seconds: f64, proof: Proof) -> Found {
-        Found { step: 1e-3, error: None, proof, seconds, run: None }
+    fn found(seconds: f64, known_by: KnownBy) -> FoundStep {
+        FoundStep { step: 1e-3, error: None, known_by, seconds, run: None }
     }
 
     /// A measured step is taken before one that seems cheaper and was not measured, but not at hundreds of times its
@@ -270,14 +265,14 @@ mod tests {
             method: crate::integrate::registry::MethodChoice::with_defaults(name).expect("in the registry"),
             limit: None,
         });
-        let best = |explicit: Found, implicit: Found| {
+        let best = |explicit: FoundStep, implicit: Found| {
             let offers = [(&candidates[0], explicit), (&candidates[1], implicit)];
             best_of(&offers, "rk4").expect("there are two").0.method.info.name
         };
         for (ratio, expected) in [(0.5, "velocity-verlet"), (50.0, "velocity-verlet"), (150.0, "newmark")] {
-            assert_eq!(best(found(ratio, Proof::Part), found(1.0, Proof::LocalErrors)), expected, "{ratio}");
+            assert_eq!(best(found(ratio, KnownBy::Part), found(1.0, KnownBy::LocalErrors)), expected, "{ratio}");
         }
-        assert_eq!(best(found(2.0, Proof::Part), found(1.0, Proof::Run)), "newmark");
-        assert_eq!(best(found(2.0, Proof::LocalErrors), found(1.0, Proof::LocalErrors)), "newmark");
+        assert_eq!(best(found(2.0, KnownBy::Part), found(1.0, KnownBy::Run)), "newmark");
+        assert_eq!(best(found(2.0, KnownBy::LocalErrors), found(1.0, KnownBy::LocalErrors)), "newmark");
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::advice::{Advice, Choice};
 use super::cost::{ForceCost, TangentCost};
 use super::estimate::{Basis, Estimate};
-use super::search::Proof;
+use super::search::KnownBy;
 use super::{Forecast, MethodForecast};
 use crate::case::spec::Problem;
 use crate::format_number::figures;
@@ -71,7 +71,7 @@ fn describe_tangent(text: &mut String, problem: &Problem, forecast: &Forecast) {
         seconds(tangent.assembly_seconds),
         seconds(tangent.factorization_seconds),
         seconds(tangent.solve_seconds),
-        if tangent.measured { "" } else { " (told from counts)" },
+        if tangent.measured { "" } else { " (estimated from counts)" },
         seconds(tangent.analysis_seconds)
     );
 }
@@ -155,7 +155,7 @@ fn describe_advice(text: &mut String, advice: &Advice) {
     let Advice { accuracy, compared, best, runner_up, factor, own_cheaper } = advice;
     let _ = write!(text, "\n  for {accuracy:e} use {}", options(best));
     if let (Some(other), Some(factor)) = (runner_up, factor) {
-        let concluded = |choice: &Choice| choice.known_by == Proof::LocalErrors;
+        let concluded = |choice: &Choice| choice.known_by == KnownBy::LocalErrors;
         let than = if *factor < 1.0 / TIE {
             format!(
                 "single steps promise, by counted work, {} times cheaper integration with",
@@ -184,15 +184,15 @@ fn known_by(best: &Choice, compared: f64) -> String {
     let error = best.step_error.map_or_else(String::new, |error| format!("{error:.1e}"));
     let part = 100.0 * compared;
     match best.known_by {
-        Proof::Run => format!("the step was run to the end: error {error} against dop853"),
-        Proof::Part => format!("the step was run over the first {part:.1} %: error {error} expected at the end"),
-        Proof::LongerSteps => {
+        KnownBy::Run => format!("the step was run to the end: error {error} against dop853"),
+        KnownBy::Part => format!("the step was run over the first {part:.1} %: error {error} expected at the end"),
+        KnownBy::LongerSteps => {
             format!("longer steps were run over the first {part:.1} %: error {error} expected of this one at the end")
         }
-        Proof::TwiceTheStep => format!(
+        KnownBy::TwiceTheStep => format!(
             "error {error} expected from the difference of two runs, one with twice the step of the other; not compared with a reference"
         ),
-        Proof::LocalErrors => "from the errors of single steps; what they add up to is not known".to_owned(),
+        KnownBy::LocalErrors => "from the errors of single steps; what they add up to is not known".to_owned(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! The cost of a whole run, estimated from a few real steps sampled along it.
 
-use super::beginning::Beginning;
-use super::coarse_reference::Delivered;
-use super::sample::Sample;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::sample::{Sample, StartSample, Work};
 
 /// [-] Paces of parts of a run that differ by more say little of the parts between.
 const UNEVEN: f64 = 3.0;
@@ -31,7 +31,7 @@ pub struct Estimate {
     /// whether it may be wrong by more than a few times: adaptive steps that change along the run, which was not made
     /// to its end
     pub doubtful: bool,
-    /// accepted steps to the end
+    /// [-] accepted steps to the end
     pub steps: f64,
     /// [s] mean step
     pub mean_step: f64,
@@ -39,16 +39,16 @@ pub struct Estimate {
     pub step_seconds: f64,
     /// [s] processor time of the whole run, output included
     pub cpu_seconds: f64,
-    /// force passes
-    pub force_evaluations: f64,
-    /// assemblies of W
-    pub tangent_assemblies: f64,
-    /// factorisations of W
-    pub factorizations: f64,
-    /// solves with a factorised W
-    pub linear_solves: f64,
-    /// Newton iterations
-    pub newton_iterations: f64,
+    /// [-] counted work
+    #[serde(flatten, serialize_with = "by_name")]
+    pub work: Work,
+}
+
+fn by_name<S: Serializer>(work: &Work, serializer: S) -> Result<S::Ok, S::Error> {
+    let names = ["force_evaluations", "tangent_assemblies", "factorizations", "linear_solves", "newton_iterations"];
+    let mut map = serializer.serialize_map(Some(names.len()))?;
+    names.iter().zip(work).try_for_each(|(name, n)| map.serialize_entry(name, n))?;
+    map.end()
 }
 
 impl Estimate {
@@ -68,8 +68,6 @@ impl Estimate {
         };
         let made = steps.map_or_else(|| total(&|s| s.steps), |steps| steps as f64).max(1.0);
         let seconds = total(&|s| s.seconds);
-        let work: [f64; 5] = std::array::from_fn(|i| total(&|s| s.work[i]));
-        let [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations] = work;
         Some(Estimate {
             basis: Basis::Steps,
             doubtful: steps.is_none() && differ(samples.iter().map(Sample::pace)),
@@ -77,18 +75,14 @@ impl Estimate {
             mean_step: end / made,
             step_seconds: seconds / made,
             cpu_seconds: seconds,
-            force_evaluations,
-            tangent_assemblies,
-            factorizations,
-            linear_solves,
-            newton_iterations,
+            work: std::array::from_fn(|i| total(&|s| s.work[i])),
         })
     }
 
     /// An adaptive run to `end` [s] that was made from its start, samples standing for equal parts of what is left;
     /// without them it goes on as it did last.
-    pub fn begun(made: &Beginning, later: &[Sample], end: f64) -> Estimate {
-        let Beginning { sample: first, pace } = *made;
+    pub fn begun(made: &StartSample, later: &[Sample], end: f64) -> Estimate {
+        let StartSample { sample: first, pace } = *made;
         let rest = (end - first.simulated).max(0.0);
         let last = Estimate::from_one(&first, rest, pace[1] * rest);
         let left = if rest > 0.0 { Estimate::of(later, rest, None).unwrap_or(last) } else { last };
@@ -98,27 +92,14 @@ impl Estimate {
             steps: add(first.steps, left.steps),
             simulated: end,
             seconds: add(first.seconds, left.cpu_seconds),
-            work: std::array::from_fn(|i| add(first.work[i], left.work()[i])),
+            work: std::array::from_fn(|i| add(first.work[i], left.work[i])),
         };
         Estimate { doubtful: rest > 0.0 && differ(paces), ..Estimate::from_one(&whole, end, whole.steps) }
-    }
-
-    /// In the order of [`Sample::work`].
-    pub fn work(&self) -> [f64; 5] {
-        [
-            self.force_evaluations,
-            self.tangent_assemblies,
-            self.factorizations,
-            self.linear_solves,
-            self.newton_iterations,
-        ]
     }
 
     /// A run to `end` [s] in `steps` steps like those of a sample.
     pub fn from_one(sample: &Sample, end: f64, steps: f64) -> Estimate {
         let share = steps / sample.steps;
-        let [force_evaluations, tangent_assemblies, factorizations, linear_solves, newton_iterations] =
-            sample.work.map(|n| n * share);
         Estimate {
             basis: Basis::Steps,
             doubtful: false,
@@ -126,11 +107,7 @@ impl Estimate {
             mean_step: end / steps,
             step_seconds: sample.seconds / sample.steps,
             cpu_seconds: sample.seconds * share,
-            force_evaluations,
-            tangent_assemblies,
-            factorizations,
-            linear_solves,
-            newton_iterations,
+            work: sample.work.map(|n| n * share),
         }
     }
 
@@ -138,16 +115,6 @@ impl Estimate {
     #[must_use]
     pub fn with_output(self, seconds: f64) -> Estimate {
         Estimate { cpu_seconds: self.cpu_seconds + seconds, ..self }
-    }
-}
-
-impl Delivered {
-    /// A run to `whole` [s] in so many steps, from the work and the time of those that were made to `span` [s].
-    pub fn run(&self, span: f64, whole: f64, steps: f64) -> Estimate {
-        let [force_evaluations, tangent_assemblies, factorizations, linear_solves] = self.work;
-        let work = [force_evaluations, tangent_assemblies, factorizations, linear_solves, self.newton_iterations];
-        let sample = Sample { steps: self.steps.max(1.0), simulated: span, seconds: self.seconds, work };
-        Estimate::from_one(&sample, whole, steps)
     }
 }
 
@@ -162,23 +129,23 @@ mod tests {
         let dear = Sample { steps: 2.0, simulated: 1.0, seconds: 4.0, work: [6.0; 5] };
         let cheap = Sample { steps: 1.0, simulated: 2.0, seconds: 1.0, work: [2.0; 5] };
         let fixed = Estimate::of(&[dear, cheap], 10.0, Some(10)).expect("samples");
-        assert_eq!((fixed.steps, fixed.cpu_seconds, fixed.force_evaluations), (10.0, 15.0, 25.0));
+        assert_eq!((fixed.steps, fixed.cpu_seconds, fixed.work[0]), (10.0, 15.0, 25.0));
         let adaptive = Estimate::of(&[dear, cheap], 10.0, None).expect("samples");
         assert_eq!((adaptive.steps, adaptive.cpu_seconds, adaptive.mean_step), (12.5, 22.5, 0.8));
         assert!(Estimate::of(&[], 1.0, None).is_none());
         assert!(adaptive.doubtful && !fixed.doubtful);
     }
 
-    /// What was made counts as it is, samples for the rest only, and a pace that changes makes a doubt unless the end
-    /// was seen.
+    /// Steps that were made count as they are, samples for the rest only, and a pace that changes makes a doubt unless
+    /// the end was seen.
     #[test]
-    fn a_run_that_was_begun_goes_on_as_later_samples_tell() {
+    fn a_run_that_was_begun_goes_on_as_later_samples_do() {
         let sample = Sample { steps: 100.0, simulated: 1.0, seconds: 10.0, work: [100.0; 5] };
-        let begun = Beginning { sample, pace: [50.0, 150.0] };
+        let begun = StartSample { sample, pace: [50.0, 150.0] };
         let later = Sample { steps: 1.0, simulated: 0.1, seconds: 0.2, work: [2.0; 5] };
         let run = Estimate::begun(&begun, &[later], 10.0);
         assert!((run.steps - 190.0).abs() < 1e-9 && (run.cpu_seconds - 28.0).abs() < 1e-9, "{run:?}");
-        assert!((run.force_evaluations - 280.0).abs() < 1e-9 && run.doubtful);
+        assert!((run.work[0] - 280.0).abs() < 1e-9 && run.doubtful);
         let run = Estimate::begun(&begun, &[], 10.0);
         assert!((run.steps - 1450.0).abs() < 1e-9 && !run.doubtful, "{run:?}");
         let whole = Estimate::begun(&begun, &[], 1.0);

@@ -11,27 +11,24 @@
 //!    implicit run is compared with one of twice its step (`step_doubling`).
 
 pub mod advice;
-pub mod beginning;
-pub mod budget;
 pub mod coarse_reference;
 pub mod cost;
 pub mod describe;
 pub mod estimate;
 pub mod memory;
+pub mod nominal;
 pub mod output;
 pub mod sample;
 pub mod search;
 pub mod states;
 mod step_doubling;
-pub mod timing;
 mod trials;
-pub mod units;
 
 use advice::{Advice, Adviser};
-use budget::Budget;
 use cost::{ForceCost, TangentCost, force_cost, tangent_cost};
 use estimate::Estimate;
 use memory::{Baseline, MemorySpec, Needs};
+use nominal::Budget;
 use output::OutputCost;
 use trials::Trials;
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use super::timing::median_seconds;
+use super::cost::median_seconds;
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::output::frame::{Fields, Frame, FrameSize};
 use crate::output::history::HistoryRow;

@@ -1,17 +1,15 @@
-//! A few real steps of a method from a state on the way: what they cost, how far they go.
+//! A few real steps of a method: what they cost and how far they go. They begin at the start of a run or at a state on
+//! its way, and nothing is written.
 
-use super::timing::Clock;
+use super::cost::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::watch::Watch;
 use crate::drive::{RunError, Snapshot, Status};
 use crate::integrate::Counters;
-use crate::integrate::implicit::SolverSpec;
-use crate::integrate::registry::MethodChoice;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::scene::Scene;
 use crate::study::experiment::{Event, Experiment, Flow, Start};
 
 /// [-] A step this many times the one before is not yet the size the tolerance allows.
@@ -23,47 +21,26 @@ const LEAST: u64 = 6;
 /// Steps that are made one by one, however dear: their memory is touched for the first time.
 pub(super) const COLD: u64 = 2;
 
-/// What is tried.
-#[derive(Clone, Copy, Debug)]
-pub struct Attempted<'a> {
-    /// the method
-    pub method: &'a MethodChoice,
-    /// how implicit steps are solved
-    pub solver: SolverSpec,
-    /// its steps
-    pub step: Step,
-    /// [s] end of the run it stands for
-    pub end: f64,
-    /// [s] interval of the frames, where adaptive steps of some schemes end
-    pub frames_every: Option<f64>,
-    /// [s] processor time it may take, from one state
-    pub allowance: f64,
-}
+/// [-] Counted work: force passes, assemblies, factorisations, solves, Newton iterations.
+pub type Work = [f64; 5];
 
-impl<'a> Attempted<'a> {
-    /// Its run, every step made singly.
-    pub(super) fn experiment(self, scene: &'a dyn Scene) -> Experiment<'a> {
-        let Attempted { method, solver, step, end, frames_every, .. } = self;
-        Experiment { frames_every, ..Experiment::new(scene, method, solver, step, end) }
-    }
-}
-
-/// Counted work in the order of [`Sample::work`].
-pub(super) fn work(c: Counters) -> [u64; 5] {
+/// Counted work as numbers that can be divided.
+pub(super) fn work(c: Counters) -> Work {
     [c.force_evaluations, c.tangent_assemblies, c.factorizations, c.linear_solves, c.newton_iterations]
+        .map(|n| n as f64)
 }
 
 /// What some steps cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// accepted steps
+    /// [-] accepted steps
     pub steps: f64,
     /// [s] simulated time
     pub simulated: f64,
     /// [s] processor time
     pub seconds: f64,
-    /// [-] force passes, tangents, factorisations, solves, Newton iterations
-    pub work: [f64; 5],
+    /// [-] work
+    pub work: Work,
 }
 
 impl Sample {
@@ -71,6 +48,25 @@ impl Sample {
     pub fn pace(&self) -> f64 {
         self.steps / self.simulated
     }
+
+    /// What was done after `earlier`, from sums since the start.
+    fn since(&self, earlier: &Sample) -> Sample {
+        Sample {
+            steps: self.steps - earlier.steps,
+            simulated: self.simulated - earlier.simulated,
+            seconds: self.seconds - earlier.seconds,
+            work: std::array::from_fn(|i| self.work[i] - earlier.work[i]),
+        }
+    }
+}
+
+/// What a run came to from its start.
+#[derive(Clone, Copy, Debug)]
+pub struct StartSample {
+    /// all of its steps
+    pub sample: Sample,
+    /// [1/s] steps a second simulated, in its first quarter to half by steps, and after that
+    pub pace: [f64; 2],
 }
 
 /// Why there is no sample.
@@ -102,22 +98,66 @@ pub enum SampleError {
     Nothing,
 }
 
-/// Makes a few steps of a bound method from a state, without leaving anything.
+/// A run from its start until it has taken `allowance` [s] of processor time.
+///
+/// # Errors
+/// Where it fails before.
+pub fn sample_start(
+    run: Experiment<'_>,
+    stepper: &mut Stepper<'_>,
+    allowance: f64,
+) -> Result<StartSample, SampleError> {
+    let clock = Clock::default();
+    let start = clock.seconds();
+    // Steps made and the time [s] then, at the last two powers of two.
+    let (mut made, mut marks) = (0_u64, [(0_u64, 0.0); 2]);
+    let run = Experiment { single_steps: 0, ..run };
+    let outcome = run.run_with(stepper, Start::Initial, None, &mut |event, _| {
+        let Event::Step(step) = event else { return Flow::Continue };
+        made += 1;
+        if made.is_power_of_two() {
+            marks = [marks[1], (made, step.t)];
+        }
+        let look = made < 16 || made.is_multiple_of(16);
+        Flow::stop_if(look && clock.seconds() >= start + allowance)
+    })?;
+    if let Some(failure) = outcome.failure {
+        return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
+    }
+    if outcome.steps == 0 {
+        return Err(SampleError::Nothing);
+    }
+    let sample = Sample {
+        steps: outcome.steps as f64,
+        simulated: outcome.t_end,
+        seconds: clock.seconds() - start,
+        work: work(outcome.counters),
+    };
+    let (steps, t) = (marks[0].0 as f64, marks[0].1);
+    let pace = match steps > 0.0 {
+        true => [steps / t, (sample.steps - steps) / (sample.simulated - t)],
+        false => [sample.pace(); 2],
+    };
+    Ok(StartSample { sample, pace })
+}
+
+/// A few steps from a state on the way of another run, which take about `allowance` [s] of processor time.
 ///
 /// # Errors
 /// When they fail.
 pub fn sample(
-    scene: &dyn Scene,
+    run: Experiment<'_>,
     stepper: &mut Stepper<'_>,
-    tried: Attempted<'_>,
-    sampled: &Snapshot,
+    allowance: f64,
+    at: &Snapshot,
 ) -> Result<Sample, SampleError> {
-    let snapshot = begin(scene, stepper, tried, sampled)?;
+    let snapshot = begin(&run, stepper, at)?;
     let from = snapshot.t;
-    let mut meter = Meter::new(tried);
+    let adaptive = run.step.fixed().is_none();
+    let mut meter = Meter { clock: Clock::default(), allowance, adaptive, due: true, ..Meter::default() };
     // Steps are made in blocks as a run with these frames makes them, once the first ones were made.
-    let experiment = Experiment { single_steps: COLD, ..tried.experiment(scene) };
-    let outcome = experiment.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
+    let run = Experiment { single_steps: COLD, ..run };
+    let outcome = run.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
         match event {
             Event::Boundary(run) if meter.due || meter.over => {
                 meter.due = false;
@@ -129,55 +169,42 @@ pub fn sample(
         Flow::stop_if(meter.over)
     })?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
-    let sample = meter.sample();
     match (outcome.failure, outcome.status) {
         (Some(failure), Status::Diverged | Status::NotConverged) => {
             Err(SampleError::OnTheWay { time: failure.time, from, cause: failure.cause })
         }
-        _ => sample.ok_or(SampleError::Nothing),
+        _ => meter.sample().ok_or(SampleError::Nothing),
     }
 }
 
 /// The state as a run of this method would have come to it, its account opened anew; for fixed steps at the nearest of
 /// their times.
-fn begin(
-    scene: &dyn Scene,
-    stepper: &mut Stepper<'_>,
-    tried: Attempted<'_>,
-    from: &Snapshot,
-) -> Result<Snapshot, SampleError> {
-    let (step, t) = match tried.step {
+fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Result<Snapshot, SampleError> {
+    let (step, t) = match run.step {
         Step::Adaptive(_) => (from.step, from.t),
         Step::Fixed(h) => {
-            let clock = FixedSteps::new(h, tried.end);
+            let clock = FixedSteps::new(h, run.end);
             // The last step may be cut, and a few before it are to be made.
             let step = ((from.t / h).round() as u64).min(clock.count().saturating_sub(1 + LEAST));
             (step, if step == 0 { 0.0 } else { clock.tick(step).t })
         }
     };
+    let scene = run.scene;
     let mut at = Point { state: State { t, x: from.x.clone(), v: from.v.clone() }, forces: scene.new_forces() };
     scene.evaluate(at.state.as_ref(), &mut at.forces);
     stepper.start(&at).map_err(RunError::from)?;
     let (ledger, row) = Ledger::open(scene, &at);
-    let watch = Watch::open(scene, tried.method.info, &row).account().silent();
+    let watch = Watch::open(scene, run.method.info, &row).account().silent();
     let State { x, v, .. } = at.state;
-    let adaptive = from.adaptive.clone().filter(|_| tried.step.fixed().is_none());
+    let adaptive = from.adaptive.clone().filter(|_| run.step.fixed().is_none());
     Ok(Snapshot { step, t, x, v, carried: stepper.save(), ledger, row, watch, adaptive, ..Snapshot::default() })
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Mark {
-    step: u64,
-    /// [s]
-    t: f64,
-    /// [s]
-    cpu: f64,
-    counters: Counters,
-}
-
-/// Reads the clock now and then and says when the trial is over.
+/// Reads the clock at some of the steps and decides when the trial ends.
+#[derive(Default)]
 struct Meter {
     clock: Clock,
+    /// [s]
     allowance: f64,
     adaptive: bool,
     /// [s] the step before
@@ -189,18 +216,15 @@ struct Meter {
     due: bool,
     /// whether no more steps are to be made
     over: bool,
-    marks: Vec<Mark>,
+    /// sums since the start of the run
+    marks: Vec<Sample>,
 }
 
 impl Meter {
-    fn new(tried: Attempted<'_>) -> Self {
-        let (clock, allowance, adaptive) = (Clock::default(), tried.allowance, tried.step.fixed().is_none());
-        Meter { clock, allowance, adaptive, before: 0.0, next: 1, made: 0, due: true, over: false, marks: Vec::new() }
-    }
-
     fn mark(&mut self, step: u64, t: f64, counters: Counters) {
-        if self.marks.last().is_none_or(|last| step > last.step) {
-            self.marks.push(Mark { step, t, cpu: self.clock.seconds(), counters });
+        let steps = step as f64;
+        if self.marks.last().is_none_or(|last| steps > last.steps) {
+            self.marks.push(Sample { steps, simulated: t, seconds: self.clock.seconds(), work: work(counters) });
         }
     }
 
@@ -208,18 +232,12 @@ impl Meter {
     /// find their size.
     fn sample(&self) -> Option<Sample> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
-        let settled = (first.step + last.step) / 2;
-        let from = self.marks.iter().rev().find(|mark| mark.step <= settled && mark.step < last.step)?;
-        let (before, after) = (work(from.counters), work(last.counters));
-        Some(Sample {
-            steps: (last.step - from.step) as f64,
-            simulated: last.t - from.t,
-            seconds: last.cpu - from.cpu,
-            work: std::array::from_fn(|i| after[i].saturating_sub(before[i]) as f64),
-        })
+        let settled = (first.steps + last.steps) / 2.0;
+        let from = self.marks.iter().rev().find(|mark| mark.steps <= settled && mark.steps < last.steps)?;
+        Some(last.since(from))
     }
 
-    /// After a step of h [s].
+    /// After a step of `h` [s].
     fn stepped(&mut self, h: f64) {
         self.made += 1;
         let grows = self.adaptive && h > GROWING * self.before;
@@ -228,7 +246,7 @@ impl Meter {
         if self.made >= self.next {
             self.due = true;
             self.next = self.made + 1 + self.made / 8;
-            let spent = self.marks.first().map_or(0.0, |first| self.clock.seconds() - first.cpu);
+            let spent = self.marks.first().map_or(0.0, |first| self.clock.seconds() - first.seconds);
             let over = spent > self.allowance && self.made >= LEAST && !grows;
             self.over |= over || spent > PATIENCE * self.allowance && self.made >= 2;
         }

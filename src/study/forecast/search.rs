@@ -1,12 +1,13 @@
 //! The longest step, and the widest tolerance, that deliver an accuracy: found by runs against a reference.
 
-use super::coarse_reference::{CoarseReference, Delivered, RunBudget};
+use super::coarse_reference::{CoarseReference, MeasuredRun, RunBudget};
 use super::estimate::Estimate;
-use super::units::Units;
+use super::nominal::NominalCosts;
 use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::study::bench::nominal_step;
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];
@@ -35,10 +36,10 @@ const DEAR: f64 = 4e-3;
 /// [-] Errors above are bounded by the motion and say nothing of shorter steps.
 pub(super) const SATURATED: f64 = 0.3;
 
-/// What an error is known by.
+/// How an error is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Proof {
+pub enum KnownBy {
     /// a run with that step to the end
     Run,
     /// a run with that step over a part of the time, and its error's growth there
@@ -51,24 +52,24 @@ pub enum Proof {
     LocalErrors,
 }
 
-/// A step of an accuracy.
+/// The step for an accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundStep {
     /// [s] the step
     pub step: f64,
     /// [-] its error; `None` where that is not known
     pub error: Option<f64>,
     /// how it is known
-    pub proof: Proof,
+    pub known_by: KnownBy,
     /// [s] cost of the whole run without output: counted work times what its units cost
     pub seconds: f64,
     /// the whole run as far as it is known, without output
     pub run: Option<Estimate>,
 }
 
-/// A tolerance of an accuracy.
+/// The tolerance for an accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
+pub struct FoundTolerance {
     /// [-] relative tolerance
     pub tolerance: f64,
     /// [-] its error; `None` where it was not tried
@@ -77,10 +78,10 @@ pub struct Asked {
     pub run: Option<Estimate>,
 }
 
-impl Asked {
+impl FoundTolerance {
     /// What is asked for without a trial: local errors mostly come to the tolerance within a factor of three.
-    pub fn untried(accuracy: f64) -> Asked {
-        Asked { tolerance: two_digits(accuracy / 3.0), error: None, run: None }
+    pub fn untried(accuracy: f64) -> FoundTolerance {
+        FoundTolerance { tolerance: two_digits(accuracy / 3.0), error: None, run: None }
     }
 }
 
@@ -89,13 +90,13 @@ pub struct Search<'a> {
     /// what errors are measured with
     pub reference: CoarseReference<'a>,
     /// what work costs
-    pub units: Units,
+    pub costs: NominalCosts,
     /// [-] what is wanted
     pub accuracy: f64,
 }
 
 /// A step and what it delivered.
-type Try = (f64, Delivered);
+type Try = (f64, MeasuredRun);
 
 impl Search<'_> {
     /// Whether trying a method is worth its cost.
@@ -107,12 +108,12 @@ impl Search<'_> {
 
     /// The longest step that delivers the accuracy; `None` where it would cost more than `dearest` [s], or cannot be
     /// told.
-    pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<Found> {
+    pub fn step(&self, candidate: &Candidate, dearest: f64) -> Option<FoundStep> {
         let CoarseReference { span, whole, .. } = self.reference;
         let method = &candidate.method;
         let mut longest = candidate.limit?.safe().min(LONGEST * whole).min(span / FEWEST);
         let known = method.info.family != Family::Implicit;
-        if known && self.units.untried(method, whole / longest) > dearest {
+        if known && self.costs.untried(method, whole / longest) > dearest {
             return None;
         }
         let most = self.most(candidate);
@@ -154,12 +155,12 @@ impl Search<'_> {
     }
 
     /// The longest step that was good, or what follows from them for shorter ones.
-    fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<Found> {
+    fn judge(&self, tries: &[Try], method: &MethodChoice) -> Option<FoundStep> {
         let whole = self.reference.whole;
         let good = tries.iter().filter(|(_, made)| made.error <= self.bound());
         if let Some(&(step, made)) = good.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            let proof = if self.reference.seen() < 1.0 { Proof::Part } else { Proof::Run };
-            return Some(self.found(method, (step, made), step, made.error, proof));
+            let known_by = if self.reference.seen() < 1.0 { KnownBy::Part } else { KnownBy::Run };
+            return Some(self.found(method, (step, made), step, made.error, known_by));
         }
         let [_, .., (h, made)] = tries else { return None };
         let (h, made) = (*h, *made);
@@ -169,13 +170,13 @@ impl Search<'_> {
         let p = order(tries, method.order());
         let step = nice(h * (CAREFUL * self.accuracy / made.error).powf(1.0 / p).min(1.0), whole);
         (h <= REACH * step)
-            .then(|| self.found(method, (h, made), step, made.error * (step / h).powf(p), Proof::LongerSteps))
+            .then(|| self.found(method, (h, made), step, made.error * (step / h).powf(p), KnownBy::LongerSteps))
     }
 
     /// A step, from a run with it or with a longer one.
-    fn found(&self, method: &MethodChoice, from: Try, step: f64, error: f64, proof: Proof) -> Found {
-        let run = Some(from.1.run(self.reference.span, self.reference.whole, (self.reference.whole / step).ceil()));
-        Found { step, error: Some(error), proof, seconds: self.cost(method, from, step), run }
+    fn found(&self, method: &MethodChoice, from: Try, step: f64, error: f64, known_by: KnownBy) -> FoundStep {
+        let run = Some(from.1.whole_run(self.reference.whole, (self.reference.whole / step).ceil()));
+        FoundStep { step, error: Some(error), known_by, seconds: self.cost(method, from, step), run }
     }
 
     /// Steps that a run may have which is compared.
@@ -184,9 +185,13 @@ impl Search<'_> {
         RUN[usize::from(self.dear(candidate))] / step
     }
 
-    /// [s] A step, before any was made.
-    fn nominal(&self, candidate: &Candidate) -> f64 {
-        self.units.affordable(self.reference.scene, &candidate.method)
+    /// [s] What a step costs before any was made. An implicit one is known by its equations, which mostly keep a matrix,
+    /// an explicit one as a study measures it.
+    fn nominal(&self, Candidate { method, .. }: &Candidate) -> f64 {
+        match method.info.family {
+            Family::Implicit => self.costs.untried(method, 1.0),
+            Family::Explicit | Family::MatrixFree => nominal_step(self.reference.spec.scene, method),
+        }
     }
 
     fn dear(&self, candidate: &Candidate) -> bool {
@@ -197,12 +202,12 @@ impl Search<'_> {
     fn budget(&self, candidate: &Candidate, steps: f64) -> RunBudget {
         let most = SPENT * RUN[usize::from(self.dear(candidate))];
         let implicit = candidate.method.info.family == Family::Implicit;
-        RunBudget { steps: steps as u64, work: implicit.then_some((self.units, most)) }
+        RunBudget { steps: steps as u64, work: implicit.then_some((self.costs, most)) }
     }
 
     /// The tolerance to ask for: the accuracy, unless that delivers less; its error and the run.
-    pub fn tolerance(&self, candidate: &Candidate, found: &Found) -> Asked {
-        let untried = Asked::untried(self.accuracy);
+    pub fn tolerance(&self, candidate: &Candidate, found: &FoundStep) -> FoundTolerance {
+        let untried = FoundTolerance::untried(self.accuracy);
         let CoarseReference { span, whole, .. } = self.reference;
         let steps = span / found.step;
         if steps > 2.0 * self.most(candidate) {
@@ -216,12 +221,12 @@ impl Search<'_> {
                 break;
             };
             if made.error <= self.bound() {
-                let run = made.run(span, whole, made.steps * whole / span);
-                return Asked { tolerance, error: Some(made.error), run: Some(run) };
+                let run = made.whole_run(whole, made.sample.steps * whole / span);
+                return FoundTolerance { tolerance, error: Some(made.error), run: Some(run) };
             }
             tolerance = two_digits(tolerance * (self.aim() * self.accuracy / made.error).max(0.05));
         }
-        Asked { tolerance: tolerance.min(untried.tolerance), ..untried }
+        FoundTolerance { tolerance: tolerance.min(untried.tolerance), ..untried }
     }
 
     fn aim(&self) -> f64 {
@@ -235,7 +240,7 @@ impl Search<'_> {
 
     /// [s] The whole run with steps of `step` [s], from the work of another.
     fn cost(&self, method: &MethodChoice, (_, made): Try, step: f64) -> f64 {
-        self.units.as_made(method, &made, self.reference.whole / step)
+        self.costs.as_made(method, &made, self.reference.whole / step)
     }
 }
 
@@ -273,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_order_is_that_of_the_last_runs_and_no_better_than_the_methods() {
-        let run = |h: f64, error: f64| (h, Delivered { error, ..Delivered::default() });
+        let run = |h: f64, error: f64| (h, MeasuredRun { error, ..MeasuredRun::default() });
         assert_eq!(order(&[run(0.1, 1e-2)], 2), 2.0);
         assert_eq!(order(&[run(0.1, 1.0), run(0.1, 4e-2), run(0.05, 2e-2)], 2), 1.0);
         assert_eq!(order(&[run(0.1, 1.0), run(0.05, 1e-3)], 4), 4.0);

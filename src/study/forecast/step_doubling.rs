@@ -1,9 +1,9 @@
-//! The step of an accuracy where no reference is affordable: implicit runs differ from such with twice the step by what
-//! their order says of their errors.
+//! The step for an accuracy where no reference is affordable: the difference of an implicit run from one with twice the
+//! step, divided by 2^p - 1 with the order p, estimates its error.
 
-use super::coarse_reference::{CoarseReference, Delivered, RunBudget};
-use super::search::{CAREFUL, FROM_PART, Found, LONGEST, Proof, REACH, SATURATED, nice};
-use super::units::Units;
+use super::coarse_reference::{CoarseReference, MeasuredRun, RunBudget};
+use super::nominal::NominalCosts;
+use super::search::{CAREFUL, FROM_PART, FoundStep, KnownBy, LONGEST, REACH, SATURATED, nice};
 use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 
@@ -19,10 +19,10 @@ const BOTH: f64 = 1.5;
 const SHORTER: f64 = 0.9;
 
 /// The step, from the longest that a run may have downwards; `None` where no run is affordable, or they settle nothing.
-pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candidate) -> Option<Found> {
+pub fn by_step_doubling(spec: &ForecastSpec<'_>, costs: NominalCosts, candidate: &Candidate) -> Option<FoundStep> {
     let (method, whole) = (&candidate.method, spec.problem.time.end);
     let order = f64::from(method.order());
-    let cost = |h: f64| BOTH * units.untried(method, whole / h);
+    let cost = |h: f64| BOTH * costs.untried(method, whole / h);
     let mut h = nice(candidate.limit?.safe().min(LONGEST * whole), whole);
     let (mut left, mut found) = (RUNS.min(spec.budget.left()), None);
     for _ in 0..TRIES {
@@ -31,7 +31,7 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candi
         }
         left -= cost(h);
         spec.budget.spend(cost(h));
-        let budget = RunBudget { steps: u64::MAX, work: Some((units, SPENT * cost(h))) };
+        let budget = RunBudget { steps: u64::MAX, work: Some((costs, SPENT * cost(h))) };
         let Some((made, error)) = differing(spec, candidate, h, budget) else {
             h = nice(h / 3.0, whole);
             continue;
@@ -39,11 +39,11 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candi
         let good = error <= FROM_PART * spec.accuracy;
         let aim = (CAREFUL * spec.accuracy / error).powf(1.0 / order);
         let step = if good { h } else { nice(aim * h, whole) };
-        let told = error * (step / h).powf(order);
-        let run = Some(made.run(whole, whole, (whole / step).ceil()));
-        let seconds = units.as_made(method, &made, whole / step);
-        found =
-            (h <= REACH * step).then_some(Found { step, error: Some(told), proof: Proof::TwiceTheStep, seconds, run });
+        let error = error * (step / h).powf(order);
+        let run = Some(made.whole_run(whole, (whole / step).ceil()));
+        let seconds = costs.as_made(method, &made, whole / step);
+        let known_by = KnownBy::TwiceTheStep;
+        found = (h <= REACH * step).then_some(FoundStep { step, error: Some(error), known_by, seconds, run });
         // Where the step itself is too dear the shortest that is not comes nearest.
         let next = nice(step.max(h * cost(h) / left), whole);
         if step >= h || next > SHORTER * h {
@@ -56,9 +56,9 @@ pub fn by_step_doubling(spec: &ForecastSpec<'_>, units: Units, candidate: &Candi
 
 /// A run and its error, estimated by one with twice the step. `None` where one of them fails, needs more than it may,
 /// or is nowhere near the other.
-fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(Delivered, f64)> {
+fn differing(spec: &ForecastSpec<'_>, candidate: &Candidate, h: f64, budget: RunBudget) -> Option<(MeasuredRun, f64)> {
     let method = &candidate.method;
-    let (reference, made) = CoarseReference::by(spec.scene, spec.problem, method, Step::Fixed(h), budget)?;
+    let (reference, made) = CoarseReference::by(spec, method, Step::Fixed(h), budget)?;
     let twice = reference.measure(method, Step::Fixed(2.0 * h), budget)?;
     let times = 2_f64.powi(method.order() as i32) - 1.0;
     (twice.error <= SATURATED).then_some((made, twice.error / times))
@@ -70,15 +70,15 @@ mod tests {
     use crate::analysis::spectrum::Spectrum;
     use crate::case::Case;
     use crate::simulation::build_scene;
-    use crate::study::forecast::budget::Budget;
     use crate::study::forecast::cost::tangent_cost;
     use crate::study::forecast::memory::Baseline;
+    use crate::study::forecast::nominal::Budget;
     use std::path::Path;
 
     /// Without any other reference the estimated error is that of the run, within a factor of three, and below the
     /// accuracy.
     #[test]
-    fn a_run_with_twice_the_step_tells_the_error() {
+    fn a_run_with_twice_the_step_estimates_the_error() {
         let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/cases");
         let end = [("time.end".to_owned(), "0.2".to_owned())];
         let case = Case::from_file(&assets.join("cloth-k100.json"), &end).expect("a case");
@@ -99,15 +99,15 @@ mod tests {
             let (scene, problem, baseline) = (&*scene, &problem, Baseline::now());
             let budget = &Budget::of(scene, problem);
             let spec = ForecastSpec { scene, problem, fields, candidates: &candidates, accuracy, baseline, budget };
-            let found = by_step_doubling(&spec, Units::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
-            let budget = RunBudget::of(u64::MAX);
+            let found =
+                by_step_doubling(&spec, NominalCosts::new(scene, Some(&tangent)), &candidates[0]).expect("affordable");
+            let budget = RunBudget { steps: u64::MAX, work: None };
             let method = &candidates[0].method;
-            let (exact, _) =
-                CoarseReference::by(scene, problem, method, Step::Fixed(1e-4), budget).expect("a reference");
+            let (exact, _) = CoarseReference::by(&spec, method, Step::Fixed(1e-4), budget).expect("a reference");
             let made = exact.measure(method, Step::Fixed(found.step), budget).expect("a run").error;
-            let told = found.error.expect("told");
+            let told = found.error.expect("estimated");
             assert!(made <= accuracy, "--step {}: {made:e} for {accuracy:e}", found.step);
-            assert!(told < 3.0 * made && made < 3.0 * told, "--step {}: {made:e}, {told:e} told", found.step);
+            assert!(told < 3.0 * made && made < 3.0 * told, "--step {}: {made:e}, {told:e} estimated", found.step);
         }
     }
 }
