@@ -14,7 +14,6 @@ use crate::output::resume::ResumeError;
 use crate::plot::PlotError;
 use crate::simulation::{SetupError, SimulationError};
 use crate::study::StudyError;
-use crate::study::stability::write::StabilityError;
 
 /// Any failure of a command.
 #[derive(Debug, thiserror::Error)]
@@ -58,9 +57,6 @@ pub enum CliError {
     /// A method cannot be chosen.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// The results of a stability study cannot be kept.
-    #[error(transparent)]
-    Stability(#[from] StabilityError),
     /// A study cannot go on.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -92,7 +88,6 @@ impl CliError {
             CliError::Plot(e) => e.exit_status(),
             CliError::Study(e) => e.exit_status(),
             CliError::Method(_) => 2,
-            CliError::Stability(e) => e.exit_status(),
             CliError::Init(InitError::Write { .. }) => 1,
             CliError::Init(_) => 2,
             CliError::Run(run) if !matches!(run, RunError::Observe(_)) => 2,

@@ -274,7 +274,7 @@ impl Command<'_> {
             threads: usize::from(self.args.threads),
             deadline,
             interrupt: &self.store_stop,
-            tell: &|number, all, what| line.run(number, all, what),
+            on_run: &|number, all, what| line.run(number, all, what),
         };
         runner.run()
     }

@@ -56,6 +56,14 @@ pub enum StudyError {
         /// what differs
         difference: String,
     },
+    /// The folder holds another stability study.
+    #[error("{folder} already holds a study ({found}); give --force to replace it, or another folder with --out")]
+    HoldsStudy {
+        /// the folder
+        folder: PathBuf,
+        /// the first file found
+        found: &'static str,
+    },
     /// No plan.
     #[error("{0} holds no plan of a study; make it first: canopy-fem tradeoff CASE --plan --out DIR")]
     NoPlan(PathBuf),

@@ -1,14 +1,16 @@
-//! One run of a study: made, compared with the reference, and kept whenever it is stopped.
+//! One run of a study: made, compared with the reference, and saved whenever it is stopped.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, ExperimentError, Flow, Start};
-use super::frames::{Frames, Motion, Sampler};
+use super::frames::Sampler;
+use super::reference::Reference;
 use super::row::{Job, Measured, Pace, RowStatus};
-use super::store::{Store, Unfinished};
+use super::runner::Runner;
+use super::store::Unfinished;
 use crate::drive::observer::Occasion;
 use crate::drive::{Outcome, RunError, Status};
 use crate::format_number::figures;
@@ -17,65 +19,51 @@ use crate::process::{Cost, Stopwatch};
 
 /// An unfinished run is saved this often, so that a kill costs no more.
 const SAVED_EVERY: Duration = Duration::from_secs(20);
-/// The clock is read once in so many steps, unless these take long.
-const LOOK: u32 = 64;
+/// The clock is read once in so many steps of scenes with fewer than so many degrees of freedom: reading it takes as long
+/// as a step of a pendulum.
+const CLOCK_EVERY: u32 = 64;
+const SMALL: usize = 1000;
 
-/// What a run is measured with.
-pub struct Meter<'a> {
-    /// the variant
-    pub bench: &'a Bench,
-    /// frames of its reference
-    pub reference: &'a Frames,
-    /// how far they move
-    pub motion: Motion,
-    /// where results go
-    pub store: &'a Store,
-    /// set when the user interrupts
-    pub interrupt: &'a AtomicBool,
-    /// when the budget is spent
+/// A variant of the case, ready to run.
+pub(super) struct PreparedVariant {
+    pub bench: Bench,
+    pub reference: Reference,
+    /// when its share of the budget is spent
     pub deadline: Option<Instant>,
 }
 
-/// How a measurement ended.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ended {
-    /// at its end
+/// How a run ended, if the user did not interrupt it.
+pub(super) enum Ended {
     Done(Measured),
-    /// the budget was spent; where the run had come to is kept. [s] time it came to
+    /// the budget was spent at this time [s] of the run, where it is saved
     OutOfTime(f64),
-    /// the user interrupted; where the run had come to is kept
-    Interrupted,
 }
 
-impl Meter<'_> {
-    /// Makes a run, taking up what an earlier process left of it, and compares it with the reference.
+impl Runner<'_> {
+    /// Makes a run, from where an earlier process left it, and compares it with the reference.
     ///
     /// # Errors
-    /// When files of the study cannot be written.
-    pub fn run(&self, job: &Job) -> Result<Ended, StudyError> {
+    /// An interrupt, after which the run is saved, or files of the study that cannot be written.
+    pub(super) fn measure(&self, variant: &PreparedVariant, job: &Job) -> Result<Ended, StudyError> {
+        let PreparedVariant { bench, reference, deadline } = variant;
         let method = choice(&job.method)?;
         if let Pace::Step(h) = job.pace
-            && h > self.bench.end()
+            && h > bench.end()
         {
-            return Ok(refused(format!(
-                "the step of {} s is longer than the run of {} s",
-                figures(h, 4),
-                self.bench.end()
-            )));
+            let end = bench.end();
+            return Ok(refused(format!("the step of {} s is longer than the run of {end} s", figures(h, 4))));
         }
         let earlier = self.store.unfinished(job);
         let (from, spent) = earlier.as_ref().map_or((0.0, 0.0), |e| (e.snapshot.t, e.spent));
         let so_far = earlier.as_ref().map(|e| e.distance).unwrap_or_default();
-        let scene = &*self.bench.scene;
         let before = Cost { cpu: (spent > 0.0).then_some(spent), wall: Duration::from_secs_f64(spent) };
         let watch = Stopwatch::start(before);
-        let mut sampler = Sampler::comparing(scene, self.bench.every, self.reference, (from, so_far));
+        let mut sampler = Sampler::comparing(&*bench.scene, bench.every, &reference.frames, (from, so_far));
         let start = earlier.map_or(Start::Initial, |earlier| Start::Snapshot(Box::new(earlier.snapshot)));
-        // The clock is read after so many steps: reading it takes as long as a step of a pendulum.
-        let between = if scene.n_dof() < 1000 { LOOK } else { 0 };
+        let between = if bench.scene.n_dof() < SMALL { CLOCK_EVERY } else { 0 };
         let (mut countdown, mut saved, mut failed) = (0, Instant::now(), None);
         let interrupt = Stop::on(self.interrupt);
-        let experiment = Experiment { interrupt, single_steps: 0, ..self.bench.experiment(&method, job.pace.step()) };
+        let experiment = Experiment { interrupt, single_steps: 0, ..bench.experiment(&method, job.pace.step()) };
         let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
             let Event::Boundary(run) = event else { return Flow::Continue };
             let mut save = || {
@@ -93,7 +81,7 @@ impl Meter<'_> {
             }
             countdown = between;
             let now = Instant::now();
-            let over = self.deadline.is_some_and(|deadline| now >= deadline);
+            let over = deadline.is_some_and(|deadline| now >= deadline);
             if interrupted || over || now.duration_since(saved) < SAVED_EVERY {
                 return Flow::stop_if(interrupted || over);
             }
@@ -101,7 +89,6 @@ impl Meter<'_> {
             save()
         });
         let cost = watch.read();
-        let distance = sampler.distance();
         if let Some(failed) = failed {
             return Err(failed);
         }
@@ -114,12 +101,13 @@ impl Meter<'_> {
         let interrupted = self.interrupt.load(Ordering::Relaxed);
         // A failure whose cause was not looked for to the end is not a row yet.
         if interrupted && (outcome.status == Status::Interrupted || outcome.failure.is_some()) {
-            return Ok(Ended::Interrupted);
+            return Err(StudyError::Interrupted);
         }
         if outcome.status == Status::Interrupted {
             return Ok(Ended::OutOfTime(outcome.t_end));
         }
-        Ok(Ended::Done(measured(&outcome, distance.over(self.motion), seconds(cost))))
+        let errors = sampler.distance().over(reference.account.motion);
+        Ok(Ended::Done(measured(&outcome, errors, seconds(cost))))
     }
 }
 

@@ -28,5 +28,4 @@ pub mod stability;
 pub mod store;
 
 pub use error::StudyError;
-pub use measure::{Ended, Meter};
 pub use runner::{Runner, Shard, Study, rows_of};

@@ -1,4 +1,4 @@
-//! Makes the runs of a study, or a share of them, and gathers what came of all of them.
+//! Makes the runs of a study, or a share of them, and gathers the results of all of them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,10 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::measure::{Ended, Meter};
+use super::measure::{Ended, PreparedVariant};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
-use super::reference::Reference;
 use super::row::{Job, Measured, Pace, Row, RowStatus, label, median};
 use super::store::Store;
 use crate::case::Case;
@@ -69,21 +68,7 @@ pub struct Runner<'a> {
     /// set when the user interrupts
     pub interrupt: &'a AtomicBool,
     /// called with every run before it is made: its number, the number of all, and what it is
-    pub tell: &'a dyn Fn(usize, usize, &str),
-}
-
-/// A variant's turn.
-#[derive(Clone, Copy)]
-struct Turn {
-    number: usize,
-    /// when its share of the budget is spent
-    deadline: Option<Instant>,
-}
-
-/// A variant on the bench with its reference.
-struct PreparedVariant {
-    bench: Bench,
-    reference: Reference,
+    pub on_run: &'a dyn Fn(usize, usize, &str),
 }
 
 impl Runner<'_> {
@@ -99,16 +84,20 @@ impl Runner<'_> {
             // What is left of the budget is shared out, lest the first variant takes it all.
             let now = Instant::now();
             let share = |deadline: Instant| now + deadline.saturating_duration_since(now) / (variants - number) as u32;
-            let turn = Turn { number, deadline: self.deadline.map(share) };
-            self.run_variant(turn, &mut left)?;
+            self.run_variant(number, self.deadline.map(share), &mut left)?;
         }
         Ok(left)
     }
 
-    fn run_variant(&self, turn: Turn, left: &mut BTreeMap<String, String>) -> Result<(), StudyError> {
+    fn run_variant(
+        &self,
+        variant: usize,
+        deadline: Option<Instant>,
+        left: &mut BTreeMap<String, String>,
+    ) -> Result<(), StudyError> {
         let mut prepared: Option<PreparedVariant> = None;
         for pass in 0..self.plan.asked.repeat as usize {
-            for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == turn.number) {
+            for (number, job) in self.plan.jobs.iter().enumerate().filter(|(_, job)| job.variant == variant) {
                 if self.shard.is_some_and(|shard| !shard.has(number)) || left.contains_key(&job.id) {
                     continue;
                 }
@@ -117,73 +106,53 @@ impl Runner<'_> {
                 if known.as_ref().is_some_and(enough) {
                     continue;
                 }
-                if let Some(why) = self.too_long(turn, job, known.as_ref())? {
+                if let Some(why) = self.too_long(deadline, job, known.as_ref())? {
                     left.insert(job.id.clone(), why);
                     continue;
                 }
                 let prepared = match &prepared {
                     Some(prepared) => prepared,
-                    None => prepared.insert(self.set_up(turn.number)?),
+                    None => prepared.insert(self.prepare(variant, deadline)?),
                 };
-                (self.tell)(number + 1, self.plan.jobs.len(), &told(job, pass, self.plan));
-                if let Some(why) = self.make((turn, prepared), job, known)? {
-                    left.insert(job.id.clone(), why);
+                (self.on_run)(number + 1, self.plan.jobs.len(), &described(job, pass, self.plan));
+                if self.interrupt.load(Ordering::Relaxed) {
+                    return Err(StudyError::Interrupted);
+                }
+                match self.measure(prepared, job)? {
+                    Ended::OutOfTime(t) => {
+                        let why = format!("the budget was spent at t = {t:.3e} s of it; run the study again to go on");
+                        left.insert(job.id.clone(), why);
+                    }
+                    Ended::Done(mut measured) => {
+                        measured.repeats.splice(0..0, known.map(|known| known.repeats).unwrap_or_default());
+                        self.store.keep_measured(job, &measured)?;
+                    }
                 }
             }
         }
         Ok(())
     }
 
-    /// One run; says why if it was not finished.
-    fn make(
-        &self,
-        (turn, prepared): (Turn, &PreparedVariant),
-        job: &Job,
-        known: Option<Measured>,
-    ) -> Result<Option<String>, StudyError> {
-        if self.interrupt.load(Ordering::Relaxed) {
-            return Err(StudyError::Interrupted);
-        }
-        let PreparedVariant { bench, reference, .. } = prepared;
-        let meter = Meter {
-            bench,
-            reference: &reference.frames,
-            motion: reference.account.motion,
-            store: self.store,
-            interrupt: self.interrupt,
-            deadline: turn.deadline,
-        };
-        match meter.run(job)? {
-            Ended::Interrupted => Err(StudyError::Interrupted),
-            Ended::OutOfTime(t) => {
-                Ok(Some(format!("the budget was spent at t = {t:.3e} s of it; run the study again to go on")))
-            }
-            Ended::Done(mut measured) => {
-                if let Some(known) = known {
-                    measured.repeats.splice(0..0, known.repeats);
-                }
-                self.store.keep_measured(job, &measured)?;
-                Ok(None)
-            }
-        }
-    }
-
     /// Builds the scene of a variant and reads its reference.
-    fn set_up(&self, number: usize) -> Result<PreparedVariant, StudyError> {
-        let none = || StudyError::NoPlan(self.store.plan_path());
-        let variant = self.plan.variants.get(number).ok_or_else(none)?;
+    fn prepare(&self, number: usize, deadline: Option<Instant>) -> Result<PreparedVariant, StudyError> {
+        let folder = self.store.plan_path();
+        let variant = self.plan.variants.get(number).ok_or_else(|| StudyError::NoPlan(folder.clone()))?;
         let case = self.plan.case()?.with(&variant.overrides)?;
         let bench = Bench::of(case.into_problem(), self.threads)?;
         if let Some(differences) = variant.fingerprint.differences(&bench.fingerprint) {
-            let folder = self.store.plan_path();
             return Err(StudyError::OtherStudy { folder, difference: differences.to_string() });
         }
-        Ok(PreparedVariant { bench, reference: self.store.reference(number)? })
+        Ok(PreparedVariant { bench, reference: self.store.reference(number)?, deadline })
     }
 
     /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.
-    fn too_long(&self, turn: Turn, job: &Job, known: Option<&Measured>) -> Result<Option<String>, StudyError> {
-        let Some(deadline) = turn.deadline else { return Ok(None) };
+    fn too_long(
+        &self,
+        deadline: Option<Instant>,
+        job: &Job,
+        known: Option<&Measured>,
+    ) -> Result<Option<String>, StudyError> {
+        let Some(deadline) = deadline else { return Ok(None) };
         let left = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
         let predicted = match known.and_then(|m| median(&m.repeats)) {
             Some(seconds) => Some(seconds),
@@ -236,7 +205,7 @@ impl Plan {
     }
 }
 
-fn told(job: &Job, pass: usize, plan: &Plan) -> String {
+fn described(job: &Job, pass: usize, plan: &Plan) -> String {
     let what = match job.pace {
         Pace::Step(h) => format!("step {h:.4e} s"),
         Pace::Tolerance(t) => format!("tolerance {t:e}"),

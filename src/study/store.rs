@@ -3,11 +3,11 @@
 //! ```text
 //! DIR/tradeoff/plan.json               the list of runs
 //! DIR/tradeoff/reference-0.bin         frames of the reference of variant 0
-//! DIR/tradeoff/runs/ID.json            what came of a run
-//! DIR/tradeoff/runs/ID.part            where an unfinished run has come to
+//! DIR/tradeoff/runs/ID.json            result of a run
+//! DIR/tradeoff/runs/ID.part            snapshot of an unfinished run
 //! ```
-//! Every file appears whole, by a rename; processes that make the same run write the same result, and the last one
-//! stays. A file that does not fit is refused, but for `.part`: such a run begins again.
+//! Every file appears whole, by a rename. Processes that make the same run write the same result, and the last one stays.
+//! A file of another study is an error, except a `.part`, whose run begins again.
 
 use std::fs;
 use std::io;
@@ -43,7 +43,7 @@ pub struct Unfinished {
     pub spent: f64,
 }
 
-/// What came of a run, with what it belongs to.
+/// The result of a run, with what it belongs to.
 #[derive(Serialize, Deserialize)]
 struct Finished {
     format: u32,
@@ -65,6 +65,14 @@ impl Store {
         self.dir.join("plan.json")
     }
 
+    fn reference_path(&self, variant: usize) -> PathBuf {
+        self.dir.join(format!("reference-{variant}.bin"))
+    }
+
+    fn run_path(&self, job: &Job, ending: &str) -> PathBuf {
+        self.dir.join("runs").join(format!("{}.{ending}", job.id))
+    }
+
     /// The plan, if there is one.
     ///
     /// # Errors
@@ -83,38 +91,23 @@ impl Store {
         Ok(Some(plan))
     }
 
-    /// Stores the plan; its references are there already.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn keep_plan(&self, plan: &Plan) -> Result<(), StudyError> {
+    /// Stores the plan, after its references.
+    pub(crate) fn keep_plan(&self, plan: &Plan) -> Result<(), StudyError> {
         self.write_json(&self.plan_path(), plan)
     }
 
     /// Removes all that belongs to a study.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn clear(&self) -> Result<(), StudyError> {
-        match fs::remove_dir_all(&self.dir) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(&self.dir, e)),
-            _ => Ok(()),
-        }
+    pub(crate) fn clear(&self) -> Result<(), StudyError> {
+        gone(&self.dir, fs::remove_dir_all(&self.dir))
     }
 
     /// Stores the reference of a variant.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
+    pub(crate) fn keep_reference(&self, variant: usize, reference: &Reference) -> Result<(), StudyError> {
         self.write_binary(&self.reference_path(variant), reference)
     }
 
     /// The reference of a variant.
-    ///
-    /// # Errors
-    /// When it is not there or damaged.
-    pub fn reference(&self, variant: usize) -> Result<Reference, StudyError> {
+    pub(super) fn reference(&self, variant: usize) -> Result<Reference, StudyError> {
         let path = self.reference_path(variant);
         let bytes = read(&path)?.ok_or_else(|| StudyError::NoPlan(self.dir.clone()))?;
         decode(&bytes).ok_or_else(|| StudyError::BadFile {
@@ -123,19 +116,8 @@ impl Store {
         })
     }
 
-    fn reference_path(&self, variant: usize) -> PathBuf {
-        self.dir.join(format!("reference-{variant}.bin"))
-    }
-
-    fn run_path(&self, job: &Job, ending: &str) -> PathBuf {
-        self.dir.join("runs").join(format!("{}.{ending}", job.id))
-    }
-
-    /// What came of a run, if it was made.
-    ///
-    /// # Errors
-    /// A file of another run.
-    pub fn measured(&self, job: &Job) -> Result<Option<Measured>, StudyError> {
+    /// The result of a run, if it was made; a file of another run is an error.
+    pub(super) fn measured(&self, job: &Job) -> Result<Option<Measured>, StudyError> {
         let path = self.run_path(job, "json");
         let Some(bytes) = read(&path)? else { return Ok(None) };
         let bad = |what: String| StudyError::BadFile { path: path.clone(), what };
@@ -147,39 +129,26 @@ impl Store {
         Ok(Some(found.measured))
     }
 
-    /// Stores what came of a run; what was kept of its unfinished part goes.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn keep_measured(&self, job: &Job, measured: &Measured) -> Result<(), StudyError> {
+    /// Stores the result of a run and removes what was kept of its unfinished part.
+    pub(super) fn keep_measured(&self, job: &Job, measured: &Measured) -> Result<(), StudyError> {
         let finished =
             Finished { format: FORMAT, program: PROGRAM.to_owned(), job: job.clone(), measured: measured.clone() };
         self.write_json(&self.run_path(job, "json"), &finished)?;
-        let part = self.run_path(job, "part");
-        match fs::remove_file(&part) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(&part, e)),
-            _ => Ok(()),
-        }
+        remove(&self.run_path(job, "part"))
     }
 
-    /// Where an earlier process left a run; nothing if it was not begun, or by another program, or is damaged.
-    pub fn unfinished(&self, job: &Job) -> Option<Unfinished> {
+    /// Where an earlier process left a run; `None` if it was not begun, or by another program, or is damaged.
+    pub(super) fn unfinished(&self, job: &Job) -> Option<Unfinished> {
         decode(&read(&self.run_path(job, "part")).ok()??)
     }
 
     /// Stores where a run has come to.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn keep_unfinished(&self, job: &Job, unfinished: &Unfinished) -> Result<(), StudyError> {
+    pub(super) fn keep_unfinished(&self, job: &Job, unfinished: &Unfinished) -> Result<(), StudyError> {
         self.write_binary(&self.run_path(job, "part"), unfinished)
     }
 
-    /// Takes over the finished runs of the same study from another folder.
-    ///
-    /// # Errors
-    /// When that folder holds another study, or the system's.
-    pub fn take_from(&self, other: &Store, plan: &Plan) -> Result<(), StudyError> {
+    /// Copies the finished runs of the same study from another folder; another study there is an error.
+    pub(crate) fn take_from(&self, other: &Store, plan: &Plan) -> Result<(), StudyError> {
         let theirs = other.plan()?.ok_or_else(|| StudyError::NoPlan(other.dir.clone()))?;
         if theirs.jobs != plan.jobs
             || theirs.variants.iter().map(|v| &v.fingerprint).ne(plan.variants.iter().map(|v| &v.fingerprint))
@@ -234,6 +203,19 @@ fn read(path: &Path) -> Result<Option<Vec<u8>>, StudyError> {
     }
 }
 
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), StudyError> {
+    gone(path, fs::remove_file(path))
+}
+
+fn gone(path: &Path, removed: io::Result<()>) -> Result<(), StudyError> {
+    match removed {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(path, e)),
+        _ => Ok(()),
+    }
+}
+
+/// An error of the system about a file.
 pub(super) fn system(path: &Path, source: io::Error) -> StudyError {
     StudyError::System { path: path.to_owned(), source }
 }

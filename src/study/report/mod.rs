@@ -12,7 +12,6 @@ mod stiffness;
 mod style;
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 pub use machine::{Machine, Rerun};
@@ -24,7 +23,7 @@ use super::plan::{PROGRAM, Plan};
 use super::recommendations::Recommendations;
 use super::row::Row;
 use super::runner::Study;
-use super::store::system;
+use super::store::{remove, system};
 use crate::output::atomic::{Durability, replace_shared};
 
 /// All files a report may have; those that a study has nothing for are removed, so that none is left of an earlier one.
@@ -92,11 +91,4 @@ fn json(study: &Study, answers: &Recommendations, how: &Rerun) -> Result<String,
 /// The system's answer.
 pub fn clear(out: &Path) -> Result<(), StudyError> {
     FILES.iter().try_for_each(|file| remove(&out.join(file)))
-}
-
-fn remove(path: &Path) -> Result<(), StudyError> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(system(path, e)),
-        _ => Ok(()),
-    }
 }
