@@ -6,7 +6,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::output::sanitize::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
-use crate::study::stability::{Beginning, Stability, StabilitySpec, Status, study, table, write};
+use crate::study::stability::{Beginning, Folder, Stability, StabilitySpec, Status, study, table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -50,7 +50,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
         problem.warnings.iter().for_each(|w| complain(&format!("warning: {w}")));
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
-    let folder = write::Folder::prepare(&out, args.force)?;
+    let folder = Folder::prepare(&out, args.force)?;
     let chosen = match wanted.methods {
         Some(list) => list.iter().map(|m| MethodChoice::new(&m.name, &m.parameters)).collect::<Result<Vec<_>, _>>(),
         None => Ok(problem.method.among_all().collect()),

@@ -18,14 +18,14 @@
 //! all the time, which what is stable does only while its fast motions die out. Methods without limit on linear scenes
 //! do not swing: there the run's own watch decides, as it does in `solve`.
 
-use super::evidence::Evidence;
 use super::measure::MethodRuns;
 use super::perturbation::{Start, displacement};
+use crate::analysis::critical::step_by_bounds;
 use crate::drive::observer::{AcceptedStep, LedgerRow, Point};
 use crate::drive::watch::push;
 use crate::integrate::registry::Family;
-use crate::model::state::StateRef;
-use crate::scene::Scene;
+use crate::model::state::{State, StateRef};
+use crate::scene::{BoundBuffer, Scene};
 use serde::{Deserialize, Serialize};
 
 /// A share of the energy supplied that is beyond all swinging.
@@ -39,6 +39,13 @@ const MOST: f64 = 0.9;
 /// A rise of the energy of small motion from an eighth of the run to the next that is growth: share of the motion's,
 /// and of all supplied.
 const RISE: [f64; 2] = [0.02, 1e-3];
+
+/// States of a run whose critical step is measured.
+const MEASURED: u64 = 64;
+/// [-] Critical steps that differ by no more than this share are the same. Of states with the same one the last is kept:
+/// the start is known already, and a later state may show what the measure cannot see, such as a motion across springs
+/// that have come under tension.
+const ROUNDING: f64 = 1e-7;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -104,7 +111,7 @@ pub(super) struct EnergyClassifier<'a> {
 
 impl<'a> EnergyClassifier<'a> {
     pub fn new(runs: &MethodRuns<'a>, steps: u64) -> Self {
-        let (scene, method) = (runs.scene(), runs.method);
+        let (scene, method) = (runs.spec.scene, runs.method);
         let moved = displacement(scene);
         EnergyClassifier {
             evidence: Evidence::new(scene, steps),
@@ -121,7 +128,7 @@ impl<'a> EnergyClassifier<'a> {
             late: [0; 2],
             motion: 0.0,
             secant: vec![0.0; scene.n_dof()],
-            sinks: runs.start() == Start::SmallMotion && runs.stays == STAYS[0] && scene.corners().is_empty(),
+            sinks: runs.from.start == Start::SmallMotion && runs.stays == STAYS[0] && scene.corners().is_empty(),
             eighths: [(0.0, 0.0, 0); 4],
             made: [(0.0, 0); 2],
         }
@@ -173,7 +180,7 @@ impl<'a> EnergyClassifier<'a> {
     pub fn started(&mut self, at: &Point, ledger: LedgerRow) {
         self.supplied = ledger.kinetic + ledger.elastic;
         self.base = self.supplied + ledger.gravity;
-        self.evidence.look(at.state.as_ref());
+        self.evidence.measure(at.state.as_ref());
     }
 
     /// After a step; whether there is no doubt any more that the run is unstable.
@@ -214,5 +221,47 @@ impl<'a> EnergyClassifier<'a> {
         self.blown |= share > BLOWN;
         self.evidence.stepped(step);
         self.blown
+    }
+}
+
+/// Where a scene was stiffest and softest on the way of a run: a bound on the critical step from one pass over the
+/// elements, at some of its states.
+pub(super) struct Evidence<'a> {
+    scene: &'a dyn Scene,
+    every: u64,
+    buffer: BoundBuffer,
+    /// [s] least and largest bound, and the states with them
+    seen: [(f64, State); 2],
+}
+
+impl<'a> Evidence<'a> {
+    pub fn new(scene: &'a dyn Scene, steps: u64) -> Self {
+        let start = scene.initial_state();
+        let seen = [(f64::INFINITY, start.clone()), (f64::NEG_INFINITY, start)];
+        // Odd, so that a motion that alternates is seen on both sides.
+        Evidence { scene, every: steps.div_ceil(MEASURED) | 1, buffer: BoundBuffer::default(), seen }
+    }
+
+    pub fn measure(&mut self, at: StateRef<'_>) {
+        let now = step_by_bounds(self.scene, at, &mut self.buffer);
+        let [(least, stiffest), (largest, softest)] = &mut self.seen;
+        if now < (1.0 + ROUNDING) * *least {
+            *least = least.min(now);
+            stiffest.copy_from(at);
+        }
+        if now > (1.0 - ROUNDING) * *largest {
+            *largest = largest.max(now);
+            softest.copy_from(at);
+        }
+    }
+
+    pub fn stepped(&mut self, step: &AcceptedStep<'_>) {
+        if let Some(end) = step.end.filter(|_| step.step.is_multiple_of(self.every)) {
+            self.measure(end.state.as_ref());
+        }
+    }
+
+    pub fn extremes(self) -> [State; 2] {
+        self.seen.map(|(_, state)| state)
     }
 }

@@ -21,7 +21,7 @@ const ENOUGH: f64 = 0.05;
 
 pub(super) fn explain(row: &mut Row, runs: &MethodRuns<'_>) {
     if row.differs {
-        row.explanation = Some(match runs.kind() {
+        row.explanation = Some(match runs.kind {
             Kind::Near(predicted) => limited(row, runs, predicted),
             Kind::Somewhere if row.prediction.step == Some(0.0) => slow_from_zero(row, runs),
             Kind::Somewhere => not_at_the_start(row, runs),
@@ -57,7 +57,7 @@ fn too_early(row: &Row, runs: &MethodRuns<'_>, measured: f64) -> String {
             when(t),
             figures(measured, 4),
             fallen(later.step),
-            place_of(runs.scene(), later.dof),
+            place_of(runs.spec.scene, later.dof),
             figures(later.rates.frequency, 4),
             figures(later.rates.damping, 4),
             figures(runs.critical.rates.frequency, 4),
@@ -106,7 +106,7 @@ fn too_late(row: &Row, runs: &MethodRuns<'_>, held: f64) -> String {
     format!(
         "the motion that sets the prediction (around {}) did not grow without bound, though where forces are linear it grows enough to be \
          seen ({}): it is not reached, or forces that are not linear hold it",
-        place_of(runs.scene(), runs.critical.dof),
+        place_of(runs.spec.scene, runs.critical.dof),
         growth(runs, held)
     )
 }
@@ -114,7 +114,7 @@ fn too_late(row: &Row, runs: &MethodRuns<'_>, held: f64) -> String {
 /// A method that grows at every step, measured over a number of steps.
 fn slow_from_zero(row: &Row, runs: &MethodRuns<'_>) -> String {
     let w = figures(runs.critical.rates.frequency, 4);
-    let place = place_of(runs.scene(), runs.critical.dof);
+    let place = place_of(runs.spec.scene, runs.critical.dof);
     let held = row.measured.filter(|h| *h > 0.0).map(|h| growth(runs, h)).unwrap_or_default();
     let fails = row.unstable.map(|h| format!("; {}", growth(runs, h))).unwrap_or_default();
     let seen = row.measured.filter(|h| runs.folds(*h) >= E_FOLDS);
@@ -134,7 +134,7 @@ fn not_at_the_start(row: &Row, runs: &MethodRuns<'_>) -> String {
             what_changed(runs.critical, later),
             when(t),
             limit(later.step),
-            place_of(runs.scene(), later.dof)
+            place_of(runs.spec.scene, later.dof)
         ),
         None => format!("nothing sets a limit at the start{}", because(row)),
     }
@@ -158,8 +158,8 @@ fn unlimited(row: &Row, runs: &MethodRuns<'_>) -> String {
 
 /// Whether there is more than one motion, and damping.
 fn coupled(runs: &MethodRuns<'_>) -> bool {
-    let free = runs.scene().inverse_mass().iter().filter(|m| **m > 0.0).count();
-    free > 1 && runs.scene().velocity_dependent()
+    let free = runs.spec.scene.inverse_mass().iter().filter(|m| **m > 0.0).count();
+    free > 1 && runs.spec.scene.velocity_dependent()
 }
 
 /// "at 0.1 s it grows by 2 % a step, 7.9 e-folds in 400 steps"
@@ -187,7 +187,7 @@ fn because(row: &Row) -> String {
 fn along(runs: &MethodRuns<'_>, h: f64, which: usize) -> Option<(f64, CriticalStep)> {
     let state: &State = runs.trial(h)?.extremes.get(which)?;
     let effort = Effort { stop: runs.stop(), ..Effort::START };
-    let critical = Spectrum::with(runs.scene(), state.as_ref(), effort).critical_step(runs.method);
+    let critical = Spectrum::with(runs.spec.scene, state.as_ref(), effort).critical_step(runs.method);
     Some((state.t, critical))
 }
 

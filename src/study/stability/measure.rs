@@ -19,7 +19,7 @@ use crate::drive::{Explain, Failure, Outcome, Status};
 use crate::integrate::registry::MethodChoice;
 use crate::model::state::State;
 use crate::model::stop::Stop;
-use crate::scene::{BoundBuffer, Scene};
+use crate::scene::BoundBuffer;
 use crate::study::experiment::{self, Event, Experiment, Flow};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -75,14 +75,15 @@ pub(super) struct From<'a> {
 
 /// Runs of one method.
 pub(super) struct MethodRuns<'a> {
-    spec: &'a StabilitySpec<'a>,
+    pub spec: &'a StabilitySpec<'a>,
     pub method: &'a MethodChoice,
     pub critical: CriticalStep,
+    pub kind: Kind,
     /// [-] share of the energy supplied that must not stay
     pub stays: f64,
     interrupt: &'a AtomicBool,
     /// where runs start
-    from: From<'a>,
+    pub from: From<'a>,
     /// what was run, in this order
     pub trials: Vec<Trial>,
 }
@@ -104,56 +105,41 @@ impl<'a> MethodRuns<'a> {
         interrupt: &'a AtomicBool,
     ) -> Self {
         let [calm, swings] = STAYS;
-        let step = match Kind::of(method, critical) {
+        let kind = Kind::of(method, critical);
+        let step = match kind {
             Kind::Near(limit) => Some(NEAR * limit),
             Kind::Somewhere => Some(0.01 / critical.rates.frequency).filter(|h| h.is_finite()),
             Kind::Unlimited => None,
         };
         let swing = step.and_then(|h| swing(method, critical.rates, h));
         let stays = if swing.is_some_and(|swing| swing < CALM) { calm } else { swings };
-        MethodRuns { spec, method, critical, stays, interrupt, from, trials: Vec::new() }
+        MethodRuns { spec, method, critical, kind, stays, interrupt, from, trials: Vec::new() }
     }
 
     pub fn stop(&self) -> Stop<'a> {
         Stop::on(self.interrupt)
     }
 
-    pub fn scene(&self) -> &'a dyn Scene {
-        self.spec.scene
-    }
-
-    pub fn end(&self) -> f64 {
-        self.spec.end
-    }
-
-    pub fn start(&self) -> Start {
-        self.from.start
-    }
-
-    pub fn kind(&self) -> Kind {
-        Kind::of(self.method, self.critical)
-    }
-
     /// Steps of a run at step `h` [s].
     pub fn steps(&self, h: f64) -> u64 {
-        let n = self.scene().n_dof().max(1) as f64;
+        let n = self.spec.scene.n_dof().max(1) as f64;
         let (cap, fewest) = match dear(self.method) {
             true => {
-                let [all, most] = if let Kind::Near(_) = self.kind() { SOLVES } else { UNLIMITED_SOLVES };
+                let [all, most] = if let Kind::Near(_) = self.kind { SOLVES } else { UNLIMITED_SOLVES };
                 ((all / n).min(most), FEWEST[1])
             }
             false => {
-                let passes = self.method.info.evaluations[usize::from(self.scene().velocity_dependent())].max(1);
+                let passes = self.method.info.evaluations[usize::from(self.spec.scene.velocity_dependent())].max(1);
                 ((PASSES[0] / n).min(PASSES[1]) / f64::from(passes), FEWEST[0])
             }
         };
-        let shown = match self.kind() {
+        let shown = match self.kind {
             Kind::Near(limit) => {
                 self.e_folds((1.0 + BEYOND) * limit).filter(|rate| *rate > 0.0).map(|rate| E_FOLDS / rate)
             }
             _ => None,
         };
-        let wanted = (self.end() / h).max(shown.unwrap_or(0.0)).max(fewest);
+        let wanted = (self.spec.end / h).max(shown.unwrap_or(0.0)).max(fewest);
         // A number of steps that is not finite becomes the largest.
         wanted.min(cap.max(fewest)).ceil() as u64
     }
@@ -172,7 +158,7 @@ impl<'a> MethodRuns<'a> {
     /// long enough for growth to be seen. Of methods without a predicted limit nothing is known that a run could be too
     /// short for.
     pub fn settles(&self, h: f64) -> bool {
-        let Kind::Near(limit) = self.kind() else { return true };
+        let Kind::Near(limit) = self.kind else { return true };
         let folds = self.folds(h);
         h <= limit || folds <= 0.0 || folds >= E_FOLDS
     }
@@ -205,7 +191,7 @@ impl<'a> MethodRuns<'a> {
         before(h, steps)?;
         // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
         // nothing to it.
-        let swings = self.kind() != Kind::Unlimited || self.start() == Start::SmallMotion;
+        let swings = self.kind != Kind::Unlimited || self.from.start == Start::SmallMotion;
         let (outcome, classifier) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
             return Err(Halt::Interrupted);
@@ -250,7 +236,7 @@ impl<'a> MethodRuns<'a> {
         explain: Explain,
     ) -> Result<(Outcome, EnergyClassifier<'a>), Halt> {
         let end = steps as f64 * h;
-        let run = Experiment::new(self.scene(), self.method, self.spec.solver, Step::Fixed(h), end);
+        let run = Experiment::new(self.spec.scene, self.method, self.spec.solver, Step::Fixed(h), end);
         let experiment = Experiment { keep_going, explain, interrupt: self.stop(), ..run };
         let mut classifier = EnergyClassifier::new(self, steps);
         let start = experiment::Start::State(self.from.state.clone());

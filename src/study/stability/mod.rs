@@ -13,22 +13,18 @@
 //! reads a clock but the budget, which only leaves methods out.
 
 mod classify;
-mod evidence;
 mod explain;
 mod measure;
+mod output;
 mod perturbation;
-mod prediction;
 mod region;
-mod report;
 mod row;
 mod search;
-pub mod write;
 
 pub use classify::Verdict;
+pub use output::{FILES, Folder, csv, table};
 pub use perturbation::Start;
-pub use prediction::{KnownBy, Prediction};
-pub use report::{csv, table};
-pub use row::{AsGiven, Row, RunRow, Stability, Status};
+pub use row::{AsGiven, KnownBy, Prediction, Row, RunRow, Stability, Status};
 
 use crate::analysis::critical::{CriticalStep, Effort};
 use crate::analysis::spectrum::Spectrum;
@@ -164,8 +160,8 @@ impl Common<'_> {
         before: &mut Before<'_>,
     ) -> Option<MethodRuns<'b>> {
         let mut runs = MethodRuns::new(self.spec, method, critical, from, self.stop);
-        let found = search::largest(runs.kind(), self.reference, self.spec.end, &mut |h| runs.holds(h, &mut *before));
-        row.made(&runs);
+        let found = search::largest(runs.kind, self.reference, self.spec.end, &mut |h| runs.holds(h, &mut *before));
+        row.runs.extend(runs.trials.iter().map(|trial| trial.row));
         match found {
             Ok(bracket) => {
                 row.measured(&runs, bracket);

@@ -44,10 +44,11 @@ const BALANCED: f64 = 1e-6;
 const ROUNDING: f64 = 1e-12;
 
 /// Where runs began.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
     /// at the scene's own start
+    #[default]
     AsGiven,
     /// at the scene's equilibrium, which may be its own start
     SmallMotion,

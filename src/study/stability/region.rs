@@ -30,20 +30,17 @@ const PANEL: Size = Size { width: 400, height: 470 };
 /// [px] width of a picture of one panel, with room for the legend's words.
 const ALONE: u32 = 660;
 
-/// What the picture shows.
-pub(super) struct Scenery<'a> {
-    pub scene: &'a dyn Scene,
-    pub methods: &'a [MethodChoice],
-    pub study: &'a Stability,
-}
-
 /// The picture as SVG: a panel for every method with a limit; `None` if there is none.
-pub(super) fn regions(shown: &Scenery<'_>) -> Result<Option<String>, PlotError> {
-    let state = shown.scene.initial_state();
+pub(super) fn regions(
+    scene: &dyn Scene,
+    methods: &[MethodChoice],
+    study: &Stability,
+) -> Result<Option<String>, PlotError> {
+    let state = scene.initial_state();
     // Whoever has asked for the end does not wait for another search.
-    let interrupted = shown.study.methods.iter().any(|row| row.status == Status::Interrupted);
-    let motions = if interrupted { Vec::new() } else { Spectrum::of(shown.scene, state.as_ref()).outer_modes() };
-    let rows = || shown.methods.iter().zip(&shown.study.methods).filter(|(_, row)| row.status != Status::Refused);
+    let interrupted = study.methods.iter().any(|row| row.status == Status::Interrupted);
+    let motions = if interrupted { Vec::new() } else { Spectrum::of(scene, state.as_ref()).outer_modes() };
+    let rows = || methods.iter().zip(&study.methods).filter(|(_, row)| row.status != Status::Refused);
     let mut charts: Vec<Chart> =
         rows().filter(|(method, _)| has_limit(method)).map(|(method, row)| panel(method, row, &motions)).collect();
     let Some(first) = charts.first_mut() else { return Ok(None) };

@@ -1,28 +1,89 @@
-//! What is known of a method in the end: a row of the table.
+//! The result for one method, a row of the table: what theory predicts, and what runs measured.
 
 use super::measure::{Halt, MethodRuns};
 use super::perturbation::Start;
 use super::search::Bracket;
-use super::{Kind, Prediction, Verdict};
+use super::{Kind, Verdict};
+use crate::analysis::critical::{Confidence, CriticalStep, has_limit, outside_filter};
 use crate::case::schema::Method;
 use crate::drive::Failure;
 use crate::integrate::registry::MethodChoice;
+use crate::scene::Scene;
 use crate::study::row::label;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Relative difference that needs no explanation.
+/// [-] Relative difference that needs no explanation.
 pub(super) const AGREES: f64 = 0.02;
 
+/// The predicted largest stable step at t = 0.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// [s] predicted largest stable step; null where there is none or it is not known
+    pub step: Option<f64>,
+    /// what it is worth
+    pub known_by: KnownBy,
+    /// [s] steps above are proved to be unstable; null where nothing is proved
+    pub at_most: Option<f64>,
+    /// node that moves most in the motion that sets it
+    pub node: Option<u32>,
+    /// fastest spring at that node
+    pub spring: Option<u32>,
+    /// [rad/s] frequency of that motion
+    pub frequency: Option<f64>,
+    /// [1/s] damping rate of that motion
+    pub damping: Option<f64>,
+}
+
+/// How a prediction is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KnownBy {
+    /// proved not to lie above the limit
+    Certified,
+    /// found by iteration on the linearised step
+    Estimate,
+    /// the method has no limit on linear scenes, or the scene sets none at t = 0
+    Unlimited,
+    /// not known: forces outside Kang's filter
+    #[default]
+    Unknown,
+}
+
+impl Prediction {
+    pub(super) fn of(scene: &dyn Scene, method: &MethodChoice, critical: CriticalStep) -> Self {
+        if outside_filter(method, scene) {
+            return Prediction::default();
+        }
+        if !has_limit(method) || critical.step.is_infinite() {
+            return Prediction { known_by: KnownBy::Unlimited, ..Prediction::default() };
+        }
+        let (known_by, at_most) = match critical.confidence {
+            Confidence::Certified { at_most } => (KnownBy::Certified, Some(at_most).filter(|s| s.is_finite())),
+            Confidence::Estimate | Confidence::NoLimit => (KnownBy::Estimate, None),
+        };
+        Prediction {
+            step: Some(critical.step),
+            known_by,
+            at_most,
+            node: Some(scene.name_of(critical.dof).0),
+            spring: scene.fastest_spring(critical.dof),
+            frequency: Some(critical.rates.frequency),
+            damping: Some(critical.rates.damping),
+        }
+    }
+}
+
 /// Whether a method was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// it was
+    #[default]
     Measured,
     /// runs beyond the predicted limit hold, too short for growth to be seen: it lies between `at_least` and `at_most`
     NotSettled,
-    /// it does not go with the scene
+    /// the method cannot run this scene
     Refused,
     /// the budget was spent before
     OutOfBudget,
@@ -37,9 +98,9 @@ pub struct RunRow {
     pub start: Start,
     /// [s] its step
     pub step: f64,
-    /// steps it was to make
+    /// [-] steps it was to make
     pub steps: u64,
-    /// steps it made
+    /// [-] steps it made
     pub made: u64,
     /// [s] time of its last good state
     pub t_end: f64,
@@ -47,7 +108,7 @@ pub struct RunRow {
     pub peak: f64,
     /// [-] mean energy of motion over the last quarter of the run, over all energy supplied
     pub lively: f64,
-    /// what came of it
+    /// how it ended
     pub verdict: Verdict,
 }
 
@@ -63,7 +124,7 @@ pub struct AsGiven {
 }
 
 /// A method, its predicted and its measured largest stable step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// name in a case, with the parameters that are not the default ones
     pub method: String,
@@ -109,7 +170,7 @@ pub struct Stability {
     pub name: String,
     /// [s] end of the case
     pub end: f64,
-    /// free degrees of freedom
+    /// [-] free degrees of freedom
     pub unknowns: u64,
     /// a row a method
     pub methods: Vec<Row>,
@@ -126,30 +187,13 @@ impl Row {
         Row {
             method: label(&Method { name: method.info.name.to_owned(), parameters }),
             parameters: method.parameters().map(|(name, value)| (name.to_owned(), value)).collect(),
-            status: Status::Measured,
-            why: None,
             prediction,
-            start: Start::AsGiven,
-            measured: None,
-            unstable: None,
-            tried_up_to: None,
-            at_least: None,
-            at_most: None,
-            as_given: None,
-            ratio: None,
-            differs: false,
-            explanation: None,
-            failure: None,
-            runs: Vec::new(),
+            ..Row::default()
         }
     }
 
-    pub(super) fn made(&mut self, runs: &MethodRuns<'_>) {
-        self.runs.extend(runs.trials.iter().map(|trial| trial.row));
-    }
-
-    pub(super) fn measured(&mut self, runs: &MethodRuns<'_>, bracket: Bracket) {
-        let Bracket { stable, unstable } = bracket;
+    /// Takes the bracket that a search with these runs found.
+    pub(super) fn measured(&mut self, runs: &MethodRuns<'_>, Bracket { stable, unstable }: Bracket) {
         self.unstable = unstable;
         match unstable {
             Some(_) => self.measured = Some(stable.unwrap_or(0.0)),
@@ -157,7 +201,7 @@ impl Row {
         }
         let predicted = self.prediction.step.filter(|step| *step > 0.0);
         self.ratio = predicted.zip(self.measured).map(|(predicted, measured)| measured / predicted);
-        self.differs = match (runs.kind(), predicted) {
+        self.differs = match (runs.kind, predicted) {
             (Kind::Near(_), Some(predicted)) => {
                 let most = self.prediction.at_most.unwrap_or(predicted).max(predicted);
                 let near = predicted * (1.0 - AGREES)..=most * (1.0 + AGREES);
@@ -168,12 +212,15 @@ impl Row {
             (Kind::Near(_), None) => false,
         };
         if self.differs && stable.is_some_and(|longest| !runs.settles(longest)) {
-            self.unsettled(Status::NotSettled, runs);
+            let differs = self.differs;
+            self.clear(Status::NotSettled);
+            self.differs = differs;
+            [self.at_least, self.at_most] = runs.between();
         }
         self.failure = unstable.filter(|_| self.differs || predicted.is_none()).and_then(|h| runs.failure(h));
     }
 
-    /// Makes room for a measurement from small motion.
+    /// Moves the result from the scene's own start to `as_given`, before small motion is measured.
     pub(super) fn set_aside(&mut self) {
         let as_given = match self.status {
             Status::NotSettled => AsGiven { measured: self.at_least, unstable: self.at_most, settled: false },
@@ -184,21 +231,13 @@ impl Row {
         self.start = Start::SmallMotion;
     }
 
-    /// No limit, but what runs know of it.
-    fn unsettled(&mut self, status: Status, runs: &MethodRuns<'_>) {
-        self.status = status;
-        (self.measured, self.unstable, self.tried_up_to, self.ratio) = (None, None, None, None);
-        [self.at_least, self.at_most] = runs.between();
-    }
-
-    /// A row without a measurement.
     fn clear(&mut self, status: Status) {
         self.status = status;
         (self.measured, self.unstable, self.tried_up_to, self.ratio) = (None, None, None, None);
         (self.at_least, self.at_most, self.differs, self.failure) = (None, None, false, None);
     }
 
-    /// A measurement that was not finished: what the runs that were made of `runs` know.
+    /// A measurement that was not finished: keeps the bounds that the runs made so far give.
     pub(super) fn halted(&mut self, halt: Halt, runs: Option<&MethodRuns<'_>>) {
         self.clear(match halt {
             Halt::OutOfBudget => Status::OutOfBudget,

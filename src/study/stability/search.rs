@@ -41,7 +41,8 @@ pub(super) fn largest<E>(
     match kind {
         Kind::Near(predicted) => near(predicted, holds),
         Kind::Somewhere => {
-            let found = if holds(reference)? { upwards(reference, holds)? } else { downwards(reference, holds)? };
+            let held = holds(reference)?;
+            let found = outwards(reference, held, holds)?;
             bisect(found, WIDTHS[1], holds)
         }
         Kind::Unlimited => ladder(reference, end, holds),
@@ -52,45 +53,32 @@ fn near<E>(predicted: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Res
     let (well_below, below, above) = (0.5 * predicted, (1.0 - NEAR) * predicted, (1.0 + NEAR) * predicted);
     // What a run well below the limit does is what the others are compared with.
     if !holds(well_below)? {
-        let found = downwards(well_below, holds)?;
+        let found = outwards(well_below, false, holds)?;
         return bisect(found, WIDTHS[1], holds);
     }
     if !holds(below)? {
         return bisect(Bracket { stable: Some(well_below), unstable: Some(below) }, WIDTHS[1], holds);
     }
     if holds(above)? {
-        let found = upwards(above, holds)?;
+        let found = outwards(above, true, holds)?;
         return bisect(found, WIDTHS[1], holds);
     }
     bisect(Bracket { stable: Some(below), unstable: Some(above) }, WIDTHS[0], holds)
 }
 
-/// From a step that holds to ever longer ones.
-fn upwards<E>(from: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Result<Bracket, E> {
-    let (mut stable, mut factor) = (from, 2.0_f64);
-    while stable < BEYOND * from {
-        let next = stable * factor;
-        if !holds(next)? {
-            return Ok(Bracket { stable: Some(stable), unstable: Some(next) });
+/// From a step that holds to ever longer ones, or from one that fails to ever shorter ones.
+fn outwards<E>(from: f64, held: bool, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Result<Bracket, E> {
+    let bracket = |held_at, failed_at| Bracket { stable: held_at, unstable: failed_at };
+    let (mut last, mut factor) = (from, 2.0_f64);
+    while if held { last < BEYOND * from } else { last > from / FARTHEST } {
+        let next = if held { last * factor } else { last / factor };
+        if holds(next)? != held {
+            return Ok(if held { bracket(Some(last), Some(next)) } else { bracket(Some(next), Some(last)) });
         }
-        stable = next;
+        last = next;
         factor = (factor * factor).min(STRIDE);
     }
-    Ok(Bracket { stable: Some(stable), unstable: None })
-}
-
-/// From a step that does not hold to ever shorter ones.
-fn downwards<E>(from: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Result<Bracket, E> {
-    let (mut unstable, mut factor) = (from, 2.0_f64);
-    while unstable > from / FARTHEST {
-        let next = unstable / factor;
-        if holds(next)? {
-            return Ok(Bracket { stable: Some(next), unstable: Some(unstable) });
-        }
-        unstable = next;
-        factor = (factor * factor).min(STRIDE);
-    }
-    Ok(Bracket { stable: None, unstable: Some(unstable) })
+    Ok(if held { bracket(Some(last), None) } else { bracket(None, Some(last)) })
 }
 
 /// Rungs from the first on up to a part of the run; the first that fails is bisected.
@@ -102,7 +90,7 @@ fn ladder<E>(first: f64, end: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>
         if !holds(rung)? {
             let found = match stable {
                 Some(_) => Bracket { stable, unstable: Some(rung) },
-                None => downwards(rung, holds)?,
+                None => outwards(rung, false, holds)?,
             };
             return bisect(found, WIDTHS[2], holds);
         }

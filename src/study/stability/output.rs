@@ -1,10 +1,67 @@
-//! The study as text: a table to read, a csv file to compute with.
+//! The results of a stability study: a table to read, and its files.
 
+use super::region::regions;
 use super::row::AGREES;
 use super::{AsGiven, KnownBy, Row, Stability, Status};
 use crate::format_number::figures;
+use crate::integrate::registry::MethodChoice;
+use crate::output::atomic::{Durability, replace};
 use crate::output::sanitize::csv_field;
+use crate::scene::Scene;
+use crate::study::StudyError;
+use crate::study::store::{remove, system};
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The files, in the order they are written: the last one only when the others are there.
+pub const FILES: [&str; 3] = ["stability.csv", "stability.svg", "stability.json"];
+
+/// A folder that can take a study.
+#[derive(Clone, Debug)]
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// Makes the folder if need be, before anything is run.
+    ///
+    /// # Errors
+    /// An earlier study without `force`; a folder that cannot be made.
+    pub fn prepare(dir: &Path, force: bool) -> Result<Self, StudyError> {
+        let there = FILES.into_iter().find(|file| dir.join(file).symlink_metadata().is_ok());
+        if let Some(found) = there.filter(|_| !force) {
+            return Err(StudyError::HoldsStudy { folder: dir.to_owned(), found });
+        }
+        std::fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
+        Ok(Folder(dir.to_owned()))
+    }
+
+    /// Writes all files of a study; returns their paths. A study in which no method has a limit has no picture, and an
+    /// earlier one goes.
+    ///
+    /// # Errors
+    /// When a file cannot be written or the picture not be drawn.
+    pub fn write(
+        &self,
+        scene: &dyn Scene,
+        methods: &[MethodChoice],
+        study: &Stability,
+    ) -> Result<Vec<PathBuf>, StudyError> {
+        let picture = regions(scene, methods, study)?;
+        let json = serde_json::to_string_pretty(study).map_err(|e| system(&self.0.join(FILES[2]), e.into()))? + "\n";
+        let texts = [Some(csv(&study.methods)), picture, Some(json)];
+        let mut written = Vec::new();
+        for (file, text) in FILES.into_iter().zip(texts) {
+            let path = self.0.join(file);
+            match text {
+                Some(text) => {
+                    replace(&path, text.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
+                    written.push(path);
+                }
+                None => remove(&path)?,
+            }
+        }
+        Ok(written)
+    }
+}
 
 /// `stability.csv`: a row a method. `predicted` and `measured` are seconds; empty: unlimited; `nan`: there is no
 /// number. Two words say what each cell is worth: `prediction` is `certified`, `estimate`, `unlimited`, `unknown` or
@@ -24,6 +81,16 @@ pub fn csv(rows: &[Row]) -> String {
         let _ = writeln!(text, "{},{predicted},{measured},{prediction},{measurement}", csv_field(&row.method));
     }
     text
+}
+
+/// As it is written in the table.
+fn known_by(row: &Row) -> &'static str {
+    match (row.status, row.prediction.known_by) {
+        (Status::Refused, _) => "-",
+        (_, KnownBy::Unlimited) => "no limit",
+        (_, KnownBy::Unknown) => "not known",
+        _ => prediction_word(row),
+    }
 }
 
 fn prediction_word(row: &Row) -> &'static str {
@@ -66,7 +133,7 @@ pub fn table(study: &Stability) -> String {
             text,
             "  {:<longest$}  {predicted:<13}  {:<9}  {:<widest$}  {ratio:<18}  {}",
             row.method,
-            if row.status == Status::Refused { "-" } else { row.prediction.known_by.word() },
+            known_by(row),
             measured(row),
             row.runs.len()
         );
