@@ -60,7 +60,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
         return Report { problem: &problem, scene, candidates: &candidates, forecast, warnings, acknowledged }
             .to_json();
     }
-    text.push_str(&describe(&problem, &forecast));
+    text.push_str(&describe(&problem, &forecast)?);
     describe_limits(&mut text, &problem, scene, &limits, &candidates);
     acknowledged.iter().for_each(|warning| text.push_str(&format!("acknowledged: {warning}\n")));
     warnings.iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));

@@ -78,7 +78,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     let written = folder.write(&*scene, &chosen, &done)?;
-    let mut text = table(&done);
+    let mut text = table(&done)?;
     for path in written {
         let _ = writeln!(text, "{}", path.display());
     }

@@ -9,12 +9,12 @@
 //! measured.
 
 pub mod bench;
-pub mod difference;
+pub(crate) mod difference;
 mod error;
 pub mod experiment;
-pub mod forecast;
+pub(crate) mod forecast;
 pub mod frames;
-pub mod ladder;
+mod ladder;
 mod measure;
 pub mod options;
 pub mod pareto;
@@ -26,6 +26,7 @@ pub mod row;
 mod runner;
 pub mod stability;
 pub mod store;
+mod template;
 
 pub use error::StudyError;
 pub use runner::{Runner, Shard, Study, rows_of};

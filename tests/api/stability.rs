@@ -279,14 +279,15 @@ fn growth_too_slow_to_be_seen_settles_nothing() {
 
 /// The table of a study with these rows.
 fn told(methods: Vec<Row>) -> String {
-    table(&Stability {
+    let study = Stability {
         name: "chain".to_owned(),
         end: 4.0,
         unknowns: 1,
         methods,
         case: Value::Null,
         version: String::new(),
-    })
+    };
+    table(&study).expect("a table")
 }
 
 /// A study that ends before its time keeps what its runs found.

@@ -35,7 +35,7 @@ use trials::Trials;
 use crate::analysis::critical::CriticalStep;
 use crate::case::spec::Problem;
 use crate::drive::clock::{Step, Tolerance};
-use crate::integrate::registry::{Family, MethodChoice};
+use crate::integrate::registry::MethodChoice;
 use crate::output::frame::Fields;
 use crate::scene::Scene;
 
@@ -74,9 +74,6 @@ pub struct MethodForecast {
     pub method: &'static str,
     /// [-] order of accuracy
     pub order: u32,
-    /// what a step needs
-    #[serde(skip)]
-    pub family: Family,
     /// [s] largest stable step at the start; null without limit or where it is not known
     pub critical_step: Option<f64>,
     /// [s] the fixed step it would run with; null for adaptive steps
@@ -155,7 +152,6 @@ pub fn forecast(spec: &ForecastSpec<'_>) -> Forecast {
         MethodForecast {
             method: candidate.method.info.name,
             order: candidate.method.order(),
-            family: candidate.method.info.family,
             critical_step: candidate.limit.map(|limit| limit.step).filter(|step| step.is_finite()),
             step: step.fixed(),
             step_reduced: step.fixed().zip(problem.time.step.fixed()).is_some_and(|(own, asked)| own < asked.min(end)),

@@ -118,10 +118,11 @@ impl<'a> Trials<'a> {
             return self.by_passes(method, steps);
         }
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
-        if steps.is_none() && !(implicit && dear) {
-            if let Some(estimate) = self.from_start(method, step) {
-                return Ok(estimate);
-            }
+        if steps.is_none()
+            && !(implicit && dear)
+            && let Some(estimate) = self.from_start(method, step)
+        {
+            return Ok(estimate);
         }
         let Some(tangent) = self.tangent.filter(|_| implicit) else {
             return self.by_steps(method, step, self.states.len());

@@ -1,19 +1,15 @@
 //! `tradeoff.html`: one page that needs nothing beside it. Its words and its layout are those of the template.
 
-use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Serialize;
 
 use super::figure::Figure;
 use super::{Machine, Rerun};
-use crate::format_number::figures;
 use crate::study::error::StudyError;
 use crate::study::plan::{PROGRAM, Plan};
 use crate::study::recommendations::{Recommendations, unfinished};
 use crate::study::row::{Pace, Row};
 use crate::study::runner::Study;
-
-/// The page's template. Its name ends in html: everything put into it is escaped.
-const TEMPLATE: (&str, &str) = ("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"));
+use crate::study::template::render;
 
 /// All that the template shows.
 #[derive(Serialize)]
@@ -55,19 +51,7 @@ pub(super) fn html(
         answers,
         figures,
     };
-    render(&page).map_err(|e| StudyError::Page(format!("{e:#}")))
-}
-
-fn render(page: &Page<'_>) -> Result<String, minijinja::Error> {
-    let mut templates = Environment::new();
-    templates.set_undefined_behavior(UndefinedBehavior::Strict);
-    templates.add_filter("figures", figures);
-    templates.add_filter("short", short);
-    templates.add_filter("json", |value: Value| serde_json::to_string(&value).unwrap_or_default());
-    templates.add_filter("scientific", |value: f64| format!("{value:e}"));
-    templates.add_filter("sentence", sentence);
-    templates.add_template(TEMPLATE.0, TEMPLATE.1)?;
-    templates.get_template(TEMPLATE.0)?.render(page)
+    render("tradeoff.html", include_str!("../../../assets/report/tradeoff.html"), &page)
 }
 
 /// All runs: variant by variant, method by method, fixed steps before adaptive ones, the largest first.
@@ -83,24 +67,4 @@ fn sorted(rows: &[Row]) -> Vec<&Row> {
     let mut sorted: Vec<_> = rows.iter().map(|row| (key(row), row)).collect();
     sorted.sort_by(|((a, larger), _), ((b, smaller), _)| a.cmp(b).then_with(|| smaller.total_cmp(larger)));
     sorted.into_iter().map(|(_, row)| row).collect()
-}
-
-/// A number of so many digits, with a power of ten below a hundredth, where tables read better so; nothing for none.
-fn short(value: Option<f64>, digits: usize) -> String {
-    match value.filter(|v| v.is_finite()) {
-        None => String::new(),
-        Some(v) if v != 0.0 && v.abs() < 1e-2 => {
-            let rounded: f64 = format!("{v:.*e}", digits.saturating_sub(1)).parse().unwrap_or(v);
-            format!("{rounded:e}")
-        }
-        Some(v) => figures(v, digits),
-    }
-}
-
-/// With a capital letter and a full stop.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
-    let stop = if text.is_empty() || text.ends_with(['.', '!', '?']) { "" } else { "." };
-    format!("{first}{}{stop}", letters.as_str())
 }

@@ -2,7 +2,7 @@
 
 use super::region::regions;
 use super::row::AGREES;
-use super::{AsGiven, KnownBy, Row, Stability, Status};
+use super::{KnownBy, Row, Stability, Status};
 use crate::format_number::figures;
 use crate::integrate::registry::MethodChoice;
 use crate::output::atomic::{Durability, replace};
@@ -10,6 +10,8 @@ use crate::output::sanitize::csv_field;
 use crate::scene::Scene;
 use crate::study::StudyError;
 use crate::study::store::{remove, system};
+use crate::study::template::render;
+use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -83,16 +85,6 @@ pub fn csv(rows: &[Row]) -> String {
     text
 }
 
-/// As it is written in the table.
-fn known_by(row: &Row) -> &'static str {
-    match (row.status, row.prediction.known_by) {
-        (Status::Refused, _) => "-",
-        (_, KnownBy::Unlimited) => "no limit",
-        (_, KnownBy::Unknown) => "not known",
-        _ => prediction_word(row),
-    }
-}
-
 fn prediction_word(row: &Row) -> &'static str {
     match (row.status, row.prediction.known_by) {
         (Status::Refused, _) => "refused",
@@ -116,94 +108,16 @@ fn measurement_word(row: &Row) -> &'static str {
 }
 
 /// The table for standard output, and a sentence for every method whose limits differ.
-pub fn table(study: &Stability) -> String {
-    let longest = study.methods.iter().map(|row| row.method.len()).max().unwrap_or(0).max(6);
-    let mut text = format!("{}: largest stable steps, {} unknowns\n", study.name, study.unknowns);
-    let heading = "measured [s]: holds, fails";
-    let widest = study.methods.iter().map(|row| measured(row).len()).max().unwrap_or(0).max(heading.len());
-    let _ = writeln!(
-        text,
-        "  {:<longest$}  predicted [s]  known by   {heading:<widest$}  measured/predicted  runs",
-        "method"
-    );
-    for row in &study.methods {
-        let predicted = row.prediction.step.map_or_else(|| "-".to_owned(), |step| figures(step, 4));
-        let ratio = row.ratio.map_or_else(|| "-".to_owned(), |ratio| figures(ratio, 3));
-        let _ = writeln!(
-            text,
-            "  {:<longest$}  {predicted:<13}  {:<9}  {:<widest$}  {ratio:<18}  {}",
-            row.method,
-            known_by(row),
-            measured(row),
-            row.runs.len()
-        );
+///
+/// # Errors
+/// What the template engine refuses.
+pub fn table(study: &Stability) -> Result<String, StudyError> {
+    #[derive(Serialize)]
+    struct Table<'a> {
+        agrees: f64,
+        #[serde(flatten)]
+        study: &'a Stability,
     }
-    let differing = study.methods.iter().filter_map(|row| Some((row, row.explanation.as_ref()?)));
-    for (row, why) in differing {
-        let _ = writeln!(text, "{}: {why}", row.method);
-    }
-    for (row, given) in study.methods.iter().filter_map(|row| Some((row, row.as_given?))) {
-        let _ = writeln!(text, "{}: {}", row.method, as_given(row, given));
-    }
-    for (row, why) in study.methods.iter().filter_map(|row| Some((row, row.why.as_ref()?))) {
-        let _ = writeln!(text, "{}: {why}", row.method);
-    }
-    text
-}
-
-/// Why small motion was measured.
-fn as_given(row: &Row, AsGiven { measured, unstable, settled }: AsGiven) -> String {
-    let found = match (measured, unstable) {
-        _ if !settled => between([measured, unstable])
-            .map_or_else(|| "nothing is settled".to_owned(), |steps| format!("the limit is not settled: {steps}")),
-        (Some(held), Some(fails)) if held > 0.0 => {
-            format!("runs hold up to {} s and fail at {} s", figures(held, 4), figures(fails, 4))
-        }
-        (_, Some(fails)) => format!("no run holds, down from {} s", figures(fails, 4)),
-        (_, None) => "no run fails".to_owned(),
-    };
-    let held = row.measured.or(row.tried_up_to).or(row.at_least).unwrap_or(0.0);
-    let why = match unstable {
-        Some(fails) if fails < (1.0 - AGREES) * held => {
-            ", where steps reach beyond the range in which its forces are linear"
-        }
-        _ => "",
-    };
-    format!(
-        "measured from small motion about the equilibrium, because the scene's own motion is linear; from its own start {found}{why}"
-    )
-}
-
-fn measured(row: &Row) -> String {
-    match (row.status, row.measured, row.unstable, row.tried_up_to) {
-        (Status::Refused, ..) => "refused".to_owned(),
-        (Status::NotSettled, ..) => {
-            known(row).map_or_else(|| "not settled".to_owned(), |steps| format!("not settled: {steps}"))
-        }
-        (Status::OutOfBudget, ..) => unfinished(row, "budget"),
-        (Status::Interrupted, ..) => unfinished(row, "interrupted"),
-        (Status::Measured, Some(measured), Some(unstable), _) if measured > 0.0 => {
-            format!("{}, {}", figures(measured, 4), figures(unstable, 4))
-        }
-        (Status::Measured, Some(_), Some(unstable), _) => format!("none, {}", figures(unstable, 4)),
-        (Status::Measured, _, _, Some(longest)) => format!("no limit up to {}", figures(longest, 4)),
-        (Status::Measured, ..) => "-".to_owned(),
-    }
-}
-
-/// A measurement that ended before its time.
-fn unfinished(row: &Row, why: &str) -> String {
-    known(row).map_or_else(|| format!("left out: {why}"), |steps| format!("not settled ({why}): {steps}"))
-}
-
-/// What runs know of a limit that is not settled.
-fn known(row: &Row) -> Option<String> {
-    between([row.at_least, row.at_most])
-}
-
-fn between([least, most]: [Option<f64>; 2]) -> Option<String> {
-    let least = least.map(|h| format!("at least {}", figures(h, 4)));
-    let most = most.map(|h| format!("at most {}", figures(h, 4)));
-    let both: Vec<String> = least.into_iter().chain(most).collect();
-    (!both.is_empty()).then(|| both.join(", "))
+    let table = Table { agrees: AGREES, study };
+    render("stability.txt", include_str!("../../../assets/report/stability.txt"), &table)
 }

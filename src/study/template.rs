@@ -1,0 +1,65 @@
+//! Text from templates under `assets/report`: pages, tables and reports are laid out there, and only numbers are made
+//! here.
+
+use minijinja::{Environment, UndefinedBehavior, Value};
+use serde::Serialize;
+
+use super::error::StudyError;
+use crate::format_number::figures;
+
+/// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only a
+/// statement leave nothing behind.
+///
+/// # Errors
+/// What the template engine refuses.
+pub(super) fn render(name: &str, template: &str, context: &impl Serialize) -> Result<String, StudyError> {
+    let text = || {
+        let mut templates = Environment::new();
+        templates.set_undefined_behavior(UndefinedBehavior::Strict);
+        let blocks = !name.ends_with(".html");
+        templates.set_trim_blocks(blocks);
+        templates.set_lstrip_blocks(blocks);
+        templates.set_keep_trailing_newline(blocks);
+        templates.add_filter("figures", figures);
+        templates.add_filter("short", short);
+        templates.add_filter("fixed", |value: f64, digits: usize| format!("{value:.digits$}"));
+        templates.add_filter("scientific", |value: f64, digits: Option<usize>| match digits {
+            Some(digits) => format!("{value:.digits$e}"),
+            None => format!("{value:e}"),
+        });
+        templates.add_filter("seconds", seconds);
+        templates.add_filter("sentence", sentence);
+        templates.add_filter("json", |value: Value| serde_json::to_string(&value).unwrap_or_default());
+        templates.add_filter("left", |text: String, width: usize| format!("{text:<width$}"));
+        templates.add_filter("right", |text: String, width: usize| format!("{text:>width$}"));
+        templates.template_from_named_str(name, template)?.render(context)
+    };
+    text().map_err(|error: minijinja::Error| StudyError::Page(format!("{error:#}")))
+}
+
+/// A number of so many digits, with a power of ten below a hundredth, where tables read better so; nothing for none.
+fn short(value: Option<f64>, digits: usize) -> String {
+    match value.filter(|v| v.is_finite()) {
+        None => String::new(),
+        Some(v) if v != 0.0 && v.abs() < 1e-2 => {
+            let rounded: f64 = format!("{v:.*e}", digits.saturating_sub(1)).parse().unwrap_or(v);
+            format!("{rounded:e}")
+        }
+        Some(v) => figures(v, digits),
+    }
+}
+
+/// A time [s] in the unit that suits it.
+fn seconds(t: f64) -> String {
+    let units = [(3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| t >= *unit).unwrap_or((1e-9, "ns"));
+    format!("{} {name}", figures(t / unit, 3))
+}
+
+/// With a capital letter and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
+    let stop = if text.is_empty() || text.ends_with(['.', '!', '?']) { "" } else { "." };
+    format!("{first}{}{stop}", letters.as_str())
+}
