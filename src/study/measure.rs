@@ -19,8 +19,8 @@ use crate::process::{Cost, Stopwatch};
 
 /// An unfinished run is saved this often, so that a kill costs no more.
 const SAVED_EVERY: Duration = Duration::from_secs(20);
-/// The clock is read once in so many steps of scenes with fewer than so many degrees of freedom: reading it takes as long
-/// as a step of a pendulum.
+/// The clock is read once in so many steps of scenes with fewer than so many degrees of freedom: reading it takes as
+/// long as a step of a pendulum.
 const CLOCK_EVERY: u32 = 64;
 const SMALL: usize = 1000;
 

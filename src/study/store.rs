@@ -6,8 +6,8 @@
 //! DIR/tradeoff/runs/ID.json            result of a run
 //! DIR/tradeoff/runs/ID.part            snapshot of an unfinished run
 //! ```
-//! Every file appears whole, by a rename. Processes that make the same run write the same result, and the last one stays.
-//! A file of another study is an error, except a `.part`, whose run begins again.
+//! Every file appears whole, by a rename. Processes that make the same run write the same result, and the last one
+//! stays. A file of another study is an error, except a `.part`, whose run begins again.
 
 use std::fs;
 use std::io;

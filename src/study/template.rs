@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::error::StudyError;
 use crate::format_number::figures;
 
-/// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only a
-/// statement leave nothing behind.
+/// Fills in a template. What is put into one whose name ends in `.html` is escaped; lines of other ones that hold only
+/// a statement leave nothing behind.
 ///
 /// # Errors
 /// What the template engine refuses.

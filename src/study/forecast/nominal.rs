@@ -1,5 +1,5 @@
-//! What work costs nominally, and how much of it a forecast may spend: counted work times what it costs on one core of an
-//! ordinary machine, so that what is decided by it is the same on every machine.
+//! What work costs nominally, and how much of it a forecast may spend: counted work times what it costs on one core of
+//! an ordinary machine, so that what is decided by it is the same on every machine.
 
 use std::cell::Cell;
 

@@ -185,8 +185,8 @@ impl Search<'_> {
         RUN[usize::from(self.dear(candidate))] / step
     }
 
-    /// [s] What a step costs before any was made. An implicit one is known by its equations, which mostly keep a matrix,
-    /// an explicit one as a study measures it.
+    /// [s] What a step costs before any was made. An implicit one is known by its equations, which mostly keep a
+    /// matrix, an explicit one as a study measures it.
     fn nominal(&self, Candidate { method, .. }: &Candidate) -> f64 {
         match method.info.family {
             Family::Implicit => self.costs.untried(method, 1.0),

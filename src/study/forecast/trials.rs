@@ -34,8 +34,8 @@ const UNTRIED: [f64; 2] = [2.0, 3.0];
 /// Steps of a trial from one state, and times as many that a trial of adaptive steps makes.
 const STEPS: f64 = 8.0;
 const ADAPTIVE: f64 = 4.0;
-/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that was
-/// not tried.
+/// [s] What an adaptive run may take from its start, and the part of it that must be seen to conclude on a rest that
+/// was not tried.
 const FROM_START: f64 = 0.4;
 const PART: f64 = 0.1;
 /// [s] A run with fixed steps that nominally takes less is made whole.

@@ -42,9 +42,9 @@ const RISE: [f64; 2] = [0.02, 1e-3];
 
 /// States of a run whose critical step is measured.
 const MEASURED: u64 = 64;
-/// [-] Critical steps that differ by no more than this share are the same. Of states with the same one the last is kept:
-/// the start is known already, and a later state may show what the measure cannot see, such as a motion across springs
-/// that have come under tension.
+/// [-] Critical steps that differ by no more than this share are the same. Of states with the same one the last is
+/// kept: the start is known already, and a later state may show what the measure cannot see, such as a motion across
+/// springs that have come under tension.
 const ROUNDING: f64 = 1e-7;
 
 /// How a run ended.
