@@ -120,7 +120,7 @@ impl<'a> Trials<'a> {
         let dear = self.tangent.is_none_or(|t| !t.measured || t.iteration_seconds().max(t.analysis_seconds) > COSTLY);
         if steps.is_none()
             && !(implicit && dear)
-            && let Some(estimate) = self.from_start(method, step)
+            && let Some(estimate) = self.by_start(method, step)
         {
             return Ok(estimate);
         }
@@ -150,7 +150,7 @@ impl<'a> Trials<'a> {
     /// Adaptive steps from the start, as far as they come, and from states beyond: their size is found on the way and
     /// differs from one part of the run to the next. `None` where only a small part was made and a trial of the rest
     /// fails.
-    fn from_start(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
+    fn by_start(&self, method: &MethodChoice, step: Step) -> Option<Estimate> {
         let run = self.run(method, step);
         let mut stepper = run.stepper().ok()?;
         let made = sample_start(run, &mut stepper, FROM_START).ok()?;
