@@ -16,8 +16,8 @@ use super::history::{History, HistoryRow};
 use super::probes::{Probe, Probes};
 use super::pvd::{Collection, CollectionMark};
 use super::resume::ResumeError;
-use crate::case::spec::VtuFormat;
 use crate::drive::observer::ObserveError;
+use crate::vtk::VtuFormat;
 
 /// Folder of the frames, beside the .pvd.
 pub const FRAMES: &str = "frames";

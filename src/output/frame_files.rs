@@ -10,8 +10,8 @@ use super::csv::write_fault;
 use super::files::{FRAMES, FilesSpec};
 use super::frame::{CellMap, Fields, Frame};
 use super::resume::ResumeError;
-use super::vtu::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
 use crate::drive::observer::ObserveError;
+use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
 
 /// Writes frames one by one, each of them complete before it bears its name.
 #[derive(Debug)]

@@ -9,11 +9,9 @@
 //! [`checkpoint`] counts only results that are there: `--resume` cuts off the rest and goes on.
 
 pub mod atomic;
-mod cells;
 pub mod checkpoint;
 mod checkpoint_schedule;
 pub mod csv;
-pub mod encode;
 pub mod file_prefix;
 pub mod files;
 pub mod folder;
@@ -31,6 +29,4 @@ pub mod sanitize;
 pub mod schedule;
 pub mod space;
 pub mod summary;
-mod vectored_write;
-pub mod vtu;
 pub mod writer;

@@ -11,8 +11,8 @@ use super::atomic::{Durability, replace};
 use super::csv::write_fault;
 use super::file_prefix::{FilePrefix, PrefixCounter, open_plain};
 use super::resume::ResumeError;
-use super::sanitize::xml_attribute;
 use crate::drive::observer::ObserveError;
+use crate::vtk::xml_attribute;
 
 /// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame
 /// …

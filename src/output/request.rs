@@ -7,10 +7,10 @@ use super::frame::Fields;
 use super::probes::Probe;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::VtuFormat;
 use crate::case::spec::{Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;
+use crate::vtk::VtuFormat;
 
 /// Frames a run may be asked for; their numbers have six digits.
 pub const MOST_FRAMES: f64 = 1e6;

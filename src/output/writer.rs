@@ -257,9 +257,9 @@ fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::spec::VtuFormat;
     use crate::output::frame::Fields;
     use crate::output::frame_files::frames_in;
+    use crate::vtk::VtuFormat;
 
     /// Sends `frames` frames of `nodes` nodes as fast as they are written; returns how many existed.
     fn frames_made(nodes: usize, frames: usize) -> usize {

@@ -12,7 +12,6 @@ mod error;
 mod layout;
 mod legend;
 mod margin_panel;
-mod reference_positions;
 pub mod results;
 mod series;
 mod table;

@@ -1,7 +1,6 @@
 //! A finished run, read back from its folder.
 
 use super::PlotError;
-use super::reference_positions::reference_positions;
 use super::table::rows;
 use crate::drive::Status;
 use crate::drive::observer::LedgerRow;
@@ -9,9 +8,11 @@ use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
 use crate::output::{history, probes};
+use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use vtkio::model::DataSet;
 
 /// What pictures need of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,4 +188,21 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
         track.reference = found.ok_or_else(|| bad(&path, format!("has no node {}, which is probed", track.node)))?;
     }
     Ok(())
+}
+
+/// [m] `[n_nodes]` Where nodes lie before any displacement, from a frame: its points less its displacements.
+///
+/// `probes.csv` gives positions, and a run may begin displaced, so the first row is not enough. The case is, but
+/// making its mesh again takes long and needs the mesh's file where it was.
+fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
+    let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
+    let piece = pieces.into_iter().next().ok_or("has no points")?;
+    let piece = piece_content(piece)?;
+    let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
+    let displacement = named_array(piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
+    let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();
+    match reference.as_chunks() {
+        (positions, []) if points.len() == displacement.len() => Ok(positions.to_vec()),
+        _ => Err(format!("has {} coordinates but {} displacements", points.len(), displacement.len())),
+    }
 }

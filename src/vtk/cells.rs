@@ -1,6 +1,6 @@
 //! The cells of a picture as VTK stores them: corners, ends and types, in numbers as short as the scene allows.
 
-use super::vtu::{Cells, VtuError};
+use super::write::{Cells, VtuError};
 
 /// VTK's cell types (vtkCellType.h).
 const VTK_VERTEX: u8 = 1;
@@ -9,7 +9,7 @@ const VTK_TRIANGLE: u8 = 5;
 
 /// How the numbers of points and ends of cells are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Width {
+pub(crate) enum Width {
     /// UInt16
     Half,
     /// Int32
@@ -64,8 +64,7 @@ impl CellTable {
     ///
     /// # Errors
     /// When a cell names a point that is not there.
-    pub fn new(cells: &Cells<'_>) -> Result<Self, VtuError> {
-        let width = Width::of(cells.points, 3 * cells.triangles.len() + 2 * cells.edges.len());
+    pub fn new(cells: &Cells<'_>, width: Width) -> Result<Self, VtuError> {
         let mut table = Self { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), width };
         for triangle in cells.triangles {
             table.push(VTK_TRIANGLE, triangle, cells.points)?;

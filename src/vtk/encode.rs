@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 use flate2::write::ZlibEncoder;
 
-use crate::case::spec::{Compression, Encoding, VtuFormat};
+use super::{Compression, Encoding, VtuFormat};
 
 /// [byte] uncompressed size of a zlib block
 const BLOCK: usize = 1 << 20;
