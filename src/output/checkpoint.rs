@@ -15,7 +15,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::file_prefix::open_plain;
+use super::resume::open_plain;
 use super::files::FilesProgress;
 use super::recorder::RecorderState;
 use super::resume::ResumeError;

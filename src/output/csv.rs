@@ -5,7 +5,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::file_prefix::{FilePrefix, PrefixCounter};
+use super::resume::{FilePrefix, PrefixCounter};
 use super::lock::{Lock, lock};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;

@@ -10,21 +10,18 @@
 
 pub mod atomic;
 pub mod checkpoint;
-mod checkpoint_schedule;
 pub mod csv;
-pub mod file_prefix;
 pub mod files;
 pub mod folder;
 pub mod frame;
 pub mod frame_files;
 pub mod hermite;
-pub mod history;
 mod lock;
-pub mod probes;
 pub mod pvd;
 pub mod recorder;
 mod request;
 pub mod resume;
+pub mod rows;
 pub mod sanitize;
 pub mod schedule;
 pub mod space;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
-use super::file_prefix::{FilePrefix, PrefixCounter, open_plain};
+use super::resume::{FilePrefix, PrefixCounter, open_plain};
 use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 use crate::vtk::xml_attribute;

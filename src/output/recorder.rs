@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
-use super::checkpoint_schedule::CheckpointSchedule;
+use super::schedule::CheckpointSchedule;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
-use super::history::HistoryRow;
 use super::request::{check, files_spec};
+use super::rows::HistoryRow;
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
-use super::writer::ResultWriter;
+use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
@@ -18,7 +18,7 @@ use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-pub use super::checkpoint_schedule::CheckpointSpec;
+pub use super::schedule::CheckpointSpec;
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 
 /// What a recorder is to record next; part of a checkpoint.
@@ -132,7 +132,7 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         self.shown = Some(at.t);
-        self.writer.frame(frame)
+        self.writer.send(Message::Frame(frame))
     }
 
     fn fill(&self, frame: &mut Frame, at: StateRef<'_>, forces: &Forces) {
@@ -169,7 +169,7 @@ impl<'a> Recorder<'a> {
 
     fn write_row(&mut self, row: HistoryRow, at: StateRef<'_>) -> Result<(), ObserveError> {
         let (max_speed, max_strain) = (self.picture.max_speed(at), self.picture.max_strain(at));
-        self.writer.row(HistoryRow { max_speed, max_strain, ..row })
+        self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
     /// Writes the row of a step that is due with its largest speed [m/s] and strain [-]; any other waits.
@@ -180,7 +180,7 @@ impl<'a> Recorder<'a> {
         }
         self.waiting = None;
         let (max_speed, max_strain) = largest();
-        self.writer.row(HistoryRow { max_speed, max_strain, ..row })
+        self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
     /// Whether a checkpoint is due at the end of a step.
@@ -265,7 +265,7 @@ impl Observer for Recorder<'_> {
         let good = self.last_good.take().filter(|_| self.failed);
         if let Some(LastGood { point, shown }) = &good {
             if self.shown != *shown {
-                self.writer.withdraw_after(point.state.t)?;
+                self.writer.send(Message::WithdrawAfter(point.state.t))?;
             }
             self.shown = *shown;
         }

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::files::FilesSpec;
 use super::frame::Fields;
-use super::probes::Probe;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::{Problem, RowEvery};
+use crate::case::spec::{ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;
 use crate::vtk::VtuFormat;
@@ -29,7 +28,7 @@ pub struct RecorderSpec {
     /// fields beside displacement and velocity
     pub fields: Fields,
     /// nodes to follow at each frame time
-    pub probes: Vec<Probe>,
+    pub probes: Vec<ProbeSpec>,
     /// how often there is a history row
     pub history_every: RowEvery,
     /// spelling of the frames' arrays
@@ -46,7 +45,7 @@ impl RecorderSpec {
             frames_every: output.frames_every,
             end: problem.time.end,
             fields: output.fields.as_slice().into(),
-            probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
+            probes: output.probes.clone(),
             history_every: output.history_every,
             format: output.format,
         }

@@ -8,8 +8,8 @@ use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
 use super::files::{FilesProgress, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
-use super::history::HistoryRow;
 use super::resume::ResumeError;
+use super::rows::HistoryRow;
 use crate::drive::observer::ObserveError;
 
 /// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame
@@ -33,10 +33,14 @@ pub fn most_frames(size: FrameSize) -> usize {
 }
 
 /// What goes to the thread. Closing the channel ends it.
-enum Message {
+pub(super) enum Message {
+    /// a filled frame
     Frame(Frame),
+    /// a row of the history
     Row(HistoryRow),
+    /// \[s\] the frames after this time are to be removed
     WithdrawAfter(f64),
+    /// to be written after everything sent before it; see [`ResultWriter::checkpoint`]
     Checkpoint(Box<Checkpoint>),
 }
 
@@ -123,33 +127,9 @@ impl ResultWriter {
         }
     }
 
-    /// Sends a filled frame.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn frame(&mut self, frame: Frame) -> Result<(), ObserveError> {
-        self.send(Message::Frame(frame))
-    }
-
     /// Takes back a frame that is not to be written after all.
     pub fn forget(&mut self, frame: Frame) {
         self.spare = Some(frame);
-    }
-
-    /// Takes away the frames after a time [s].
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
-        self.send(Message::WithdrawAfter(t))
-    }
-
-    /// Sends a row of the history.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn row(&mut self, row: HistoryRow) -> Result<(), ObserveError> {
-        self.send(Message::Row(row))
     }
 
     /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are on their way.
@@ -178,7 +158,11 @@ impl ResultWriter {
         }
     }
 
-    fn send(&mut self, message: Message) -> Result<(), ObserveError> {
+    /// Sends a message.
+    ///
+    /// # Errors
+    /// The fault that ended the thread.
+    pub(super) fn send(&mut self, message: Message) -> Result<(), ObserveError> {
         let sent = self.to_thread.as_ref().is_some_and(|channel| channel.send(message).is_ok());
         if sent { Ok(()) } else { Err(self.fault()) }
     }
@@ -278,7 +262,7 @@ mod tests {
         for i in 0..frames {
             let mut frame = writer.empty_frame().expect("a frame");
             (frame.time, frame.positions[0][0]) = (i as f64, i as f64);
-            writer.frame(frame).expect("a thread that listens");
+            writer.send(Message::Frame(frame)).expect("a thread that listens");
         }
         writer.finish().expect("all is written");
         let files = frames_in(&dir.path().join("frames"), "net").expect("a folder");

@@ -7,7 +7,7 @@ use crate::drive::observer::LedgerRow;
 use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
 use crate::output::sanitize::file_stem;
-use crate::output::{history, probes};
+use crate::output::rows::{HISTORY_HEADER, PROBES_HEADER};
 use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -148,13 +148,13 @@ fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotEr
         let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
         Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
     };
-    rows(path, text, history::HEADER)?.iter().map(ledger).collect()
+    rows(path, text, HISTORY_HEADER)?.iter().map(ledger).collect()
 }
 
 fn read_probes(path: &Path, text: &str) -> Result<Vec<Track>, PlotError> {
     let mut tracks: Vec<Track> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
-    for row in rows(path, text, probes::HEADER)? {
+    for row in rows(path, text, PROBES_HEADER)? {
         let (probe, node) = (row.text(1).to_owned(), row.number(2)?);
         let [x, y, z, vx, vy, vz] = row.numbers(3)?;
         let moment = Moment { t: row.number(0)?, x: [x, y, z], v: [vx, vy, vz] };

@@ -10,7 +10,7 @@ use crate::common::read_vtu::{self, Vtu};
 use canopy_fem::case::spec::RowEvery;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
 use canopy_fem::output::frame::Fields;
-use canopy_fem::output::probes::Probe;
+use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
 use triangle_pair::{Run, TrianglePair, ledger};
@@ -25,8 +25,8 @@ fn spec(dir: &Path) -> RecorderSpec {
         end: 1.0,
         fields: ALL,
         probes: vec![
-            Probe { name: "tip".to_owned(), nodes: vec![3] },
-            Probe { name: "a, b".to_owned(), nodes: vec![1, 0] },
+            ProbeSpec { name: "tip".to_owned(), nodes: vec![3] },
+            ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },
         ],
         history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
@@ -469,7 +469,7 @@ fn bad_requests_are_refused() {
         refuse(RecorderSpec { history_every: RowEvery::Steps(0), ..spec(dir.path()) }),
         RecorderError::BadHistory
     ));
-    let probes = vec![Probe { name: "far".to_owned(), nodes: vec![0, 4] }];
+    let probes = vec![ProbeSpec { name: "far".to_owned(), nodes: vec![0, 4] }];
     let fault = refuse(RecorderSpec { probes, ..spec(dir.path()) });
     assert_eq!(fault.to_string(), "probe \"far\" follows node 4, but there are 4 nodes, counted from 0");
     assert_eq!(std::fs::read_dir(dir.path()).expect("the folder is there").count(), 0);

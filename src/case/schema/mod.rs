@@ -15,7 +15,6 @@ pub mod solver;
 pub mod springs;
 pub mod study;
 pub mod time;
-pub mod vectors;
 
 use crate::warning::WarningCode;
 use schemars::JsonSchema;
@@ -27,13 +26,12 @@ pub use method::Method;
 pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use pendulum::Pendulum;
-pub use per_node::PerNode;
+pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};
 pub use solver::{Linear, Newton, Solver, Strategy};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
 pub use study::Study;
 pub use time::{Time, Tolerance};
-pub use vectors::Vectors;
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

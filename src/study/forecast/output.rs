@@ -5,7 +5,7 @@ use std::hint::black_box;
 use super::timing::median_seconds;
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::output::frame::{Fields, Frame, FrameSize};
-use crate::output::history::HistoryRow;
+use crate::output::rows::HistoryRow;
 use crate::output::space::frame_bytes;
 use crate::output::writer::most_frames;
 use crate::scene::Scene;
