@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The fast path stops at the first thing that is not JSON or that serde refuses. Then a second pass finds all faults
-//! at once: it reads the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces what is wrong
-//! by stand-ins, and checks ranges and meaning of the rest. [`diagnostics`] says what a fault is, [`span`] where it was
-//! written.
+//! at once: it reads the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces what is
+//! wrong by stand-ins, and checks ranges and meaning of the rest. [`diagnostics`] says what a fault is, [`span`] where
+//! it was written.
 
 pub mod diagnostics;
 mod ergun;

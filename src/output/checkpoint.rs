@@ -15,10 +15,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::resume::open_plain;
 use super::files::FilesProgress;
 use super::recorder::RecorderState;
 use super::resume::ResumeError;
+use super::resume::open_plain;
 use crate::case::fingerprint::Fingerprint;
 use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;

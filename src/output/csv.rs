@@ -5,9 +5,9 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::resume::{FilePrefix, PrefixCounter};
 use super::lock::{Lock, lock};
 use super::resume::ResumeError;
+use super::resume::{FilePrefix, PrefixCounter};
 use crate::drive::observer::ObserveError;
 
 /// Lines are written at the latest after this many bytes …

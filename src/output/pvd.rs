@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
-use super::resume::{FilePrefix, PrefixCounter, open_plain};
 use super::resume::ResumeError;
+use super::resume::{FilePrefix, PrefixCounter, open_plain};
 use crate::drive::observer::ObserveError;
 use crate::vtk::xml_attribute;
 

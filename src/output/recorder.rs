@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
-use super::schedule::CheckpointSchedule;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
 use super::request::{check, files_spec};
 use super::rows::HistoryRow;
+use super::schedule::CheckpointSchedule;
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
@@ -18,8 +18,8 @@ use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-pub use super::schedule::CheckpointSpec;
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
+pub use super::schedule::CheckpointSpec;
 
 /// What a recorder is to record next; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

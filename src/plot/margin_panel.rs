@@ -1,6 +1,5 @@
 //! The strip beside a picture: marks along one axis that have no place on the other.
 
-use super::PlotError;
 use super::axis::AxisScale;
 use super::canvas::{Anchor, Canvas, GRID, LETTERS, Look, Spot};
 use super::chart::{Side, Strip, Stroke};
@@ -57,7 +56,7 @@ impl<'a> PanelLayout<'a> {
     }
 
     /// Draws the strip; of the scales of both axes it takes the one it stands along.
-    pub(super) fn draw(&self, canvas: &Canvas<'_>, [x, y]: [AxisScale; 2]) -> Result<(), PlotError> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, [x, y]: [AxisScale; 2]) {
         let Field { from, to } = self.field;
         let right = self.strip.side == Side::Right;
         let (scale, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
@@ -79,15 +78,15 @@ impl<'a> PanelLayout<'a> {
             } else {
                 [Spot { x: from.x + band, y: from.y }, Spot { x: from.x + band, y: to.y }]
             };
-            canvas.rule(a, b, GRID)?;
+            canvas.rule(a, b, GRID);
         }
-        canvas.frame(from, to)?;
+        canvas.frame(from, to);
         let (label, anchor) = if right {
             (Spot { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
         } else {
             (Spot { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
         };
-        canvas.write(&self.strip.label, LETTERS[2], label, anchor)?;
+        canvas.write(&self.strip.label, LETTERS[2], label, anchor);
         let mut lower = Lanes::new(self.lanes, [0.0, band]);
         let mut upper = Lanes::new(self.lanes, [if without > 0 { band } else { 0.0 }, length]);
         for (mark, place) in places {
@@ -96,9 +95,8 @@ impl<'a> PanelLayout<'a> {
                 None => lower.put(0.0),
             };
             let look = Look { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
-            canvas.mark(spot(along, lane), look)?;
+            canvas.mark(spot(along, lane), look);
         }
-        Ok(())
     }
 }
 

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::common::read_vtu::{self, Vtu};
+use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::case::spec::RowEvery;
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
 use canopy_fem::output::frame::Fields;
-use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
 use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
 use triangle_pair::{Run, TrianglePair, ledger};
