@@ -150,9 +150,6 @@ impl ResultFiles {
     }
 
     /// Writes a frame, its probes, and then shows it in the collection.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), ObserveError> {
         let file = self.frames.write(frame, self.collection.frames())?;
         if let Some(probes) = &mut self.probes {
@@ -162,11 +159,8 @@ impl ResultFiles {
         self.collection.write_if_due()
     }
 
-    /// Takes away the frames after a time [s], and a checkpoint that counts one of them. Rows of probes stay, as those
-    /// of the history do, and no more are written.
-    ///
-    /// # Errors
-    /// When the system refuses.
+    /// Removes the frames after a time [s], and the checkpoint if it counts one of them. Rows of the history and of
+    /// probes stay; no more rows of probes are written.
     pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
         let before = self.collection.frames();
         let left = self.collection.withdraw_after(t);
@@ -186,17 +180,11 @@ impl ResultFiles {
     }
 
     /// Appends a row to the history.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn row(&mut self, row: &HistoryRow) -> Result<(), ObserveError> {
         self.history.line(|buffer| row.write(buffer))
     }
 
     /// Hands over lines and frames that have waited long enough.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
         self.history.flush_if_due()?;
         if let Some(probes) = &mut self.probes {

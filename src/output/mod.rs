@@ -8,22 +8,21 @@
 //! Whenever the program is killed, what is in the folder can be read (a csv file may end within a line), and the newest
 //! [`checkpoint`] counts only results that are there: `--resume` cuts off the rest and goes on.
 
-pub mod atomic;
+pub(crate) mod atomic;
 pub mod checkpoint;
-pub mod csv;
-pub mod files;
+pub(crate) mod csv;
+pub(crate) mod files;
 pub mod folder;
 pub mod frame;
-pub mod frame_files;
+pub(crate) mod frame_files;
 pub mod hermite;
-mod lock;
-pub mod pvd;
+pub(crate) mod pvd;
 pub mod recorder;
 mod request;
-pub mod resume;
-pub mod rows;
-pub mod sanitize;
-pub mod schedule;
+pub(crate) mod resume;
+pub(crate) mod rows;
+pub(crate) mod sanitize;
+pub(crate) mod schedule;
 pub mod space;
 pub mod summary;
-pub mod writer;
+pub(crate) mod writer;

@@ -1,4 +1,4 @@
-//! What a run is to leave behind, and whether it can.
+//! What a run records, and whether that is possible.
 
 use std::path::{Path, PathBuf};
 
@@ -96,7 +96,7 @@ pub enum RecorderError {
     Resume(#[from] ResumeError),
 }
 
-/// What the writing thread must know of it.
+/// What the writing thread must know of a request.
 pub(super) fn files_spec<'a>(picture: &'a dyn Picture, spec: &'a RecorderSpec) -> FilesSpec<'a> {
     FilesSpec {
         folder: spec.out_dir.clone(),

@@ -10,8 +10,8 @@ use super::checkpoint::CheckpointFault;
 use crate::case::fingerprint::Differences;
 use crate::drive::observer::ObserveError;
 
-/// Why a run cannot be taken up again. Nothing has been lost in the folder then: before all is looked at nothing is
-/// changed, and what is cut off afterwards is made again by resuming.
+/// Why a run cannot be resumed. Nothing is lost in the folder: nothing is changed before everything has been checked,
+/// and a resumed run writes again what is cut off afterwards.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     /// There is no checkpoint.

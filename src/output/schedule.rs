@@ -74,7 +74,7 @@ impl Schedule {
         }
         self.next = self.next.saturating_add(1);
         if time >= to - slack {
-            // Whatever else falls onto this very end is the same picture.
+            // Further frame times at this same end would show the same picture.
             self.next = self.next.max(first_after(to + slack, every));
             return Some(Due::End);
         }

@@ -12,19 +12,19 @@ use super::resume::ResumeError;
 use super::rows::HistoryRow;
 use crate::drive::observer::ObserveError;
 
-/// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame
-/// loses more time than a quick step takes.
+/// Most frames that exist, if they are small: a thread that waits for the other one, or wakes it, at every frame loses
+/// more time than a quick step takes.
 const MOST: usize = 128;
-/// … and at least: one being filled, one being written, one between.
+/// Fewest frames: one being filled, one being written, one in between.
 const FEWEST: usize = 3;
-/// [byte] that more than the fewest frames may take
+/// [byte] memory that frames beyond the fewest may take
 const ROOM: usize = 8 << 20;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
 /// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every
 /// row costs both threads more than a quick step.
 const NAP: Duration = Duration::from_micros(500);
-/// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
+/// Most checkpoints that exist, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
 
 /// How many frames of a size may exist, filled, on their way or to be filled again.
@@ -80,10 +80,10 @@ impl ResultWriter {
         Self::spawn(ResultFiles::create(spec)?, spec)
     }
 
-    /// Takes up the files of an earlier run where `mark` says and starts the thread.
+    /// Reopens the files of an earlier run, cuts them off at `mark`, and starts the thread.
     ///
     /// # Errors
-    /// When the files cannot be taken up, or the system gives no thread.
+    /// When the files cannot be reopened, or the system gives no thread.
     pub fn resume(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
     }
@@ -105,9 +105,6 @@ impl ResultWriter {
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
     /// Its old content is still in it.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
     pub fn empty_frame(&mut self) -> Result<Frame, ObserveError> {
         if let Some(frame) = self.spare.take() {
             return Ok(frame);
@@ -133,9 +130,6 @@ impl ResultWriter {
     }
 
     /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are on their way.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
     pub fn checkpoint(&mut self, checkpoint: Box<Checkpoint>) -> Result<(), ObserveError> {
         self.unkept -= self.kept.try_iter().count().min(self.unkept);
         if self.unkept == CHECKPOINTS {
@@ -159,9 +153,6 @@ impl ResultWriter {
     }
 
     /// Sends a message.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
     pub(super) fn send(&mut self, message: Message) -> Result<(), ObserveError> {
         let sent = self.to_thread.as_ref().is_some_and(|channel| channel.send(message).is_ok());
         if sent { Ok(()) } else { Err(self.fault()) }

@@ -1,17 +1,17 @@
-//! The strip beside a picture: marks along one axis that have no place on the other.
+//! The margin panel of a chart: marks along one axis that have no place on the other, such as runs without an error.
 
 use super::axis::AxisScale;
 use super::canvas::{Anchor, Canvas, GRID, LETTERS, Look, Spot};
 use super::chart::{Side, Strip, Stroke};
 use super::layout::Field;
 
-/// [px] From one mark to the next, so that they do not touch.
+/// [px] least distance of two marks, so that they do not touch
 const PITCH: f64 = 12.0;
-/// [px] Between the picture and the strip.
+/// [px] between the chart and the panel
 const GAP: f64 = 8.0;
 /// Fewest and most lanes of marks.
 const LANES: [usize; 2] = [6, 16];
-/// Most of a strip's length that marks without a place take.
+/// [-] largest share of the panel's length for marks without a place
 const WITHOUT: f64 = 0.6;
 
 /// Where a strip and its marks stand.
@@ -50,7 +50,7 @@ impl<'a> PanelLayout<'a> {
         PanelLayout { strip, field, rest, lanes }
     }
 
-    /// What is left for the picture.
+    /// What is left for the chart.
     pub(super) fn rest(&self) -> Field {
         self.rest
     }

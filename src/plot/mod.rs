@@ -16,10 +16,10 @@ mod error;
 mod layout;
 mod legend;
 mod margin_panel;
-pub mod results;
+pub(crate) mod results;
 mod series;
 mod table;
 mod trajectory;
-pub mod view;
+pub(crate) mod view;
 
 pub use error::PlotError;

@@ -4,7 +4,7 @@
 
 mod cells;
 mod encode;
-pub mod read;
+pub(crate) mod read;
 mod vectored_write;
 pub mod write;
 

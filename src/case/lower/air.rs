@@ -1,8 +1,7 @@
 //! The air section.
 
 use super::geometry::{Geometry, Needs, triangles};
-use super::numbers::{fraction, not_negative, positive};
-use super::series::series;
+use super::numbers::{fraction, not_negative, positive, series};
 use crate::case::diagnostics::Faults;
 use crate::case::ergun::coefficients;
 use crate::case::pointer::Pointer;
