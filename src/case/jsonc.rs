@@ -452,12 +452,4 @@ mod tests {
             assert_eq!(blank(text).as_deref(), Ok(clean));
         }
     }
-
-    /// The start of the comment is what a reader of the message needs.
-    #[test]
-    fn reports_where_an_open_comment_starts() {
-        assert_eq!(blank("{} /* to the end"), Err(3));
-        // "/*/" opens a comment and does not close it.
-        assert_eq!(blank("/*/"), Err(0));
-    }
 }

@@ -10,7 +10,6 @@
 //! it was written.
 
 pub mod diagnostics;
-mod ergun;
 mod error;
 pub mod fingerprint;
 mod jsonc;

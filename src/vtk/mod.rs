@@ -2,13 +2,12 @@
 //!
 //! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
-mod cells;
 mod encode;
 pub(crate) mod read;
 mod vectored_write;
 pub mod write;
 
-pub(crate) use cells::Width;
+pub(crate) use encode::Width;
 use serde::{Deserialize, Serialize};
 
 /// How the bytes of appended arrays are written.

@@ -7,8 +7,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::cells::{CellTable, Width};
-use super::encode::{Appender, little_endian, little_endian_f32};
+use super::encode::{Appender, CellTable, Width, little_endian, little_endian_f32};
 use super::vectored_write::{Appended, Segment};
 use super::{Compression, Encoding, Precision, VtuFormat, xml_attribute};
 
