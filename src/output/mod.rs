@@ -1,7 +1,7 @@
 //! Results: a ParaView time series, `history.csv`, `probes.csv` and `summary.json` in one folder.
 //!
 //! The integrating thread only copies numbers into reused buffers ([`recorder`]); one background thread
-//! ([`writer`]) formats and writes them ([`files`]), so that a slow disk costs memory for a few frames and
+//! (`writer`) formats and writes them (`files`), so that a slow disk costs memory for a few frames and
 //! then waiting, never a lost or half-written row. A fault of that thread comes back as an
 //! [`ObserveError`](crate::drive::observer::ObserveError) at the next send and at the end.
 //!

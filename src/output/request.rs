@@ -17,7 +17,7 @@ pub const MOST_FRAMES: f64 = 1e6;
 /// What to record.
 #[derive(Clone, Debug, Default)]
 pub struct RecorderSpec {
-    /// name of the case; files are named after its [`file_stem`]
+    /// name of the case; files are named after its `file_stem`
     pub name: String,
     /// folder of the results; see [`super::folder::ResultFolder::prepare`]
     pub out_dir: PathBuf,
