@@ -49,4 +49,5 @@ pub mod simulation;
 pub mod solve;
 pub mod startup;
 pub mod study;
+pub mod vtk;
 pub mod warning;

@@ -1,6 +1,6 @@
 //! A fault of a case: where it is, what stands there, what may stand there.
 //!
-//! The checks know pointers only, nothing of text; [`super::place`] finds the place in the file, `picture` draws it.
+//! The checks know pointers only, nothing of text; [`super::span`] finds the location in the file, `render` draws it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -171,8 +171,8 @@ impl<'a> Faults<'a> {
         self.warnings.push(warning);
     }
 
-    /// Whether what stands at `at`, above it and below it is what the file says. Where an earlier pass found a fault a
-    /// stand-in is, and what follows from a stand-in is no fault of the user's.
+    /// Whether the values at `at`, above it and below it are those of the file. Where an earlier pass found a fault,
+    /// there is a stand-in, and what follows from a stand-in is no fault of the user.
     pub fn readable(&self, at: &Pointer) -> bool {
         self.found.readable(at)
     }
@@ -299,18 +299,6 @@ mod tests {
 
     fn at(path: &str) -> Pointer {
         Pointer::root().below(path)
-    }
-
-    /// A case with a fault in every entry of a long list gives a message of bounded length that says what it left out.
-    #[test]
-    fn bounds_the_number_of_faults() {
-        let mut found = Findings::default();
-        for _ in 0..1000 {
-            found.note(Fault::default);
-        }
-        assert_eq!(found.count(), 1000);
-        let told = found.told();
-        assert_eq!((told.faults.len(), told.more), (SHOWN, 950));
     }
 
     /// A place is doubtful with what is above and below it; its neighbours, also those of a similar name, are not.

@@ -45,7 +45,7 @@ enum Value {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Differences(Vec<String>);
 
-/// A part of the case could not be summed up.
+/// A part of the case that has no checksum.
 #[derive(Debug, thiserror::Error)]
 #[error("the case cannot be summed up for checkpoints, at {key}: {reason}")]
 pub struct FingerprintError {
@@ -95,8 +95,8 @@ impl Fingerprint {
         Ok(made)
     }
 
-    /// A sum over all parts, in which cases differ that do (but for one in 2^32): `"5f3a…-1234"`. What follows from the
-    /// length of the run is not in it.
+    /// A checksum over all parts, such as `"5f3a…-1234"`: different cases differ in it, but for one in 2^32. What
+    /// follows from the length of the run is left out.
     pub fn digest(&self) -> String {
         let mut sum = Digest::default();
         let mut add = |bytes: &[u8]| {
@@ -116,7 +116,7 @@ impl Fingerprint {
         format!("{:08x}-{bytes}", crc.finalize())
     }
 
-    /// Adds the end of the runs, for a study: its runs cannot be taken further.
+    /// Adds the end of the runs, for a study: its runs cannot be continued to a later end.
     pub(crate) fn note_end(&mut self, end: f64) {
         self.parts.retain(|part| part.key != "time.end");
         self.parts.push(FingerprintPart { key: "time.end".to_owned(), value: Value::Text(format!("{end:e}")) });

@@ -1,171 +1,429 @@
-//! Comments in a case file, `// to the end of the line` and `/* block */`, and trailing commas, as editors know them
-//! from "JSON with comments". They are replaced by spaces of the same length in bytes, so that every line, column and
-//! byte offset of a later message is the one in the file.
+//! The text of a case: JSON with comments and trailing commas.
 //!
-//! A JSON value that refuses duplicate keys: of two `"step"` in one object, `serde_json` would take the last.
+//! `jsonc-parser` reads it once, strictly, into a tree that knows where everything is. Where that fails a tolerant
+//! reading follows: missing commas, other quotes, other numbers and repeated keys are noted and read over, so that they
+//! hide nothing behind them. The words about the first thing that is not JSON are those of `serde_json`.
 
-use std::fmt;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
 
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use jsonc_parser::ast::{self, ObjectPropName};
+use jsonc_parser::common::Ranged;
+use jsonc_parser::errors::ParseErrorKind;
+use jsonc_parser::tokens::Token;
+use jsonc_parser::{CollectOptions, ParseOptions, Scanner, ScannerOptions, parse_to_ast};
 use serde_json::{Map, Number, Value};
 
-/// A block comment without end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OpenComment {
-    /// byte offset of its `/*`
-    pub offset: usize,
+use super::diagnostics::{Fault, FaultTarget, Findings, excerpt};
+use super::error::CaseError;
+use super::pointer::Pointer;
+use super::span::Location;
+use crate::input_file::open_stream;
+
+/// [byte] Largest case file: one that is larger is a mistake (or `/dev/zero`).
+const LIMIT: u64 = 1 << 30;
+
+/// Reads a file as text.
+pub(crate) fn read(path: &Path) -> Result<String, CaseError> {
+    let shown = path.display().to_string();
+    let failed = |source| CaseError::Read { path: shown.clone(), source };
+    let file = open_stream(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    file.take(LIMIT + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LIMIT {
+        return Err(CaseError::TooLarge { path: shown, limit: LIMIT });
+    }
+    decode(bytes, &shown)
 }
 
-/// What the scanner is inside of.
-#[derive(Clone, Copy, PartialEq)]
-enum Inside {
-    Json,
-    Text,
-    Line,
-    Block { start: usize },
+/// Bytes to text. A byte order mark of UTF-8 is replaced by spaces, which keeps offsets.
+pub(crate) fn decode(mut bytes: Vec<u8>, path: &str) -> Result<String, CaseError> {
+    if let Some(mark) = bytes.first_chunk_mut::<3>()
+        && *mark == [0xEF, 0xBB, 0xBF]
+    {
+        *mark = *b"   ";
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        let utf16 = matches!(error.as_bytes(), [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]);
+        let advice = if utf16 { "it looks like UTF-16: save it as UTF-8" } else { "save the file as UTF-8" };
+        CaseError::NotUtf8 { path: path.to_owned(), offset, advice }
+    })
 }
 
-/// Blanks the comments outside strings, and the comma behind the last entry of a list or an object.
+/// Why a text is not a JSON value.
+#[derive(Clone, Debug)]
+pub(crate) enum NoJson {
+    /// There is nothing but white space and comments.
+    Empty,
+    /// The first thing that is not JSON; `None` if that is a repeated key.
+    Broken(Option<Box<Fault>>),
+}
+
+/// Text to JSON: comments and trailing commas are read over, repeated keys refused.
 ///
 /// # Errors
-/// A block comment that is never closed.
-pub fn blank(text: &str) -> Result<String, OpenComment> {
-    let bytes = text.as_bytes();
-    let mut out = bytes.to_vec();
-    let mut inside = Inside::Json;
-    let mut last = LastTwo::default();
-    let mut i = 0;
-    while i < bytes.len() {
-        let pair = (bytes[i], bytes.get(i + 1).copied());
-        let (next, used, hidden) = step(inside, pair, i);
-        if hidden {
+/// The first thing that is not JSON.
+pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
+    let strict = ParseOptions {
+        allow_comments: true,
+        allow_trailing_commas: true,
+        allow_loose_object_property_names: false,
+        allow_missing_commas: false,
+        allow_single_quoted_strings: false,
+        allow_hexadecimal_numbers: false,
+        allow_unary_plus_numbers: false,
+        allow_bare_decimal_point_numbers: false,
+        allow_non_finite_numbers: false,
+        allow_extended_string_escapes: false,
+    };
+    let mut found = Findings::default();
+    match parse_to_ast(text, &CollectOptions::default(), &strict).map(|tree| tree.value) {
+        Ok(None) => return Err(NoJson::Empty),
+        Ok(Some(root)) => {
+            let value = Tree { text, root }.value(&mut found);
+            // White space that only the parser takes for white space.
+            let odd = |c: char| c.is_whitespace() && !matches!(c, ' ' | '\t' | '\n' | '\r');
+            if found.count() == 0 && !text.contains(odd) {
+                return Ok(value);
+            }
+        }
+        Err(_) => {}
+    }
+    let clean = blank(text).map_err(|offset| {
+        let reason = "this block comment is never closed";
+        NoJson::Broken(Some(Box::new(no_json(text, offset, reason, "a comment that ends with */"))))
+    })?;
+    match serde_json::from_str(&clean) {
+        Ok(value) if found.count() == 0 => Ok(value),
+        Ok(_) => Err(NoJson::Broken(None)),
+        Err(error) => Err(NoJson::Broken(Some(Box::new(broken(text, &error))))),
+    }
+}
+
+/// A fault of the text itself.
+pub(crate) fn no_json(text: &str, offset: usize, reason: &str, allowed: &str) -> Fault {
+    Fault {
+        part: FaultTarget::Text,
+        value: format!("not JSON: {reason}"),
+        allowed: allowed.to_owned(),
+        place: Some(Location::in_text(text, offset..offset + 1)),
+        ..Fault::default()
+    }
+}
+
+fn broken(text: &str, error: &serde_json::Error) -> Fault {
+    let message = error.to_string();
+    // serde_json ends its messages with " at line L column C", which the error's own fields carry.
+    let reason = message.split(" at line ").next().unwrap_or(&message).to_owned();
+    let allowed = HINTS.iter().find(|(part, _)| reason.contains(part)).map_or("JSON", |(_, hint)| hint);
+    let line = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
+    no_json(text, line + error.column().saturating_sub(1), &reason, allowed)
+}
+
+/// Parts of `serde_json`'s messages and what is allowed instead.
+const HINTS: &[(&str, &str)] = &[
+    ("EOF while", "the rest: the file ends too early, a bracket, brace or quote is open, or the file was cut off"),
+    ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
+    ("recursion limit", "less depth: a case never nests as deeply as 128 levels"),
+    ("trailing characters", "one JSON object; nothing may follow it"),
+    ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
+    ("key must be a string", "keys in double quotes, and none missing after a comma"),
+    ("expected `,` or", "a comma between two entries"),
+    ("control character", "a text without control characters; write a line break as \\n"),
+];
+
+/// Replaces comments by spaces, and the comma behind the last entry of a list or an object, so that every line, column
+/// and byte offset stays.
+///
+/// # Errors
+/// The byte offset of a block comment that is never closed.
+pub(crate) fn blank(text: &str) -> Result<String, usize> {
+    let mut out = text.as_bytes().to_vec();
+    let mut scanner = Scanner::new(text, &ScannerOptions::default());
+    // The last two tokens that are no comments, and where the last one is.
+    let (mut before, mut last, mut at) = (None, None, 0);
+    loop {
+        let token = match scanner.scan() {
+            Ok(Some(token)) => token,
+            Err(e) if matches!(e.kind(), ParseErrorKind::UnterminatedCommentBlock) => return Err(e.range().start),
+            // What follows a place that is no token is not read in any case.
+            Ok(None) | Err(_) => break,
+        };
+        let range = scanner.token_start()..scanner.token_end();
+        if let Token::CommentLine(_) | Token::CommentBlock(_) = token {
             // Line ends stay, so that line numbers do; a multi-byte character becomes as many spaces.
-            for byte in out.iter_mut().skip(i).take(used).filter(|byte| !matches!(**byte, b'\n' | b'\r')) {
-                *byte = b' ';
-            }
-        } else if let Some(comma) =
-            last.trailing_comma(i, if matches!(inside, Inside::Json | Inside::Line) { bytes[i] } else { b'"' })
-        {
-            out[comma] = b' ';
+            let hidden = out.get_mut(range).into_iter().flatten();
+            hidden.filter(|byte| !matches!(**byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
+            continue;
         }
-        inside = next;
-        i += used;
-    }
-    match inside {
-        Inside::Block { start } => Err(OpenComment { offset: start }),
-        // Whole comments were replaced by ASCII, so what is left is still UTF-8.
-        _ => Ok(String::from_utf8_lossy(&out).into_owned()),
-    }
-}
-
-/// The last two bytes outside comments that are no white space.
-#[derive(Default)]
-struct LastTwo {
-    before: u8,
-    last: u8,
-    /// byte offset of the last
-    at: usize,
-}
-
-impl LastTwo {
-    /// Goes one byte further (a quote for every byte of a string); returns the place of a comma between the last entry
-    /// and this closing bracket.
-    fn trailing_comma(&mut self, at: usize, byte: u8) -> Option<usize> {
-        if byte.is_ascii_whitespace() {
-            return None;
-        }
+        let closes = matches!(token, Token::CloseBracket | Token::CloseBrace);
         // A comma without an entry before it stays, and is a fault.
-        let entry = !matches!(self.before, 0 | b'[' | b'{' | b',' | b':');
-        let trailing = matches!(byte, b']' | b'}') && self.last == b',' && entry;
-        let comma = trailing.then_some(self.at);
-        *self = LastTwo { before: if trailing { b' ' } else { self.last }, last: byte, at };
-        comma
-    }
-}
-
-/// The next state, how many bytes were used, and whether they belong to a comment.
-fn step(inside: Inside, pair: (u8, Option<u8>), at: usize) -> (Inside, usize, bool) {
-    match (inside, pair) {
-        (Inside::Json, (b'"', _)) => (Inside::Text, 1, false),
-        (Inside::Json, (b'/', Some(b'/'))) => (Inside::Line, 2, true),
-        (Inside::Json, (b'/', Some(b'*'))) => (Inside::Block { start: at }, 2, true),
-        (Inside::Text, (b'\\', Some(_))) => (Inside::Text, 2, false),
-        (Inside::Text, (b'"', _)) => (Inside::Json, 1, false),
-        (Inside::Line, (b'\n' | b'\r', _)) => (Inside::Json, 1, false),
-        (Inside::Line, _) => (Inside::Line, 1, true),
-        (Inside::Block { .. }, (b'*', Some(b'/'))) => (Inside::Json, 2, true),
-        (Inside::Block { .. }, _) => (inside, 1, true),
-        _ => (inside, 1, false),
-    }
-}
-
-/// A [`Value`] read without duplicate keys.
-#[derive(Debug)]
-pub struct Strict(pub Value);
-
-impl<'de> Deserialize<'de> for Strict {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(StrictVisitor).map(Strict)
-    }
-}
-
-struct StrictVisitor;
-
-impl<'de> Visitor<'de> for StrictVisitor {
-    type Value = Value;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("JSON")
-    }
-
-    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
-        Ok(Value::Bool(value))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
-        Ok(Value::Number(value.into()))
-    }
-
-    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
-        Ok(Value::Number(value.into()))
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Value, E> {
-        Number::from_f64(value).map(Value::Number).ok_or_else(|| E::custom("number out of range"))
-    }
-
-    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
-        Ok(Value::String(value.to_owned()))
-    }
-
-    fn visit_unit<E>(self) -> Result<Value, E> {
-        Ok(Value::Null)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Value, A::Error> {
-        let mut list = Vec::new();
-        while let Some(Strict(value)) = seq.next_element()? {
-            list.push(value);
+        let none = matches!(before, None | Some(Token::OpenBracket | Token::OpenBrace | Token::Comma | Token::Colon));
+        if closes && last == Some(Token::Comma) && !none {
+            out[at] = b' ';
         }
-        Ok(Value::Array(list))
+        (before, last, at) = (last, Some(token), range.start);
+    }
+    // Whole characters were replaced by ASCII, so what is left is still UTF-8.
+    Ok(String::from_utf8_lossy(&out).into_owned())
+}
+
+/// A text as a tree that knows where everything is.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree<'a> {
+    text: &'a str,
+    root: ast::Value<'a>,
+}
+
+/// One thing in the text that JSON does not have.
+struct Slip {
+    range: Range<usize>,
+    value: String,
+    allowed: &'static str,
+}
+
+impl<'a> Tree<'a> {
+    /// Reads a text as far as it can be read.
+    ///
+    /// # Errors
+    /// The byte from which nothing more can be read.
+    pub fn parse(text: &'a str) -> Result<Self, usize> {
+        let tree = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default());
+        match tree.map(|tree| tree.value) {
+            Ok(Some(root)) => Ok(Self { text, root }),
+            Ok(None) => Err(text.len()),
+            Err(error) => Err(error.range().start),
+        }
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Value, A::Error> {
-        let mut object = Map::new();
-        while let Some(key) = map.next_key::<String>()? {
-            if object.contains_key(&key) {
-                return Err(A::Error::custom(format!("the key \"{key}\" is given twice in the same object")));
+    /// The value, with every slip noted; commas are looked for in a text without comments. Of a repeated key the first
+    /// value is taken.
+    pub fn value(&self, findings: &mut Findings) -> Value {
+        Reader { text: self.text, findings }.value(&self.root, Place::Root)
+    }
+
+    /// How much of a pointer leads to something in the text: `/time` of `/time/step`, where there is no step.
+    pub fn reach<'p>(&self, pointer: &'p str) -> &'p str {
+        let mut node = Some(&self.root);
+        let mut reached = 0;
+        for step in pointer.split('/').skip(1) {
+            node = node.and_then(|node| Some(below(node, step)?.0));
+            if node.is_none() {
+                break;
             }
-            let Strict(value) = map.next_value()?;
-            object.insert(key, value);
+            reached += 1 + step.len();
         }
-        Ok(Value::Object(object))
+        pointer.get(..reached).unwrap_or_default()
+    }
+
+    /// [byte] Where the value of a pointer stands, or its key; of a place that is not there the opening brace above it.
+    pub fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
+        let mut node = &self.root;
+        let mut key = span(node);
+        for step in pointer.split('/').skip(1) {
+            let Some(next) = below(node, step) else {
+                let start = node.range().start;
+                return start..start + 1;
+            };
+            (node, key) = next;
+        }
+        if part == FaultTarget::Key { key } else { span(node) }
+    }
+}
+
+/// What one step of a pointer leads to, and where its key stands.
+fn below<'n, 'a>(node: &'n ast::Value<'a>, step: &str) -> Option<(&'n ast::Value<'a>, Range<usize>)> {
+    let name = step.replace("~1", "/").replace("~0", "~");
+    match node {
+        ast::Value::Object(object) => {
+            let property = object.properties.iter().find(|p| p.name.as_str() == name)?;
+            Some((&property.value, span(&property.name)))
+        }
+        ast::Value::Array(array) => {
+            name.parse::<usize>().ok().and_then(|i| array.elements.get(i)).map(|e| (e, span(e)))
+        }
+        _ => None,
+    }
+}
+
+fn span(node: &impl Ranged) -> Range<usize> {
+    node.range().start..node.range().end
+}
+
+/// Where the reader is; most places are never asked for their pointer.
+#[derive(Clone, Copy)]
+enum Place<'p> {
+    Root,
+    Key(&'p Place<'p>, &'p str),
+    Entry(&'p Place<'p>, usize),
+}
+
+impl Place<'_> {
+    fn pointer(self) -> Pointer {
+        match self {
+            Place::Root => Pointer::root(),
+            Place::Key(above, key) => above.pointer().key(key),
+            Place::Entry(above, index) => above.pointer().index(index),
+        }
+    }
+}
+
+struct Reader<'a, 'f> {
+    text: &'a str,
+    findings: &'f mut Findings,
+}
+
+impl Reader<'_, '_> {
+    fn value(&mut self, node: &ast::Value<'_>, at: Place<'_>) -> Value {
+        match node {
+            ast::Value::NullKeyword(_) => Value::Null,
+            ast::Value::BooleanLit(b) => Value::Bool(b.value),
+            ast::Value::NumberLit(n) => self.number(n, at),
+            ast::Value::StringLit(s) => self.string(s, at),
+            ast::Value::Array(array) => self.array(array, at),
+            ast::Value::Object(object) => self.object(object, at),
+        }
+    }
+
+    fn number(&mut self, node: &ast::NumberLit<'_>, at: Place<'_>) -> Value {
+        if let Ok(number) = serde_json::from_str::<Number>(node.value) {
+            return Value::Number(number);
+        }
+        let finite = node.value.parse::<f64>().is_ok_and(f64::is_finite);
+        let allowed = if finite {
+            "a number as JSON writes it: -0.5, 12, 1e-3"
+        } else {
+            "a number that fits a double, whose size is at most 1.797e308; NaN and Infinity are not JSON"
+        };
+        self.slip(at, Slip { range: span(node), value: node.value.to_owned(), allowed });
+        // A whole number, so that it is a number wherever one may stand.
+        self.findings.leave_unread(&at.pointer());
+        Value::from(1)
+    }
+
+    fn string(&mut self, node: &ast::StringLit<'_>, at: Place<'_>) -> Value {
+        let range = span(node);
+        let written = self.text.get(range.clone()).unwrap_or_default();
+        if let Ok(text) = serde_json::from_str::<String>(written) {
+            return Value::String(text);
+        }
+        let allowed = if written.starts_with('"') {
+            "a text without control characters, a line break written as \\n, and with JSON's escapes only"
+        } else {
+            "a text in double quotes"
+        };
+        let value = excerpt(&Value::from(written));
+        self.slip(at, Slip { range, value, allowed });
+        Value::String(node.value.as_ref().to_owned())
+    }
+
+    fn array(&mut self, node: &ast::Array<'_>, at: Place<'_>) -> Value {
+        self.commas(at, &node.elements);
+        Value::Array(node.elements.iter().enumerate().map(|(i, e)| self.value(e, Place::Entry(&at, i))).collect())
+    }
+
+    fn object(&mut self, node: &ast::Object<'_>, at: Place<'_>) -> Value {
+        self.commas(at, &node.properties);
+        let mut map = Map::new();
+        for property in &node.properties {
+            let name = match &property.name {
+                ObjectPropName::String(name) => match self.string(name, at) {
+                    Value::String(name) => name,
+                    _ => name.value.as_ref().to_owned(),
+                },
+                ObjectPropName::Word(word) => {
+                    let allowed = "keys in double quotes";
+                    self.slip(at, Slip { range: span(word), value: format!("the key {}", word.value), allowed });
+                    word.value.to_owned()
+                }
+            };
+            let below = Place::Key(&at, &name);
+            if map.contains_key(&name) {
+                let value = format!("the key \"{name}\" is given twice in the same object");
+                let allowed = "one of the two; the later one does not win";
+                self.slip(below, Slip { range: span(&property.name), value, allowed });
+                continue;
+            }
+            let value = self.value(&property.value, below);
+            map.insert(name, value);
+        }
+        Value::Object(map)
+    }
+
+    /// One comma between two entries.
+    fn commas(&mut self, at: Place<'_>, entries: &[impl Ranged]) {
+        for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
+            let gap = entry.range().end..next.range().start;
+            if !self.text.get(gap.clone()).is_some_and(|between| between.contains(',')) {
+                let value = "a missing comma".to_owned();
+                self.slip(at, Slip { range: gap, value, allowed: "a comma between two entries" });
+            }
+        }
+    }
+
+    fn slip(&mut self, at: Place<'_>, slip: Slip) {
+        self.findings.note(|| Fault {
+            pointer: at.pointer().as_str().to_owned(),
+            value: slip.value,
+            allowed: slip.allowed.to_owned(),
+            place: Some(Location::in_text(self.text, slip.range)),
+            ..Fault::default()
+        });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
+
+    /// Every slip is noted at its own place, and all values are read.
+    #[test]
+    fn slips_are_noted_and_read_over() {
+        let text = "{\"a\": [1, 2 ], b: 'x' \"c\": NaN, \"a\": 3, \"d\": +1,\n \"e\": \"1\t2\", \"f\": [1 2] }";
+        let mut findings = Findings::default();
+        let tree = Tree::parse(text).expect("readable");
+        let value = tree.value(&mut findings);
+        assert_eq!(value, json!({"a": [1, 2], "b": "x", "c": 1, "d": 1, "e": "1\t2", "f": [1, 2]}));
+        let faults = findings.told().faults;
+        let found: Vec<(&str, &str)> = faults.iter().map(|f| (f.pointer.as_str(), f.value.as_str())).collect();
+        let expected = [
+            ("", "a missing comma"),
+            ("", "the key b"),
+            ("/b", "\"'x'\""),
+            ("/c", "NaN"),
+            ("/a", "the key \"a\" is given twice in the same object"),
+            ("/d", "+1"),
+            ("/e", "\"\\\"1\\t2\\\"\""),
+            ("/f", "a missing comma"),
+        ];
+        assert_eq!(found, expected);
+        let columns = faults.iter().map(|f| f.place.as_ref().map(ToString::to_string).unwrap_or_default());
+        let columns: Vec<String> = columns.collect();
+        assert_eq!(columns, ["1:22", "1:16", "1:19", "1:28", "1:33", "1:46", "2:7", "2:21"]);
+    }
+
+    /// Values, keys and the brace above what is missing are found again.
+    #[test]
+    fn pointers_lead_to_the_text() {
+        let text = "{\"a\": {\"b/c\": [10, 20]}}";
+        let tree = Tree::parse(text).expect("JSON");
+        let shown = |pointer, part| text.get(tree.range(pointer, part)).expect("in the text");
+        assert_eq!(shown("/a/b~1c/1", FaultTarget::Value), "20");
+        assert_eq!(shown("/a/b~1c", FaultTarget::Key), "\"b/c\"");
+        assert_eq!(shown("", FaultTarget::Value), text);
+        assert_eq!(tree.range("/a/x/y", FaultTarget::Value), 6..7);
+    }
+
+    /// What cannot be read over is reported at its place.
+    #[test]
+    fn some_text_is_no_json_at_all() {
+        for (text, at) in [("{\"a\" 1}", 5), ("[1,,2]", 3), ("{} {}", 3)] {
+            assert_eq!(Tree::parse(text).err(), Some(at), "{text}");
+        }
+    }
 
     /// Nothing moves: same length, same line ends, and slashes in strings stay.
     #[test]
@@ -193,13 +451,5 @@ mod tests {
         ] {
             assert_eq!(blank(text).as_deref(), Ok(clean));
         }
-    }
-
-    /// The start of the comment is what a reader of the message needs.
-    #[test]
-    fn reports_where_an_open_comment_starts() {
-        assert_eq!(blank("{} /* to the end"), Err(OpenComment { offset: 3 }));
-        // "/*/" opens a comment and does not close it.
-        assert_eq!(blank("/*/"), Err(OpenComment { offset: 0 }));
     }
 }

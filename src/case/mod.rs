@@ -1,20 +1,18 @@
 //! The case file: read, checked, and turned into what a run needs.
 //!
 //! ```text
-//! file --text--> text --comments, strict JSON--> value --set--> value --typed--> CaseFile --build--> Problem
+//! file --jsonc--> value --set--> value --serde--> CaseFile --lower--> Problem
 //! ```
 //!
-//! Errors come in two passes. The fast path stops at the first thing that serde refuses; then a second, forgiving one
-//! reads the text again (`jsonc_tree`), compares it with the schema (`schema_check`), replaces what is wrong by
-//! stand-ins and checks ranges and meaning of the rest, so that all faults are shown at once. [`diagnostics`] holds
-//! what a fault looks like, [`span`] where it was written.
+//! The fast path stops at the first thing that is not JSON or that serde refuses. Then a second pass finds all faults
+//! at once: it reads the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces what is
+//! wrong by stand-ins, and checks ranges and meaning of the rest. [`diagnostics`] says what a fault is, [`span`] where
+//! it was written.
 
 pub mod diagnostics;
-mod ergun;
 mod error;
 pub mod fingerprint;
 mod jsonc;
-mod jsonc_tree;
 mod lower;
 mod overrides;
 pub mod pointer;
@@ -24,8 +22,6 @@ mod schema_check;
 mod source;
 pub mod span;
 pub mod spec;
-mod text;
-mod typed;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -57,7 +53,7 @@ impl Case {
     /// # Errors
     /// A file that cannot be read, text that is no JSON, an assignment without a place, or the faults of the case.
     pub fn from_file(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
-        let text = text::read(path)?;
+        let text = jsonc::read(path)?;
         let base = path.parent().unwrap_or(Path::new("")).to_owned();
         Self::from_text(text, &path.display().to_string(), base, overrides)
     }
@@ -72,7 +68,7 @@ impl Case {
         base: PathBuf,
         overrides: &[(String, String)],
     ) -> Result<Self, CaseError> {
-        Self::from_text(text::decode(bytes, name)?, name, base, overrides)
+        Self::from_text(jsonc::decode(bytes, name)?, name, base, overrides)
     }
 
     /// The same for a text that is already in memory; `name` stands for the file's name in messages, and paths count

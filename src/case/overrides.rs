@@ -27,7 +27,7 @@ pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), Case
         place = descend(place, step, &steps[..depth]).map_err(fail)?;
     }
     // As strict as the file: duplicate keys inside the value are refused too.
-    let new = super::text::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
+    let new = super::jsonc::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
     put(place, last, new, parents).map_err(fail)
 }
 

@@ -65,15 +65,6 @@ mod tests {
         render("case.json", text, &[fault])
     }
 
-    /// The mark stands below the value, whatever comes before it on the line.
-    #[test]
-    fn marks_the_value() {
-        let text = "{\n  \"größe\": -1,\r\n}";
-        let start = text.find("-1").expect("in the text");
-        let expected = "/a: 1\n  --> case.json:2:12\n  |\n2 |   \"größe\": -1,\n  |            ^^\n  allowed: 2";
-        assert_eq!(drawn(text, start..start + 2), expected);
-    }
-
     /// Of a value over several lines the first is marked; an empty range and one at the end are marked too.
     #[test]
     fn marks_what_is_on_the_line() {

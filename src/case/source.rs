@@ -4,19 +4,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde_json::Value;
+use serde_path_to_error::{Path, Segment};
 
-use super::diagnostics::{Fault, FaultTarget, Faults};
-use super::diagnostics::{Findings, Reported};
-use super::jsonc::blank;
-use super::jsonc_tree::Tree;
+use super::diagnostics::{Fault, Faults, Findings, Reported, excerpt};
+use super::jsonc::{NoJson, Tree, blank, no_json, parse};
 use super::lower::geometry::Geometry;
 use super::lower::{Built, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::walk;
 use super::span::{Location, Written};
-use super::text::{NoJson, parse};
-use super::typed::typed;
 use super::{Case, CaseError, overrides};
 
 /// Where a case comes from.
@@ -50,7 +47,7 @@ impl Source {
                 self.resolve(json, None)
             }
             Err(NoJson::Empty) => Err(CaseError::Empty { path: self.path }),
-            Err(NoJson::Broken { offset, reason, allowed }) => Err(self.broken(offset, &reason, allowed)),
+            Err(NoJson::Broken(first)) => Err(self.broken(first)),
         }
     }
 
@@ -78,32 +75,28 @@ impl Source {
     }
 
     /// All faults of a text that is not JSON: those of the text, and those of what can be read of it.
-    fn broken(self, offset: usize, reason: &str, allowed: &str) -> CaseError {
-        let at = |offset: usize, value: String, allowed: &str| Fault {
-            part: FaultTarget::Text,
-            value,
-            allowed: allowed.to_owned(),
-            place: Some(Location::in_text(&self.text, offset..offset + 1)),
-            ..Fault::default()
-        };
-        let first = at(offset, format!("not JSON: {reason}"), allowed);
+    fn broken(self, first: Option<Box<Fault>>) -> CaseError {
         // The tolerant reader would see a comment that is open to the end as nonsense.
         let clean = blank(&self.text).unwrap_or_default();
         let mut found = Findings::default();
         let mut json = match Tree::parse(&clean) {
             Ok(tree) => tree.value(&mut found),
             Err(later) => {
-                let mut faults = vec![first];
-                let lines = self.text.get(offset..later).unwrap_or_default();
-                if lines.contains('\n') {
-                    faults.push(at(later, "not JSON either, and nothing can be read from here on".to_owned(), "JSON"));
+                let mut faults: Vec<Fault> = first.into_iter().map(|first| *first).collect();
+                let from = match faults.first().and_then(|first| first.place.as_ref()) {
+                    Some(Location::Text { range, .. }) => range.start,
+                    _ => later,
+                };
+                if self.text.get(from..later).is_some_and(|between| between.contains('\n')) {
+                    let value = "not JSON either, and nothing can be read from here on".to_owned();
+                    faults.push(Fault { value, ..no_json(&self.text, later, "", "JSON") });
                 }
                 return self.refused(Reported { faults, more: 0 });
             }
         };
-        // What the tolerant reader allows and JSON does not, it notes; depth is the rest.
-        if found.count() == 0 {
-            found.note(|| first);
+        // What the tolerant reader allows and JSON does not, it notes; white space is the rest.
+        if let (0, Some(first)) = (found.count(), first) {
+            found.note(|| *first);
         }
         json = match self.overridden(json) {
             Ok(json) => json,
@@ -164,9 +157,35 @@ impl Source {
     /// The error that shows these faults at their places.
     fn refused(self, told: Reported) -> CaseError {
         let Reported { mut faults, more } = told;
-        let clean = blank(&self.text).unwrap_or_default();
-        let tree = Tree::parse(&clean).ok();
+        let tree = Tree::parse(&self.text).ok();
         Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);
         CaseError::Faults { path: self.path, text: self.text, faults, more }
     }
+}
+
+/// From JSON to the schema's structs. Serde stops at the first fault; [`walk`] finds them all.
+///
+/// # Errors
+/// The first wrong type, unknown or missing key, as serde says it.
+fn typed(json: &Value) -> Result<CaseFile, Box<Fault>> {
+    serde_path_to_error::deserialize(json).map_err(|error| {
+        let at = pointer(json, error.path());
+        let value = json.pointer(at.as_str()).map_or_else(|| "(missing)".to_owned(), excerpt);
+        let pointer = at.as_str().to_owned();
+        Box::new(Fault { pointer, value, allowed: error.inner().to_string(), ..Fault::default() })
+    })
+}
+
+/// The path as a JSON pointer. Serde also reports the variant of an enum given as a plain word, where JSON has no key.
+fn pointer(json: &Value, path: &Path) -> Pointer {
+    let mut at = Pointer::root();
+    for segment in path {
+        let here = json.pointer(at.as_str());
+        match (segment, here) {
+            (Segment::Seq { index }, Some(Value::Array(_))) => at = at.index(*index),
+            (Segment::Map { key } | Segment::Enum { variant: key }, Some(Value::Object(_))) => at = at.key(key),
+            _ => break,
+        }
+    }
+    at
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::diagnostics::{Fault, FaultTarget, shorten};
-use super::jsonc_tree::Tree;
+use super::jsonc::Tree;
 use super::pointer::Pointer;
 
 /// Where a fault was written.

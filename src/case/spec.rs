@@ -6,6 +6,7 @@ use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::model::stop::Stop;
+use crate::vtk::VtuFormat;
 use crate::warning::{Warning, WarningCode};
 
 use serde::{Deserialize, Serialize};
@@ -133,47 +134,4 @@ pub struct ProbeSpec {
     pub name: String,
     /// nodes, ascending
     pub nodes: Vec<u32>,
-}
-
-/// How appended bytes are spelt.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
-    /// As they are: the smallest and fastest, but not text, which some builds of ParaView 9.1-9.2 refuse.
-    #[default]
-    Raw,
-    /// As base64 text: 4/3 of the size, read by everything.
-    Base64,
-}
-
-/// Whether appended bytes are compressed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Compression {
-    /// As they are.
-    #[default]
-    None,
-    /// zlib level 1 in blocks of 1 MiB.
-    Zlib,
-}
-
-/// How many digits numbers keep.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Precision {
-    /// All sixteen.
-    #[default]
-    F64,
-    /// Seven, in half the room: enough for pictures. Positions keep sixteen.
-    F32,
-}
-
-/// The spelling of a .vtu file's arrays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct VtuFormat {
-    /// raw or base64
-    pub encoding: Encoding,
-    /// none or zlib
-    pub compression: Compression,
-    /// of fields; positions, times and ledgers keep all digits
-    pub precision: Precision,
 }

@@ -83,17 +83,6 @@ fn default_seed() -> u64 {
     1
 }
 
-/// What annulus and disc have in common, for the checks.
-struct Common {
-    nodes: usize,
-    boundary_nodes: Option<usize>,
-    seams: Option<usize>,
-    grading: Option<f64>,
-    /// fewest nodes on the loops
-    least_boundary: usize,
-    most_seams: usize,
-}
-
 impl AnnulusParameters {
     /// Reports every value out of range; `at` is the JSON pointer of this section.
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
@@ -105,8 +94,21 @@ impl AnnulusParameters {
             let hint = "swap the radii or make the hole smaller".to_owned();
             faults(&format!("{at}/inner_radius"), self.inner_radius.to_string(), allowed, hint);
         }
-        let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
-        Common { nodes, boundary_nodes, seams, grading, least_boundary: 6, most_seams: MAX_SEAMS }.check(at, faults);
+        check_counts(at, &self.request(), [6, MAX_SEAMS], faults);
+    }
+
+    fn request(&self) -> Request {
+        let Self { inner_radius, outer_radius, nodes, boundary_nodes, seams, grading, .. } = *self;
+        let ring = Ring { inner: inner_radius, outer: outer_radius };
+        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
+    }
+
+    /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
+    ///
+    /// # Errors
+    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        distmesh::generate(&self.request(), self.seed)
     }
 }
 
@@ -114,57 +116,35 @@ impl DiscParameters {
     /// Reports every value out of range; `at` is the JSON pointer of this section.
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
         check_length(at, "radius", self.radius, faults);
-        let Self { nodes, boundary_nodes, seams, grading, .. } = *self;
-        Common { nodes, boundary_nodes, seams, grading, least_boundary: 3, most_seams: MAX_DISC_SEAMS }
-            .check(at, faults);
+        check_counts(at, &self.request(), [3, MAX_DISC_SEAMS], faults);
     }
-}
 
-impl Common {
-    fn check(&self, at: &str, faults: FaultSink<'_>) {
-        check_count(at, "nodes", self.nodes, [self.least_boundary + 1, MAX_NODES], faults);
-        if let Some(count) = self.boundary_nodes {
-            check_count(
-                at,
-                "boundary_nodes",
-                count,
-                [self.least_boundary, self.nodes.max(self.least_boundary)],
-                faults,
-            );
-        }
-        if let Some(count) = self.seams {
-            check_count(at, "seams", count, [0, self.most_seams.min(self.nodes)], faults);
-        }
-        let [least, most] = GRADING_RANGE;
-        if let Some(value) = self.grading.filter(|g| !(least..=most).contains(g)) {
-            let hint = "1 is uniform, 2 doubles the edge length towards the middle".to_owned();
-            faults(&format!("{at}/grading"), value.to_string(), format!("{least} to {most}"), hint);
-        }
+    fn request(&self) -> Request {
+        let Self { radius, nodes, boundary_nodes, seams, grading, .. } = *self;
+        let ring = Ring { inner: 0.0, outer: radius };
+        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
     }
-}
 
-impl AnnulusParameters {
-    /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
-    ///
-    /// # Errors
-    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
-    pub fn build(&self) -> Result<Mesh, MeshError> {
-        let ring = Ring { inner: self.inner_radius, outer: self.outer_radius };
-        let Self { nodes, boundary_nodes, grading, .. } = *self;
-        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
-        distmesh::generate(&request, self.seed)
-    }
-}
-
-impl DiscParameters {
     /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
     ///
     /// # Errors
     /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
     pub fn build(&self) -> Result<Mesh, MeshError> {
-        let ring = Ring { inner: 0.0, outer: self.radius };
-        let Self { nodes, boundary_nodes, grading, .. } = *self;
-        let request = Request { ring, nodes, boundary_nodes, seams: self.seams.unwrap_or(0), grading };
-        distmesh::generate(&request, self.seed)
+        distmesh::generate(&self.request(), self.seed)
+    }
+}
+
+/// Checks what annulus and disc have in common, given the fewest nodes on the loops and the most seams.
+fn check_counts(at: &str, request: &Request, [least_boundary, most_seams]: [usize; 2], faults: FaultSink<'_>) {
+    let nodes = request.nodes;
+    check_count(at, "nodes", nodes, [least_boundary + 1, MAX_NODES], faults);
+    if let Some(count) = request.boundary_nodes {
+        check_count(at, "boundary_nodes", count, [least_boundary, nodes.max(least_boundary)], faults);
+    }
+    check_count(at, "seams", request.seams, [0, most_seams.min(nodes)], faults);
+    let [least, most] = GRADING_RANGE;
+    if let Some(value) = request.grading.filter(|g| !(least..=most).contains(g)) {
+        let hint = "1 is uniform, 2 doubles the edge length towards the middle".to_owned();
+        faults(&format!("{at}/grading"), value.to_string(), format!("{least} to {most}"), hint);
     }
 }

@@ -1,4 +1,4 @@
-//! Which nodes hang together.
+//! Connected components of a graph.
 
 /// The component of every one of `n` nodes, named by its smallest node, where pairs of nodes are joined.
 pub(crate) fn components(n: usize, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {

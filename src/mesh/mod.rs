@@ -5,25 +5,25 @@
 
 pub(crate) mod adjacency;
 pub mod annulus;
-pub mod chain;
+pub(crate) mod chain;
 mod check;
 pub(crate) mod components;
 mod delaunay;
 mod distmesh;
 mod error;
-pub mod explicit;
+pub(crate) mod explicit;
 mod flips;
 mod hilbert;
 mod layout;
 mod loops;
 mod polish;
-pub mod quality;
+pub(crate) mod quality;
 pub(crate) mod random;
 pub mod read;
-pub mod rectangle;
-pub mod sdf;
+pub(crate) mod rectangle;
+pub(crate) mod sdf;
 pub mod source;
-pub mod topology;
+pub(crate) mod topology;
 pub mod write;
 
 pub use error::MeshError;

@@ -15,10 +15,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::file_prefix::open_plain;
 use super::files::FilesProgress;
 use super::recorder::RecorderState;
 use super::resume::ResumeError;
+use super::resume::open_plain;
 use crate::case::fingerprint::Fingerprint;
 use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;
@@ -161,7 +161,7 @@ impl Checkpoint {
     /// Reads the checkpoint of a folder and compares the case.
     ///
     /// # Errors
-    /// No checkpoint, one that cannot be used, or one of another case.
+    /// When there is no checkpoint, it cannot be used, or it belongs to another case.
     pub fn read(path: &Path, case: &Fingerprint) -> Result<Self, ResumeError> {
         let mut file = open_plain(path).map_err(|error| match error {
             ResumeError::Missing { .. } => {

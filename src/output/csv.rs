@@ -5,9 +5,9 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::file_prefix::{FilePrefix, PrefixCounter};
-use super::lock::{Lock, lock};
+use super::folder::{Lock, lock};
 use super::resume::ResumeError;
+use super::resume::{FilePrefix, PrefixCounter};
 use crate::drive::observer::ObserveError;
 
 /// Lines are written at the latest after this many bytes …
@@ -66,9 +66,6 @@ impl CsvFile {
     }
 
     /// Appends one line; `fill` writes it without the line's end.
-    ///
-    /// # Errors
-    /// When the system refuses a block.
     pub fn line(&mut self, fill: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<(), ObserveError> {
         fill(&mut self.buffer).map_err(|e| write_fault(&self.path, e))?;
         self.buffer.push(b'\n');
@@ -77,17 +74,11 @@ impl CsvFile {
     }
 
     /// Writes what has waited longer than [`LONGEST_DELAY`].
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
         if self.last_write.elapsed() >= LONGEST_DELAY { self.flush() } else { Ok(()) }
     }
 
     /// Writes all lines that wait. If only a part finds room, the file ends with its last whole line.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn flush(&mut self) -> Result<(), ObserveError> {
         if !self.buffer.is_empty() {
             if let Err(source) = self.file.write_all(&self.buffer) {
@@ -102,9 +93,6 @@ impl CsvFile {
     }
 
     /// Writes all lines that wait and makes them durable; returns what the file now holds.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn sync(&mut self) -> Result<FilePrefix, ObserveError> {
         self.flush()?;
         self.file.sync_data().map_err(|e| write_fault(&self.path, e))?;

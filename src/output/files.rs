@@ -7,17 +7,18 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, part_path, replace};
 use super::checkpoint::Checkpoint;
-use super::csv::write_fault;
-use super::file_prefix::FilePrefix;
+use super::csv::{CsvFile, write_fault};
 use super::folder::{CHECKPOINT, SUMMARY};
 use super::frame::{Fields, Frame};
 use super::frame_files::FrameFiles;
-use super::history::{History, HistoryRow};
-use super::probes::{Probe, Probes};
 use super::pvd::{Collection, CollectionMark};
+use super::resume::FilePrefix;
 use super::resume::ResumeError;
-use crate::case::spec::VtuFormat;
+use super::rows::{HISTORY_HEADER, HistoryRow, PROBES_HEADER, write_probes};
+use super::sanitize::csv_field;
+use crate::case::spec::ProbeSpec;
 use crate::drive::observer::ObserveError;
+use crate::vtk::VtuFormat;
 
 /// Folder of the frames, beside the .pvd.
 pub const FRAMES: &str = "frames";
@@ -42,7 +43,7 @@ pub struct FilesSpec<'a> {
     /// fields that are shown
     pub fields: Fields,
     /// nodes to follow; `probes.csv` is written only if there are any
-    pub probes: &'a [Probe],
+    pub probes: &'a [ProbeSpec],
     /// spelling of the frames' arrays
     pub format: VtuFormat,
 }
@@ -63,8 +64,10 @@ pub struct FilesProgress {
 pub struct ResultFiles {
     frames: FrameFiles,
     collection: Collection,
-    history: History,
-    probes: Option<Probes>,
+    history: CsvFile,
+    probes: Option<CsvFile>,
+    /// names quoted as csv wants them
+    followed: Vec<ProbeSpec>,
     checkpoint: PathBuf,
     /// the checkpoint's bytes, kept from one to the next
     encoded: Vec<u8>,
@@ -80,12 +83,13 @@ impl ResultFiles {
     pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let path = |name: &str| spec.folder.join(name);
         let frames = FrameFiles::create(spec)?;
-        let probes = (!spec.probes.is_empty()).then(|| Probes::create(&path(PROBES), spec.probes)).transpose()?;
+        let probes = (!spec.probes.is_empty()).then(|| CsvFile::create(&path(PROBES), PROBES_HEADER)).transpose()?;
         Ok(Self {
             frames,
             collection: Collection::new(&path(&format!("{}.pvd", spec.stem))),
-            history: History::create(&path(HISTORY))?,
+            history: CsvFile::create(&path(HISTORY), HISTORY_HEADER)?,
             probes,
+            followed: quoted(spec.probes),
             checkpoint: path(CHECKPOINT),
             encoded: Vec::new(),
             frames_kept: 0,
@@ -105,7 +109,7 @@ impl ResultFiles {
         mark.probes.map(|mark| mark.check(&probes)).transpose()?;
         let mut collection = Collection::read(&path(&format!("{}.pvd", spec.stem)), mark.collection)?;
         FrameFiles::check(spec, mark.collection.frames)?;
-        let history = History::reopen(&history, mark.history)?;
+        let history = CsvFile::reopen(&history, mark.history)?;
         for leftover in [&summary, &part_path(&summary), &part_path(&path(CHECKPOINT))] {
             match fs::remove_file(leftover) {
                 Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(ResumeError::system(leftover, e)),
@@ -115,9 +119,16 @@ impl ResultFiles {
         // The collection first: it never lists a frame that is not there.
         collection.write(Durability::Visible)?;
         let frames = FrameFiles::reopen(spec, mark.collection.frames)?;
-        let probes = mark.probes.map(|mark| Probes::reopen(&probes, spec.probes, mark)).transpose()?;
-        let frames_kept = mark.collection.frames;
-        Ok(Self { frames, collection, history, probes, checkpoint: path(CHECKPOINT), encoded: Vec::new(), frames_kept })
+        Ok(Self {
+            frames,
+            collection,
+            history,
+            probes: mark.probes.map(|mark| CsvFile::reopen(&probes, mark)).transpose()?,
+            followed: quoted(spec.probes),
+            checkpoint: path(CHECKPOINT),
+            encoded: Vec::new(),
+            frames_kept: mark.collection.frames,
+        })
     }
 
     /// Makes all results durable, and then the checkpoint that counts them.
@@ -125,8 +136,8 @@ impl ResultFiles {
     /// # Errors
     /// When the system refuses; the earlier checkpoint is then still there.
     pub fn checkpoint(&mut self, mut checkpoint: Checkpoint) -> Result<(), ObserveError> {
-        let history = self.history.file().sync()?;
-        let probes = self.probes.as_mut().map(|probes| probes.file().sync()).transpose()?;
+        let history = self.history.sync()?;
+        let probes = self.probes.as_mut().map(CsvFile::sync).transpose()?;
         self.frames.sync(self.collection.frames())?;
         if self.collection.frames() > 0 {
             self.collection.write(Durability::Synced)?;
@@ -139,23 +150,17 @@ impl ResultFiles {
     }
 
     /// Writes a frame, its probes, and then shows it in the collection.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), ObserveError> {
         let file = self.frames.write(frame, self.collection.frames())?;
         if let Some(probes) = &mut self.probes {
-            probes.push(frame)?;
+            write_probes(probes, &self.followed, frame)?;
         }
         self.collection.push(frame.time, &file);
         self.collection.write_if_due()
     }
 
-    /// Takes away the frames after a time [s], and a checkpoint that counts one of them. Rows of probes stay, as those
-    /// of the history do, and no more are written.
-    ///
-    /// # Errors
-    /// When the system refuses.
+    /// Removes the frames after a time [s], and the checkpoint if it counts one of them. Rows of the history and of
+    /// probes stay; no more rows of probes are written.
     pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
         let before = self.collection.frames();
         let left = self.collection.withdraw_after(t);
@@ -169,27 +174,21 @@ impl ResultFiles {
         }
         self.frames.remove(left..before)?;
         if let Some(mut probes) = self.probes.take() {
-            probes.file().flush()?;
+            probes.flush()?;
         }
         Ok(())
     }
 
     /// Appends a row to the history.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn row(&mut self, row: &HistoryRow) -> Result<(), ObserveError> {
-        self.history.push(row)
+        self.history.line(|buffer| row.write(buffer))
     }
 
     /// Hands over lines and frames that have waited long enough.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
-        self.history.file().flush_if_due()?;
+        self.history.flush_if_due()?;
         if let Some(probes) = &mut self.probes {
-            probes.file().flush_if_due()?;
+            probes.flush_if_due()?;
         }
         self.collection.write_if_due()
     }
@@ -199,9 +198,13 @@ impl ResultFiles {
     /// # Errors
     /// When the system refuses; all files are tried, the first fault is reported.
     pub fn finish(&mut self) -> Result<(), ObserveError> {
-        let history = self.history.file().flush();
-        let probes = self.probes.as_mut().map_or(Ok(()), |probes| probes.file().flush());
+        let history = self.history.flush();
+        let probes = self.probes.as_mut().map_or(Ok(()), CsvFile::flush);
         let collection = if self.collection.frames() > 0 { self.collection.write(Durability::Visible) } else { Ok(()) };
         history.and(probes).and(collection)
     }
+}
+
+fn quoted(probes: &[ProbeSpec]) -> Vec<ProbeSpec> {
+    probes.iter().map(|p| ProbeSpec { name: csv_field(&p.name), nodes: p.nodes.clone() }).collect()
 }

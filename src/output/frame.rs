@@ -95,8 +95,8 @@ impl Frame {
     }
 }
 
-/// Whether all exponents are below the largest, by whole numbers and to the end: so the loop is made several numbers at
-/// a time.
+/// Whether all numbers are finite. Exponents are compared as integers and without leaving early, so that the compiler
+/// vectorises the loop.
 fn all_finite(numbers: &[f64]) -> bool {
     const EXPONENT: u64 = f64::INFINITY.to_bits();
     const SMALLEST: u64 = f64::MIN_POSITIVE.to_bits();

@@ -10,8 +10,8 @@ use super::csv::write_fault;
 use super::files::{FRAMES, FilesSpec};
 use super::frame::{CellMap, Fields, Frame};
 use super::resume::ResumeError;
-use super::vtu::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
 use crate::drive::observer::ObserveError;
+use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
 
 /// Writes frames one by one, each of them complete before it bears its name.
 #[derive(Debug)]
@@ -134,9 +134,6 @@ impl FrameFiles {
     }
 
     /// Removes frames by their numbers.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn remove(&mut self, frames: Range<u64>) -> Result<(), ObserveError> {
         self.unsynced = self.unsynced.min(frames.start);
         for number in frames {
@@ -150,9 +147,6 @@ impl FrameFiles {
     }
 
     /// Makes the frames up to (not including) `frames` durable.
-    ///
-    /// # Errors
-    /// When the system refuses.
     pub fn sync(&mut self, frames: u64) -> Result<(), ObserveError> {
         for number in self.unsynced..frames {
             let path = self.folder.join(name_of(&self.stem, number));
@@ -184,9 +178,6 @@ impl FrameFiles {
 }
 
 /// The frames of one run in a folder, also the part of one that was never finished.
-///
-/// # Errors
-/// When the folder cannot be read.
 pub fn frames_in(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, io::Error> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder)? {

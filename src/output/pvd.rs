@@ -9,17 +9,16 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
-use super::file_prefix::{FilePrefix, PrefixCounter, open_plain};
 use super::resume::ResumeError;
-use super::sanitize::xml_attribute;
+use super::resume::{FilePrefix, PrefixCounter, open_plain};
 use crate::drive::observer::ObserveError;
+use crate::vtk::xml_attribute;
 
-/// The collection is not rewritten sooner than this after the last time: that costs the system as much as a small frame
-/// …
+/// Least time between two writes of the collection, since a write costs the system as much as a small frame …
 const LEAST_DELAY: Duration = Duration::from_millis(100);
-/// … and beyond so many frames not before there are a percent more of them, or …
+/// … and beyond this number of frames a write waits until there are a percent more, or …
 const SMALL: u64 = 1000;
-/// … this much time has passed, so that many quick frames do not cost a quadratic number of bytes.
+/// … until this time has passed, so that many quick frames do not cost a quadratic number of bytes.
 const LONGEST_DELAY: Duration = Duration::from_secs(1);
 
 const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -56,7 +55,7 @@ impl Collection {
         Self { path, text, tally, frames: 0, shown: 0, last_write: Instant::now() }
     }
 
-    /// Takes up the collection on disk as it was at the mark; nothing is written yet.
+    /// Reads the collection on disk as it was at the mark; nothing is written yet.
     ///
     /// # Errors
     /// When it cannot be read or does not begin with what it held.
@@ -113,9 +112,6 @@ impl Collection {
 
     /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a
     /// second where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
-    ///
-    /// # Errors
-    /// When the file cannot be replaced.
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         if waiting == 0 {
@@ -127,9 +123,6 @@ impl Collection {
     }
 
     /// Replaces the file on disk, atomically, with all frames so far.
-    ///
-    /// # Errors
-    /// When the file cannot be replaced.
     pub fn write(&mut self, durability: Durability) -> Result<(), ObserveError> {
         let open = self.text.len();
         self.text.push_str(TAIL);

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
-use super::checkpoint_schedule::CheckpointSchedule;
 use super::frame::{Fields, Frame};
 use super::hermite::interpolate;
-use super::history::HistoryRow;
 use super::request::{check, files_spec};
+use super::rows::HistoryRow;
+use super::schedule::CheckpointSchedule;
 use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
-use super::writer::ResultWriter;
+use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
@@ -18,10 +18,10 @@ use crate::model::forces::Forces;
 use crate::model::picture::Picture;
 use crate::model::state::{State, StateRef};
 
-pub use super::checkpoint_schedule::CheckpointSpec;
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
+pub use super::schedule::CheckpointSpec;
 
-/// What a recorder is to record next; part of a checkpoint.
+/// What a recorder records next; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecorderState {
     /// number of the next frame time
@@ -55,7 +55,7 @@ pub struct Recorder<'a> {
     forces: Forces,
     writer: ResultWriter,
     keeper: Option<CheckpointSchedule>,
-    /// what came before the newest states, where these are not credible
+    /// the last credible state, if newer ones are not
     last_good: Option<LastGood>,
     failed: bool,
 }
@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
         Ok(Self::around(picture, spec, writer, mark))
     }
 
-    /// Takes up the files of an earlier run where its checkpoint was written: what came later is cut off.
+    /// Reopens the files of an earlier run and cuts them off at its checkpoint.
     ///
     /// # Errors
     /// When the request is out of range, or the files do not hold what they held or cannot be opened.
@@ -118,7 +118,7 @@ impl<'a> Recorder<'a> {
         self.shown
     }
 
-    /// Also keeps `checkpoint.bin`; a recorder that does not know the case keeps none.
+    /// Also writes `checkpoint.bin`, which a recorder without this does not.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
         Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }
@@ -132,7 +132,7 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         self.shown = Some(at.t);
-        self.writer.frame(frame)
+        self.writer.send(Message::Frame(frame))
     }
 
     fn fill(&self, frame: &mut Frame, at: StateRef<'_>, forces: &Forces) {
@@ -169,7 +169,7 @@ impl<'a> Recorder<'a> {
 
     fn write_row(&mut self, row: HistoryRow, at: StateRef<'_>) -> Result<(), ObserveError> {
         let (max_speed, max_strain) = (self.picture.max_speed(at), self.picture.max_strain(at));
-        self.writer.row(HistoryRow { max_speed, max_strain, ..row })
+        self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
     /// Writes the row of a step that is due with its largest speed [m/s] and strain [-]; any other waits.
@@ -180,10 +180,10 @@ impl<'a> Recorder<'a> {
         }
         self.waiting = None;
         let (max_speed, max_strain) = largest();
-        self.writer.row(HistoryRow { max_speed, max_strain, ..row })
+        self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
-    /// Whether a checkpoint is due at the end of a step.
+    /// Whether a checkpoint is due at the end of a step, at `t` [s].
     fn keeps_at(&self, t: f64) -> bool {
         self.keeper.as_ref().is_some_and(|keeper| keeper.due(t))
     }
@@ -198,7 +198,7 @@ impl Observer for Recorder<'_> {
         self.show(state, &at.forces)
     }
 
-    /// The end of a step of which there is a frame or a checkpoint, and both ends of one within which there is a frame.
+    /// Wants the end state of a step that ends at a frame or a checkpoint, and both states if a frame lies within it.
     fn wants(&self, step: UpcomingStep) -> Wants {
         let (mut rows, checkpoint) = (self.rows, Wants::end_if(self.keeps_at(step.t)));
         rows.skip(step.from);
@@ -215,7 +215,7 @@ impl Observer for Recorder<'_> {
             match (due, step.start, step.end) {
                 (Due::End, _, Some(end)) => self.show(end.state.as_ref(), &end.forces)?,
                 (Due::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
-                // Not without a state that was asked for.
+                // The run gives every state that was asked for.
                 _ => {}
             }
         }
@@ -265,7 +265,7 @@ impl Observer for Recorder<'_> {
         let good = self.last_good.take().filter(|_| self.failed);
         if let Some(LastGood { point, shown }) = &good {
             if self.shown != *shown {
-                self.writer.withdraw_after(point.state.t)?;
+                self.writer.send(Message::WithdrawAfter(point.state.t))?;
             }
             self.shown = *shown;
         }

@@ -1,16 +1,15 @@
-//! What a run is to leave behind, and whether it can.
+//! What a run records, and whether that is possible.
 
 use std::path::{Path, PathBuf};
 
 use super::files::FilesSpec;
 use super::frame::Fields;
-use super::probes::Probe;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::VtuFormat;
-use crate::case::spec::{Problem, RowEvery};
+use crate::case::spec::{ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
 use crate::model::picture::Picture;
+use crate::vtk::VtuFormat;
 
 /// Frames a run may be asked for; their numbers have six digits.
 pub const MOST_FRAMES: f64 = 1e6;
@@ -18,7 +17,7 @@ pub const MOST_FRAMES: f64 = 1e6;
 /// What to record.
 #[derive(Clone, Debug, Default)]
 pub struct RecorderSpec {
-    /// name of the case; files are named after its [`file_stem`]
+    /// name of the case; files are named after its `file_stem`
     pub name: String,
     /// folder of the results; see [`super::folder::ResultFolder::prepare`]
     pub out_dir: PathBuf,
@@ -29,7 +28,7 @@ pub struct RecorderSpec {
     /// fields beside displacement and velocity
     pub fields: Fields,
     /// nodes to follow at each frame time
-    pub probes: Vec<Probe>,
+    pub probes: Vec<ProbeSpec>,
     /// how often there is a history row
     pub history_every: RowEvery,
     /// spelling of the frames' arrays
@@ -46,7 +45,7 @@ impl RecorderSpec {
             frames_every: output.frames_every,
             end: problem.time.end,
             fields: output.fields.as_slice().into(),
-            probes: output.probes.iter().map(|p| Probe { name: p.name.clone(), nodes: p.nodes.clone() }).collect(),
+            probes: output.probes.clone(),
             history_every: output.history_every,
             format: output.format,
         }
@@ -97,7 +96,7 @@ pub enum RecorderError {
     Resume(#[from] ResumeError),
 }
 
-/// What the writing thread must know of it.
+/// What the writing thread must know of a request.
 pub(super) fn files_spec<'a>(picture: &'a dyn Picture, spec: &'a RecorderSpec) -> FilesSpec<'a> {
     FilesSpec {
         folder: spec.out_dir.clone(),

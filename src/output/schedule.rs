@@ -1,7 +1,12 @@
-//! When frames are due: at k times the interval, whatever the steps are.
+//! When frames, rows of the history and checkpoints are due: at k times an interval, whatever the steps are.
 
+use super::checkpoint::Checkpoint;
+use super::files::FilesProgress;
+use super::recorder::RecorderState;
+use crate::case::fingerprint::Fingerprint;
 use crate::case::spec::RowEvery;
-use crate::drive::observer::{States, UpcomingStep};
+use crate::drive::observer::{Occasion, Resumable, States, UpcomingStep};
+use crate::process::Stopwatch;
 
 /// [-] of a step; a frame this close to the end of a step shows that end itself
 const COINCIDENT: f64 = 1e-9;
@@ -69,7 +74,7 @@ impl Schedule {
         }
         self.next = self.next.saturating_add(1);
         if time >= to - slack {
-            // Whatever else falls onto this very end is the same picture.
+            // Further frame times at this same end would show the same picture.
             self.next = self.next.max(first_after(to + slack, every));
             return Some(Due::End);
         }
@@ -102,6 +107,61 @@ impl Intervals {
             self.skip(t);
         }
         due
+    }
+}
+
+/// When a run writes checkpoints.
+#[derive(Clone, Debug)]
+pub struct CheckpointSpec {
+    /// the case they are of
+    pub case: Fingerprint,
+    /// [s] of simulated time between them, > 0; without it one is kept only when the run is interrupted
+    pub every: Option<f64>,
+    /// measures what the run costs
+    pub stopwatch: Stopwatch,
+}
+
+/// Makes the checkpoints of a run when they are due.
+#[derive(Debug)]
+pub(super) struct CheckpointSchedule {
+    case: Fingerprint,
+    intervals: Option<Intervals>,
+    stopwatch: Stopwatch,
+}
+
+impl CheckpointSchedule {
+    pub(super) fn new(spec: CheckpointSpec) -> Self {
+        let CheckpointSpec { case, every, stopwatch } = spec;
+        CheckpointSchedule { case, intervals: every.map(Intervals::new), stopwatch }
+    }
+
+    /// The run begins at `t` [s], of which there is a checkpoint already.
+    pub(super) fn skip(&mut self, t: f64) {
+        if let Some(intervals) = &mut self.intervals {
+            intervals.skip(t);
+        }
+    }
+
+    /// Whether one is due at `t` [s].
+    pub(super) fn due(&self, t: f64) -> bool {
+        self.intervals.is_some_and(|mut intervals| intervals.reached(t))
+    }
+
+    /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for
+    /// them; when interrupted in any case.
+    pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderState) -> Option<Box<Checkpoint>> {
+        let last = run.occasion == Occasion::LastStep;
+        let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);
+        (asked || run.occasion == Occasion::Interrupted).then(|| {
+            Box::new(Checkpoint {
+                case: self.case.clone(),
+                snapshot: run.snapshot(),
+                recorder,
+                // Known to the writing thread, once it has written what was sent so far.
+                files: FilesProgress::default(),
+                spent: self.stopwatch.read(),
+            })
+        })
     }
 }
 

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::cells::Width;
 use super::frame::Fields;
-use crate::case::spec::Precision;
 use crate::model::picture::Picture;
+use crate::vtk::{Precision, Width};
 
 /// [byte] The XML around the arrays of a frame, about.
 const HEAD: u64 = 2000;

@@ -8,23 +8,23 @@ use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
 use super::files::{FilesProgress, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
-use super::history::HistoryRow;
 use super::resume::ResumeError;
+use super::rows::HistoryRow;
 use crate::drive::observer::ObserveError;
 
-/// Frames that exist at most, if they are small: a thread that has to wait for the other, or to wake it, at every frame
-/// loses more time than a quick step takes.
+/// Most frames that exist, if they are small: a thread that waits for the other one, or wakes it, at every frame loses
+/// more time than a quick step takes.
 const MOST: usize = 128;
-/// … and at least: one being filled, one being written, one between.
+/// Fewest frames: one being filled, one being written, one in between.
 const FEWEST: usize = 3;
-/// [byte] that more than the fewest frames may take
+/// [byte] memory that frames beyond the fewest may take
 const ROOM: usize = 8 << 20;
 /// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
 const WAITING: usize = 256;
 /// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every
 /// row costs both threads more than a quick step.
 const NAP: Duration = Duration::from_micros(500);
-/// Checkpoints that exist at most, each as large as the state: one being written, one waiting.
+/// Most checkpoints that exist, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
 
 /// How many frames of a size may exist, filled, on their way or to be filled again.
@@ -33,10 +33,14 @@ pub fn most_frames(size: FrameSize) -> usize {
 }
 
 /// What goes to the thread. Closing the channel ends it.
-enum Message {
+pub(super) enum Message {
+    /// a filled frame
     Frame(Frame),
+    /// a row of the history
     Row(HistoryRow),
+    /// \[s\] the frames after this time are to be removed
     WithdrawAfter(f64),
+    /// to be written after everything sent before it; see [`ResultWriter::checkpoint`]
     Checkpoint(Box<Checkpoint>),
 }
 
@@ -76,10 +80,10 @@ impl ResultWriter {
         Self::spawn(ResultFiles::create(spec)?, spec)
     }
 
-    /// Takes up the files of an earlier run where `mark` says and starts the thread.
+    /// Reopens the files of an earlier run, cuts them off at `mark`, and starts the thread.
     ///
     /// # Errors
-    /// When the files cannot be taken up, or the system gives no thread.
+    /// When the files cannot be reopened, or the system gives no thread.
     pub fn resume(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
     }
@@ -101,9 +105,6 @@ impl ResultWriter {
 
     /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
     /// Its old content is still in it.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
     pub fn empty_frame(&mut self) -> Result<Frame, ObserveError> {
         if let Some(frame) = self.spare.take() {
             return Ok(frame);
@@ -123,39 +124,12 @@ impl ResultWriter {
         }
     }
 
-    /// Sends a filled frame.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn frame(&mut self, frame: Frame) -> Result<(), ObserveError> {
-        self.send(Message::Frame(frame))
-    }
-
     /// Takes back a frame that is not to be written after all.
     pub fn forget(&mut self, frame: Frame) {
         self.spare = Some(frame);
     }
 
-    /// Takes away the frames after a time [s].
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
-        self.send(Message::WithdrawAfter(t))
-    }
-
-    /// Sends a row of the history.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
-    pub fn row(&mut self, row: HistoryRow) -> Result<(), ObserveError> {
-        self.send(Message::Row(row))
-    }
-
     /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are on their way.
-    ///
-    /// # Errors
-    /// The fault that ended the thread.
     pub fn checkpoint(&mut self, checkpoint: Box<Checkpoint>) -> Result<(), ObserveError> {
         self.unkept -= self.kept.try_iter().count().min(self.unkept);
         if self.unkept == CHECKPOINTS {
@@ -178,7 +152,8 @@ impl ResultWriter {
         }
     }
 
-    fn send(&mut self, message: Message) -> Result<(), ObserveError> {
+    /// Sends a message.
+    pub(super) fn send(&mut self, message: Message) -> Result<(), ObserveError> {
         let sent = self.to_thread.as_ref().is_some_and(|channel| channel.send(message).is_ok());
         if sent { Ok(()) } else { Err(self.fault()) }
     }
@@ -257,9 +232,9 @@ fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::spec::VtuFormat;
     use crate::output::frame::Fields;
     use crate::output::frame_files::frames_in;
+    use crate::vtk::VtuFormat;
 
     /// Sends `frames` frames of `nodes` nodes as fast as they are written; returns how many existed.
     fn frames_made(nodes: usize, frames: usize) -> usize {
@@ -278,7 +253,7 @@ mod tests {
         for i in 0..frames {
             let mut frame = writer.empty_frame().expect("a frame");
             (frame.time, frame.positions[0][0]) = (i as f64, i as f64);
-            writer.frame(frame).expect("a thread that listens");
+            writer.send(Message::Frame(frame)).expect("a thread that listens");
         }
         writer.finish().expect("all is written");
         let files = frames_in(&dir.path().join("frames"), "net").expect("a folder");

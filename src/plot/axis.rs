@@ -4,10 +4,10 @@ use super::chart::Scale;
 
 /// Share of the points' range left free at either end of an axis that fits itself to them.
 const MARGIN: f64 = 0.04;
-/// A range narrower than this share of its numbers is rounding, not motion; it is drawn as one value.
+/// [-] A range narrower than this share of its numbers is rounding, not motion; it is drawn as one value.
 const ROUNDING: f64 = 1e-12;
-/// Numbers beyond are taken for "not finite": a blow-up passes them within a step or two, and differences of smaller
-/// ones are finite.
+/// Larger numbers count as not finite: a blow-up passes them within a step or two, and differences of smaller ones are
+/// finite.
 const FARTHEST: f64 = 1e150;
 
 /// An axis from 0 at its lower end to 1 at its upper end.

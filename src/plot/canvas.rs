@@ -1,38 +1,28 @@
-//! What everything in a picture is drawn with: units, colours, letters, lines, marks.
+//! What everything in a picture is drawn with: units, colours, letters, lines, marks. A picture is SVG text.
 //!
-//! plotters counts in whole pixels; a picture is therefore drawn [`FINE`] times larger, and the SVG's header says how
-//! large it is shown.
+//! Coordinates are whole numbers of a tenth of a pixel, which are short, and as fine as any screen shows.
 
-use super::PlotError;
 use super::chart::{Marker, Size, Stroke};
-use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, DashedPathElement, PathElement, Polygon};
-use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoTextStyle, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
+use crate::vtk::xml_attribute;
+use std::fmt::Write as _;
 
 /// Drawing units a pixel.
-pub(super) const FINE: f64 = 10.0;
+const FINE: f64 = 10.0;
 /// [px] letters of titles, axis labels and everything else
 pub(super) const LETTERS: [f64; 3] = [16.0, 14.0, 13.0];
+
+/// A colour as SVG writes it.
+pub(super) type Ink = &'static str;
 /// Axes and their numbers.
-pub(super) const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
+pub(super) const INK: Ink = "#333333";
 /// The grid.
-pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
+pub(super) const GRID: Ink = "#E2E2E2";
 /// The fine grid of logarithmic axes.
-pub(super) const FINE_GRID: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
+pub(super) const FINE_GRID: Ink = "#F1F1F1";
 
 /// Colours that colour-blind people tell apart (Okabe & Ito 2008), without the yellow, which is too pale for lines on
 /// white.
-const PALETTE: [RGBColor; 7] = [
-    RGBColor(0x00, 0x72, 0xB2),
-    RGBColor(0xD5, 0x5E, 0x00),
-    RGBColor(0x00, 0x9E, 0x73),
-    RGBColor(0xCC, 0x79, 0xA7),
-    RGBColor(0xE6, 0x9F, 0x00),
-    RGBColor(0x56, 0xB4, 0xE9),
-    RGBColor(0x00, 0x00, 0x00),
-];
+const PALETTE: [Ink; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 
 /// [px] Size of marks; corners are given in it.
 const MARK: f64 = 9.0;
@@ -69,7 +59,7 @@ pub(super) struct Look {
 }
 
 impl Look {
-    fn ink(&self) -> RGBColor {
+    fn ink(&self) -> Ink {
         PALETTE[self.color % PALETTE.len()]
     }
 
@@ -102,125 +92,145 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-/// The SVG picture that is drawn on.
-pub(super) struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
+/// The picture that is drawn on.
+pub(super) struct Canvas {
+    svg: String,
 }
 
-impl<'a> Canvas<'a> {
-    /// A white picture whose text goes to `text`.
-    pub(super) fn new(text: &'a mut String, size: Size) -> Result<Self, PlotError> {
-        let area = SVGBackend::with_string(text, (fine_u(size.width), fine_u(size.height))).into_drawing_area();
-        area.fill(&RGBColor(0xFF, 0xFF, 0xFF)).map_err(refused)?;
-        Ok(Canvas { area })
+impl Canvas {
+    /// A white picture.
+    pub(super) fn new(Size { width, height }: Size) -> Self {
+        let [w, h] = [width, height].map(|length| fine(f64::from(length)));
+        let svg = format!(
+            "<svg width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" \
+             viewBox=\"0 0 {w} {h}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
+             <rect x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" fill=\"#FFFFFF\"/>\n"
+        );
+        Canvas { svg }
     }
 
-    /// Ends the picture.
-    pub(super) fn finish(self) -> Result<(), PlotError> {
-        self.area.present().map_err(refused)
+    /// The picture.
+    pub(super) fn finish(self) -> String {
+        self.svg + "</svg>\n"
+    }
+
+    /// An element without content. Writing to a String cannot fail.
+    fn element(&mut self, name: &str, attributes: std::fmt::Arguments<'_>) {
+        let _ = writeln!(self.svg, "<{name} {attributes}/>");
+    }
+
+    fn polyline(&mut self, points: &[Spot], ink: Ink, width: f64, more: &str) {
+        let (stroke, points) = (stroke(ink, width), listed(points));
+        self.element("polyline", format_args!("fill=\"none\" {stroke}{more} points=\"{points}\""));
+    }
+
+    fn polygon(&mut self, corners: &[Spot], ink: Ink, more: &str) {
+        let points = listed(corners);
+        self.element("polygon", format_args!("fill=\"{ink}\"{more} points=\"{points}\""));
     }
 
     /// A thin straight line of the frame or the grid.
-    pub(super) fn rule(&self, from: Spot, to: Spot, ink: RGBColor) -> Result<(), PlotError> {
-        self.area.draw(&PathElement::new(vec![fine(from), fine(to)], ink.stroke_width(10))).map_err(refused)
+    pub(super) fn rule(&mut self, from: Spot, to: Spot, ink: Ink) {
+        self.polyline(&[from, to], ink, 1.0, "");
     }
 
-    /// A rectangle without filling; as a line, because plotters' own SVG rectangles have no width of line.
-    pub(super) fn frame(&self, from: Spot, to: Spot) -> Result<(), PlotError> {
+    /// A rectangle without filling.
+    pub(super) fn frame(&mut self, from: Spot, to: Spot) {
         let corners = [(from.x, from.y), (to.x, from.y), (to.x, to.y), (from.x, to.y), (from.x, from.y)];
-        let corners: Vec<_> = corners.map(|(x, y)| fine(Spot { x, y })).into();
-        self.area.draw(&PathElement::new(corners, INK.stroke_width(10))).map_err(refused)
+        self.polyline(&corners.map(|(x, y)| Spot { x, y }), INK, 1.0, "");
     }
 
     /// A piece of a line.
-    pub(super) fn line(&self, points: &[Spot], look: Look) -> Result<(), PlotError> {
-        let (width, alpha) = match look.stroke {
-            Stroke::None => return Ok(()),
-            Stroke::Thin => (7, 0.6),
-            Stroke::Fine => (10, 1.0),
-            Stroke::Dashed => (16, 1.0),
-            Stroke::Normal | Stroke::Filled => ((look.width * FINE).round() as u32, 1.0),
+    pub(super) fn line(&mut self, points: &[Spot], look: Look) {
+        let width = match look.stroke {
+            Stroke::None => return,
+            Stroke::Thin => 0.7,
+            Stroke::Fine => 1.0,
+            Stroke::Dashed => 1.6,
+            Stroke::Normal | Stroke::Filled => look.width,
         };
-        let style: ShapeStyle = look.ink().mix(alpha).stroke_width(width);
-        let points = points.iter().map(|p| fine(*p));
-        if look.dashed() {
-            self.area.draw(&DashedPathElement::new(points, 80, 50, style)).map_err(refused)
-        } else {
-            self.area.draw(&PathElement::new(points.collect::<Vec<_>>(), style)).map_err(refused)
-        }
+        let pale = if look.stroke == Stroke::Thin { " opacity=\"0.6\"" } else { "" };
+        let dashes = if look.dashed() { " stroke-dasharray=\"80 50\"" } else { "" };
+        self.polyline(points, look.ink(), width, &format!("{pale}{dashes}"));
     }
 
     /// A pale area within a line that closes it.
-    pub(super) fn area(&self, corners: &[Spot], look: Look) -> Result<(), PlotError> {
-        let corners: Vec<_> = corners.iter().map(|p| fine(*p)).collect();
-        self.area.draw(&Polygon::new(corners, look.ink().mix(0.16))).map_err(refused)
+    pub(super) fn area(&mut self, corners: &[Spot], look: Look) {
+        self.polygon(corners, look.ink(), " opacity=\"0.16\"");
     }
 
     /// The mark of a line at a point.
-    pub(super) fn mark(&self, spot: Spot, look: Look) -> Result<(), PlotError> {
-        let (ink, at) = (look.ink(), fine(spot));
+    pub(super) fn mark(&mut self, at: Spot, look: Look) {
+        let ink = look.ink();
+        let (x, y) = (fine(at.x), fine(at.y));
         match look.marker {
-            Marker::None => Ok(()),
-            Marker::Dot => self.area.draw(&Circle::new(at, 32, ink.filled())).map_err(refused),
-            Marker::Ring => self.area.draw(&Circle::new(at, 50, ink.stroke_width(18))).map_err(refused),
-            Marker::Cross => self.area.draw(&Cross::new(at, 48, ink.stroke_width(22))).map_err(refused),
-            Marker::Plus => {
-                self.stroke(spot, [(-0.55, 0.0), (0.55, 0.0)], ink)?;
-                self.stroke(spot, [(0.0, -0.55), (0.0, 0.55)], ink)
+            Marker::None => {}
+            Marker::Dot => self.element("circle", format_args!("cx=\"{x}\" cy=\"{y}\" r=\"32\" fill=\"{ink}\"")),
+            Marker::Ring => {
+                let stroke = stroke(ink, 1.8);
+                self.element("circle", format_args!("cx=\"{x}\" cy=\"{y}\" r=\"50\" fill=\"none\" {stroke}"));
             }
-            Marker::Tick => self.stroke(spot, [(0.0, -0.45), (0.0, 0.45)], ink),
-            Marker::Bar => self.stroke(spot, [(-0.4, 0.0), (0.4, 0.0)], ink),
-            Marker::Square | Marker::OpenSquare => self.shape(spot, &SQUARE, look),
-            Marker::Triangle | Marker::OpenTriangle => self.shape(spot, &TRIANGLE, look),
-            Marker::TriangleDown | Marker::OpenTriangleDown => self.shape(spot, &TRIANGLE.map(|(x, y)| (x, -y)), look),
-            Marker::Diamond | Marker::OpenDiamond => self.shape(spot, &DIAMOND, look),
-            Marker::Star | Marker::OpenStar => self.shape(spot, &STAR, look),
+            Marker::Cross => {
+                let (stroke, left, right) = (stroke(ink, 2.2), x - 48, x + 48);
+                for (y1, y2) in [(y - 48, y + 48), (y + 48, y - 48)] {
+                    self.element("line", format_args!("{stroke} x1=\"{left}\" y1=\"{y1}\" x2=\"{right}\" y2=\"{y2}\""));
+                }
+            }
+            Marker::Plus => {
+                self.polyline(&around(at, &[(-0.55, 0.0), (0.55, 0.0)]), ink, 2.0, "");
+                self.polyline(&around(at, &[(0.0, -0.55), (0.0, 0.55)]), ink, 2.0, "");
+            }
+            Marker::Tick => self.polyline(&around(at, &[(0.0, -0.45), (0.0, 0.45)]), ink, 2.0, ""),
+            Marker::Bar => self.polyline(&around(at, &[(-0.4, 0.0), (0.4, 0.0)]), ink, 2.0, ""),
+            Marker::Square | Marker::OpenSquare => self.shape(at, &SQUARE, look),
+            Marker::Triangle | Marker::OpenTriangle => self.shape(at, &TRIANGLE, look),
+            Marker::TriangleDown | Marker::OpenTriangleDown => self.shape(at, &TRIANGLE.map(|(x, y)| (x, -y)), look),
+            Marker::Diamond | Marker::OpenDiamond => self.shape(at, &DIAMOND, look),
+            Marker::Star | Marker::OpenStar => self.shape(at, &STAR, look),
         }
     }
 
-    /// A short line of a mark, its ends in mark sizes from the middle.
-    fn stroke(&self, spot: Spot, ends: [(f64, f64); 2], ink: RGBColor) -> Result<(), PlotError> {
-        let ends = ends.map(|(x, y)| fine(Spot { x: spot.x + MARK * x, y: spot.y + MARK * y }));
-        self.area.draw(&PathElement::new(ends.to_vec(), ink.stroke_width(20))).map_err(refused)
-    }
-
-    /// A mark with corners, filled or as an outline; corners in mark sizes from the middle.
-    fn shape(&self, spot: Spot, corners: &[(f64, f64)], look: Look) -> Result<(), PlotError> {
-        let open = matches!(
-            look.marker,
-            Marker::OpenSquare
-                | Marker::OpenTriangle
-                | Marker::OpenTriangleDown
-                | Marker::OpenDiamond
-                | Marker::OpenStar
-        );
-        let at = |(x, y): &(f64, f64)| fine(Spot { x: spot.x + MARK * x, y: spot.y + MARK * y });
-        let points: Vec<_> = corners.iter().map(at).collect();
-        if open {
-            let closed: Vec<_> = points.iter().chain(points.first()).copied().collect();
-            self.area.draw(&PathElement::new(closed, look.ink().stroke_width(16))).map_err(refused)
+    /// A mark with corners: filled, or an outline.
+    fn shape(&mut self, at: Spot, corners: &[(f64, f64)], look: Look) {
+        use Marker::{OpenDiamond, OpenSquare, OpenStar, OpenTriangle, OpenTriangleDown};
+        let (ink, mut corners) = (look.ink(), around(at, corners));
+        if matches!(look.marker, OpenSquare | OpenTriangle | OpenTriangleDown | OpenDiamond | OpenStar) {
+            corners.extend(corners.first().copied());
+            self.polyline(&corners, ink, 1.6, "");
         } else {
-            self.area.draw(&Polygon::new(points, look.ink().filled())).map_err(refused)
+            self.polygon(&corners, ink, "");
         }
     }
 
     /// Words of a size [px].
-    pub(super) fn write(&self, text: &str, size: f64, spot: Spot, anchor: Anchor) -> Result<(), PlotError> {
-        let (across, down) = match anchor {
-            Anchor::Start => (HPos::Left, VPos::Center),
-            Anchor::End => (HPos::Right, VPos::Center),
-            Anchor::Above | Anchor::Upwards => (HPos::Center, VPos::Bottom),
-            Anchor::Below => (HPos::Center, VPos::Top),
+    pub(super) fn write(&mut self, text: &str, size: f64, spot: Spot, anchor: Anchor) {
+        let (anchored, down) = match anchor {
+            Anchor::Start => ("start", "0.5ex"),
+            Anchor::End => ("end", "0.5ex"),
+            Anchor::Above | Anchor::Upwards => ("middle", "-0.5ex"),
+            Anchor::Below => ("middle", "0.76em"),
         };
-        // plotters divides the size of letters by 1.24 on their way into the SVG.
-        let style = ("sans-serif", size * FINE * 1.24).into_text_style(&self.area);
-        let style = TextStyle { pos: Pos::new(across, down), color: INK.to_backend_color(), ..style };
-        let style = match anchor {
-            Anchor::Upwards => style.transform(FontTransform::Rotate270),
-            _ => style,
-        };
-        self.area.draw_text(text, &style, fine(spot)).map_err(refused)
+        let (x, y, size, text) = (fine(spot.x), fine(spot.y), fine(size), xml_attribute(text));
+        let turn = if matches!(anchor, Anchor::Upwards) { 270 } else { 0 };
+        let _ = writeln!(
+            self.svg,
+            "<text x=\"{x}\" y=\"{y}\" dy=\"{down}\" text-anchor=\"{anchored}\" font-family=\"sans-serif\" font-size=\"{size}\" \
+             fill=\"{INK}\" transform=\"rotate({turn}, {x}, {y})\">{text}</text>"
+        );
     }
+}
+
+/// The corners of a mark, given in mark sizes from its middle.
+fn around(at: Spot, corners: &[(f64, f64)]) -> Vec<Spot> {
+    corners.iter().map(|(x, y)| Spot { x: at.x + MARK * x, y: at.y + MARK * y }).collect()
+}
+
+fn stroke(ink: Ink, width: f64) -> String {
+    format!("stroke=\"{ink}\" stroke-width=\"{}\"", fine(width))
+}
+
+fn listed(points: &[Spot]) -> String {
+    points.iter().map(|p| format!("{},{} ", fine(p.x), fine(p.y))).collect()
 }
 
 /// [px] about how wide words are; SVG letters are the reader's, so nobody knows.
@@ -228,14 +238,7 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
     0.54 * size * text.chars().count() as f64
 }
 
-fn fine(spot: Spot) -> (i32, i32) {
-    ((spot.x * FINE).round() as i32, (spot.y * FINE).round() as i32)
-}
-
-fn fine_u(pixels: u32) -> u32 {
-    pixels.saturating_mul(FINE as u32)
-}
-
-fn refused(error: impl std::fmt::Display) -> PlotError {
-    PlotError::Drawing(error.to_string())
+/// Pixels in drawing units.
+fn fine(pixels: f64) -> i64 {
+    (pixels * FINE).round() as i64
 }

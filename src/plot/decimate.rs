@@ -1,6 +1,6 @@
 //! Lines made fit for a picture: cut at its frame and thinned to what can be seen.
 //!
-//! All places are shares of the frame: the picture is the square from 0 to 1.
+//! Coordinates are shares of the frame, which is the unit square.
 
 /// A place in the frame, across and up.
 pub(super) type UnitPoint = (f64, f64);

@@ -23,9 +23,6 @@ pub enum PlotError {
         /// its upper end
         high: f64,
     },
-    /// The drawing library refused.
-    #[error("drawing failed: {0}")]
-    Drawing(String),
     /// A folder is not there.
     #[error("{0} is no folder; give a folder with results, as canopy-fem solve writes it")]
     NoFolder(PathBuf),
@@ -67,10 +64,10 @@ fn at_line(line: Option<usize>) -> String {
 }
 
 impl PlotError {
-    /// Exit status: 1 for the system and the drawing library, 2 for what a person can set right.
+    /// Exit status: 1 for the system, 2 for what a person can set right.
     pub fn exit_status(&self) -> u8 {
         match self {
-            PlotError::System { .. } | PlotError::Drawing(_) => 1,
+            PlotError::System { .. } => 1,
             _ => 2,
         }
     }

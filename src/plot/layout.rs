@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, FINE, FINE_GRID, GRID, LETTERS, Look, Spot};
+use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, Look, Spot};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
 use super::decimate::{UnitPoint, cut, inside, thin};
 use super::legend::{Entry, Legend};
@@ -46,26 +46,16 @@ pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError
     let entries = first.lines.iter().zip(&looks).filter(|(line, _)| !line.label.is_empty());
     let legend = Legend::new(entries.map(|(line, look)| Entry { label: &line.label, look: *look }).collect(), size);
     let cell = Spot { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
-    let mut text = String::new();
-    let canvas = Canvas::new(&mut text, size)?;
+    let mut canvas = Canvas::new(size);
     for (i, chart) in charts.iter().enumerate() {
         let from = Spot { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
-        draw_chart(&canvas, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
+        draw_chart(&mut canvas, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
     }
-    legend.draw(&canvas, Spot { x: width - legend.width(), y: 40.0 })?;
-    canvas.finish()?;
-    Ok(shown_at(&text, size))
+    legend.draw(&mut canvas, Spot { x: width - legend.width(), y: 40.0 });
+    Ok(canvas.finish())
 }
 
-/// Tells the header how large the finely drawn picture is shown, and that corners of lines are round.
-fn shown_at(text: &str, Size { width, height }: Size) -> String {
-    let fine = |length: u32| f64::from(length) * FINE;
-    let drawn = format!("width=\"{}\" height=\"{}\"", fine(width), fine(height));
-    let shown = format!("width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"");
-    text.replacen(&drawn, &shown, 1)
-}
-
-fn draw_chart(canvas: &Canvas<'_>, chart: &Chart, cell: Field) -> Result<(), PlotError> {
+fn draw_chart(canvas: &mut Canvas, chart: &Chart, cell: Field) -> Result<(), PlotError> {
     let top = if chart.title.is_empty() { 18.0 } else { 42.0 };
     let whole = Field {
         from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
@@ -75,28 +65,23 @@ fn draw_chart(canvas: &Canvas<'_>, chart: &Chart, cell: Field) -> Result<(), Plo
     let field = strip.as_ref().map_or(whole, PanelLayout::rest);
     let scales = scales(chart, field)?;
     let middle = f64::midpoint(whole.from.x, whole.to.x);
-    canvas.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above)?;
-    draw_axes(canvas, chart, scales, field)?;
-    let looks = looks(&chart.lines);
-    for (line, look) in chart.lines.iter().zip(looks) {
-        draw_line(
-            canvas,
-            line,
-            look,
-            &PlotArea { scales, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) },
-        )?;
+    canvas.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above);
+    draw_axes(canvas, chart, scales, field);
+    let area = PlotArea { scales, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) };
+    for (line, look) in chart.lines.iter().zip(looks(&chart.lines)) {
+        draw_line(canvas, line, look, &area);
     }
     for note in &chart.notes {
-        draw_note(canvas, note, &PlotArea { scales, field, share: 1 })?;
+        draw_note(canvas, note, &area);
     }
-    match &strip {
-        Some(strip) => strip.draw(canvas, [scales.x, scales.y]),
-        None => Ok(()),
+    if let Some(strip) = &strip {
+        strip.draw(canvas, [scales.x, scales.y]);
     }
+    Ok(())
 }
 
-fn draw_note(canvas: &Canvas<'_>, note: &Note, area: &PlotArea) -> Result<(), PlotError> {
-    let Some(place) = area.place(note.at) else { return Ok(()) };
+fn draw_note(canvas: &mut Canvas, note: &Note, area: &PlotArea) {
+    let Some(place) = area.place(note.at) else { return };
     let Spot { x, y } = area.spot(place);
     let (x, y, anchor) = match note.align {
         Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
@@ -104,7 +89,7 @@ fn draw_note(canvas: &Canvas<'_>, note: &Note, area: &PlotArea) -> Result<(), Pl
         Align::RightBelow => (x + 5.0, y + 10.0, Anchor::Start),
         Align::Above => (x, y - 4.0, Anchor::Above),
     };
-    canvas.write(&note.text, LETTERS[2], Spot { x, y }, anchor)
+    canvas.write(&note.text, LETTERS[2], Spot { x, y }, anchor);
 }
 
 fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
@@ -137,7 +122,7 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
     Ok(AxisScales { x: x.widened(unit * across), y: y.widened(unit * down) })
 }
 
-fn draw_axes(canvas: &Canvas<'_>, chart: &Chart, scales: AxisScales, field: Field) -> Result<(), PlotError> {
+fn draw_axes(canvas: &mut Canvas, chart: &Chart, scales: AxisScales, field: Field) {
     let Field { from, to } = field;
     let (across, down) = (to.x - from.x, to.y - from.y);
     let ticks_x = scales.x.ticks((across / 70.0) as usize);
@@ -145,19 +130,19 @@ fn draw_axes(canvas: &Canvas<'_>, chart: &Chart, scales: AxisScales, field: Fiel
     let ink = |label: &str| if label.is_empty() { FINE_GRID } else { GRID };
     for tick in &ticks_x {
         let x = from.x + tick.at * across;
-        canvas.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label))?;
-        canvas.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below)?;
+        canvas.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label));
+        canvas.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below);
     }
     for tick in &ticks_y {
         let y = to.y - tick.at * down;
-        canvas.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label))?;
-        canvas.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End)?;
+        canvas.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label));
+        canvas.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End);
     }
-    canvas.frame(from, to)?;
+    canvas.frame(from, to);
     let below = Spot { x: f64::midpoint(from.x, to.x), y: to.y + 32.0 };
-    canvas.write(&chart.x.label, LETTERS[1], below, Anchor::Below)?;
+    canvas.write(&chart.x.label, LETTERS[1], below, Anchor::Below);
     let beside = Spot { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
-    canvas.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards)
+    canvas.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards);
 }
 
 /// What a line is drawn on.
@@ -179,28 +164,27 @@ impl PlotArea {
     }
 }
 
-fn draw_line(canvas: &Canvas<'_>, line: &Line, look: Look, area: &PlotArea) -> Result<(), PlotError> {
+fn draw_line(canvas: &mut Canvas, line: &Line, look: Look, area: &PlotArea) {
     let places = || line.points.iter().map(|p| area.place(*p));
     if look.stroke != Stroke::None {
         let pieces = cut(places());
         let all: usize = pieces.iter().map(Vec::len).sum();
         let most = MOST_POINTS.min(area.share);
         if look.stroke == Stroke::Filled {
-            canvas.area(&places().flatten().map(|p| area.spot(p)).collect::<Vec<_>>(), look)?;
+            canvas.area(&places().flatten().map(|p| area.spot(p)).collect::<Vec<_>>(), look);
         }
         for piece in pieces {
             let share = (most * piece.len()).div_ceil(all.max(1)).max(8);
             let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| area.spot(p)).collect();
-            canvas.line(&spots, look)?;
+            canvas.line(&spots, look);
         }
     }
     if look.marker != Marker::None {
         let within: Vec<UnitPoint> = places().flatten().filter(|p| inside(*p)).collect();
         for place in thin(&within, MOST_POINTS.min(area.share)) {
-            canvas.mark(area.spot(place), look)?;
+            canvas.mark(area.spot(place), look);
         }
     }
-    Ok(())
 }
 
 /// Colours and widths of all lines, in their order.

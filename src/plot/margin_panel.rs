@@ -1,18 +1,17 @@
-//! The strip beside a picture: marks along one axis that have no place on the other.
+//! The margin panel of a chart: marks along one axis that have no place on the other, such as runs without an error.
 
-use super::PlotError;
 use super::axis::AxisScale;
 use super::canvas::{Anchor, Canvas, GRID, LETTERS, Look, Spot};
 use super::chart::{Side, Strip, Stroke};
 use super::layout::Field;
 
-/// [px] From one mark to the next, so that they do not touch.
+/// [px] least distance of two marks, so that they do not touch
 const PITCH: f64 = 12.0;
-/// [px] Between the picture and the strip.
+/// [px] between the chart and the panel
 const GAP: f64 = 8.0;
 /// Fewest and most lanes of marks.
 const LANES: [usize; 2] = [6, 16];
-/// Most of a strip's length that marks without a place take.
+/// [-] largest share of the panel's length for marks without a place
 const WITHOUT: f64 = 0.6;
 
 /// Where a strip and its marks stand.
@@ -51,13 +50,13 @@ impl<'a> PanelLayout<'a> {
         PanelLayout { strip, field, rest, lanes }
     }
 
-    /// What is left for the picture.
+    /// What is left for the chart.
     pub(super) fn rest(&self) -> Field {
         self.rest
     }
 
     /// Draws the strip; of the scales of both axes it takes the one it stands along.
-    pub(super) fn draw(&self, canvas: &Canvas<'_>, [x, y]: [AxisScale; 2]) -> Result<(), PlotError> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, [x, y]: [AxisScale; 2]) {
         let Field { from, to } = self.field;
         let right = self.strip.side == Side::Right;
         let (scale, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
@@ -79,15 +78,15 @@ impl<'a> PanelLayout<'a> {
             } else {
                 [Spot { x: from.x + band, y: from.y }, Spot { x: from.x + band, y: to.y }]
             };
-            canvas.rule(a, b, GRID)?;
+            canvas.rule(a, b, GRID);
         }
-        canvas.frame(from, to)?;
+        canvas.frame(from, to);
         let (label, anchor) = if right {
             (Spot { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
         } else {
             (Spot { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
         };
-        canvas.write(&self.strip.label, LETTERS[2], label, anchor)?;
+        canvas.write(&self.strip.label, LETTERS[2], label, anchor);
         let mut lower = Lanes::new(self.lanes, [0.0, band]);
         let mut upper = Lanes::new(self.lanes, [if without > 0 { band } else { 0.0 }, length]);
         for (mark, place) in places {
@@ -96,9 +95,8 @@ impl<'a> PanelLayout<'a> {
                 None => lower.put(0.0),
             };
             let look = Look { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
-            canvas.mark(spot(along, lane), look)?;
+            canvas.mark(spot(along, lane), look);
         }
-        Ok(())
     }
 }
 

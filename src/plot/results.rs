@@ -1,17 +1,18 @@
 //! A finished run, read back from its folder.
 
 use super::PlotError;
-use super::reference_positions::reference_positions;
 use super::table::rows;
 use crate::drive::Status;
 use crate::drive::observer::LedgerRow;
 use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
+use crate::output::rows::{HISTORY_HEADER, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
-use crate::output::{history, probes};
+use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use vtkio::model::DataSet;
 
 /// What pictures need of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,13 +148,13 @@ fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotEr
         let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
         Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
     };
-    rows(path, text, history::HEADER)?.iter().map(ledger).collect()
+    rows(path, text, HISTORY_HEADER)?.iter().map(ledger).collect()
 }
 
 fn read_probes(path: &Path, text: &str) -> Result<Vec<Track>, PlotError> {
     let mut tracks: Vec<Track> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
-    for row in rows(path, text, probes::HEADER)? {
+    for row in rows(path, text, PROBES_HEADER)? {
         let (probe, node) = (row.text(1).to_owned(), row.number(2)?);
         let [x, y, z, vx, vy, vz] = row.numbers(3)?;
         let moment = Moment { t: row.number(0)?, x: [x, y, z], v: [vx, vy, vz] };
@@ -187,4 +188,21 @@ fn place(run: &mut Run) -> Result<(), PlotError> {
         track.reference = found.ok_or_else(|| bad(&path, format!("has no node {}, which is probed", track.node)))?;
     }
     Ok(())
+}
+
+/// [m] `[n_nodes]` Where nodes lie before any displacement, from a frame: its points less its displacements.
+///
+/// `probes.csv` gives positions, and a run may begin displaced, so the first row is not enough. The case is, but
+/// making its mesh again takes long and needs the mesh's file where it was.
+fn reference_positions(frame: &[u8]) -> Result<Vec<[f64; 3]>, String> {
+    let DataSet::UnstructuredGrid { pieces, .. } = read_vtk(frame)? else { return Err("is no frame".to_owned()) };
+    let piece = pieces.into_iter().next().ok_or("has no points")?;
+    let piece = piece_content(piece)?;
+    let points: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
+    let displacement = named_array(piece.data.point, "displacement").ok_or("has no array \"displacement\"")?;
+    let reference: Vec<f64> = points.iter().zip(&displacement).map(|(x, u)| x - u).collect();
+    match reference.as_chunks() {
+        (positions, []) if points.len() == displacement.len() => Ok(positions.to_vec()),
+        _ => Err(format!("has {} coordinates but {} displacements", points.len(), displacement.len())),
+    }
 }

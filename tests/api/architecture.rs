@@ -31,7 +31,8 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 #[test]
 fn layers_name_only_what_is_below_them() {
-    let rules: [(&str, &[&str]); 14] = [
+    let rules: [(&str, &[&str]); 15] = [
+        ("vtk", &["crate::"]),
         (
             "preflight",
             &[
@@ -165,6 +166,7 @@ fn nothing_a_user_can_cause_panics_by_design() {
         "scene",
         "solve",
         "study",
+        "vtk",
     ] {
         for (path, text) in sources(folder) {
             let in_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");

@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::common::read_vtu::{self, Vtu};
+use canopy_fem::case::spec::ProbeSpec;
 use canopy_fem::case::spec::RowEvery;
-use canopy_fem::case::spec::{Compression, Encoding, VtuFormat};
 use canopy_fem::drive::observer::{LedgerRow, ObserveError, Observer};
 use canopy_fem::output::frame::Fields;
-use canopy_fem::output::probes::Probe;
 use canopy_fem::output::recorder::{Recorder, RecorderError, RecorderSpec};
+use canopy_fem::vtk::{Compression, Encoding, VtuFormat};
 use triangle_pair::{Run, TrianglePair, ledger};
 
 const ALL: Fields = Fields { force: true, reaction: true, tension: true, strain: true };
@@ -25,8 +25,8 @@ fn spec(dir: &Path) -> RecorderSpec {
         end: 1.0,
         fields: ALL,
         probes: vec![
-            Probe { name: "tip".to_owned(), nodes: vec![3] },
-            Probe { name: "a, b".to_owned(), nodes: vec![1, 0] },
+            ProbeSpec { name: "tip".to_owned(), nodes: vec![3] },
+            ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },
         ],
         history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
@@ -147,7 +147,7 @@ fn all_spellings_agree() {
 /// Zlib blocks of 1 MiB: more than one, the last not full, read back to the same bytes.
 #[test]
 fn large_arrays_take_several_blocks() {
-    use canopy_fem::output::vtu::{Cells, Snapshot, VtuWriter};
+    use canopy_fem::vtk::write::{Cells, Snapshot, VtuWriter};
     let points: Vec<[f64; 3]> = (0..100_000).map(|i| [f64::from(i), f64::from(i).sqrt(), -1.0]).collect();
     let cells = Cells { points: points.len(), triangles: &[], edges: &[] };
     let picture = Snapshot { time: None, points: &points, point_data: &[], cell_data: &[] };
@@ -165,7 +165,7 @@ fn large_arrays_take_several_blocks() {
 /// Points and ends of cells are written in 16 bits where they can be, else in 32, and read back to the same ones.
 #[test]
 fn cells_are_written_in_few_bytes() {
-    use canopy_fem::output::vtu::{Cells, Snapshot, VtuWriter};
+    use canopy_fem::vtk::write::{Cells, Snapshot, VtuWriter};
     // 3 n - 4 corners: the last that 16 bits number, and one more.
     for (count, bytes) in [(3_u32, 2), (703, 2), (21_846, 2), (21_847, 4), (100_000, 4)] {
         let points: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), f64::from(i % 2), 0.0]).collect();
@@ -469,7 +469,7 @@ fn bad_requests_are_refused() {
         refuse(RecorderSpec { history_every: RowEvery::Steps(0), ..spec(dir.path()) }),
         RecorderError::BadHistory
     ));
-    let probes = vec![Probe { name: "far".to_owned(), nodes: vec![0, 4] }];
+    let probes = vec![ProbeSpec { name: "far".to_owned(), nodes: vec![0, 4] }];
     let fault = refuse(RecorderSpec { probes, ..spec(dir.path()) });
     assert_eq!(fault.to_string(), "probe \"far\" follows node 4, but there are 4 nodes, counted from 0");
     assert_eq!(std::fs::read_dir(dir.path()).expect("the folder is there").count(), 0);
@@ -478,7 +478,7 @@ fn bad_requests_are_refused() {
 /// Cells and arrays that do not fit are refused, with the numbers.
 #[test]
 fn bad_pictures_are_refused() {
-    use canopy_fem::output::vtu::{Array, Cells, Snapshot, Values, VtuWriter};
+    use canopy_fem::vtk::write::{Array, Cells, Snapshot, Values, VtuWriter};
     let bad = Cells { points: 2, triangles: &[[0, 1, 2]], edges: &[] };
     let fault = VtuWriter::new(&bad, VtuFormat::default()).expect_err("no such point");
     assert_eq!(fault.to_string(), "cell 0 uses point 2, but there are 2 points, counted from 0");

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use canopy_fem::case::Case;
-use canopy_fem::case::spec::Precision;
 use canopy_fem::output::frame::Fields;
 use canopy_fem::output::space::frame_bytes;
 use canopy_fem::simulation::build_scene;
+use canopy_fem::vtk::Precision;
 
 use crate::bench::{Bench, Ended, SAIL};
 

@@ -67,6 +67,25 @@ fn solve_writes_the_files_of_the_contract() {
     }
 }
 
+/// The last frame of a run is the mesh of the next one, whose nodes begin where they ended.
+#[test]
+fn a_frame_is_the_mesh_of_the_next_case() {
+    for compression in ["none", "zlib"] {
+        let bench = Bench::new();
+        let compressed = format!("output.compression={compression}");
+        assert_eq!(bench.solve(&["--set", &compressed]).code, Some(0));
+        let (_, last) = bench.results().frames().pop().expect("frames");
+        std::fs::rename(bench.path("out/frames/sail_000010.vtu"), bench.path("last.vtu")).expect("the last frame");
+        let mesh = "system.network.mesh={\"file\": \"last.vtu\"}";
+        let ended = bench.solve(&["--force", "--set", mesh, "--set", &compressed]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let (_, first) = bench.results().frames().swap_remove(0);
+        for name in ["Points", "connectivity", "types"] {
+            assert_eq!(first.bytes(name), last.bytes(name), "{name}, {compression}");
+        }
+    }
+}
+
 /// The summary tells where the time before the first step went; what does not take place takes no time.
 #[test]
 fn the_start_is_told_phase_by_phase() {

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::geometry::{Geometry, Needs, triangles};
+use super::numbers::series;
 use super::select;
-use super::series::series;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Load, PressureKindKey};

@@ -1,5 +1,5 @@
 //! From the structs of the file to the plain data of a run. Every section is checked where it is built, so that what
-//! a check allows and what the builder relies on stand side by side; faults are collected, not returned.
+//! a check allows is next to what relies on it. Faults are collected, not returned.
 
 mod air;
 mod digits;
@@ -11,13 +11,10 @@ mod mass;
 mod network;
 mod numbers;
 mod output;
-mod pendulum;
 mod plausible;
 mod select;
-mod series;
 mod springs;
 mod stiffness;
-mod study;
 mod tables;
 mod time;
 
@@ -26,11 +23,13 @@ use std::sync::Arc;
 
 use super::diagnostics::Faults;
 use super::pointer::Pointer;
-use super::schema::{CaseFile, System};
+use super::schema::{CaseFile, Pendulum, System};
 use super::spec::{Problem, SystemSpec};
 use crate::drive::clock::Step;
+use crate::model::spec::PendulumSpec;
 use crate::preflight;
 use geometry::Geometry;
+use numbers::{not_negative, positive};
 
 /// What was built, and the geometry for the next build of a study.
 pub(crate) type Built = (Problem, Option<Arc<Geometry>>);
@@ -46,13 +45,13 @@ pub(crate) fn build(
     name(&root.key("name"), &file.name, faults);
     let timing = time::time(&file.time, &file.system, faults);
     let solver = time::solver(file.solver.as_ref(), faults);
-    study::check(file.study.as_ref(), faults);
+    time::study(file.study.as_ref(), faults);
     let at = root.key("system");
     let (system, geometry) = match &file.system {
         // A stand-in: which system was meant is not known.
         _ if faults.unread(&at) => (None, None),
         System::Pendulum(pendulum) => {
-            let spec = pendulum::pendulum(&at.key("pendulum"), pendulum, faults);
+            let spec = self::pendulum(&at.key("pendulum"), pendulum, faults);
             let step = timing.as_ref().and_then(|t| t.spec.step.fixed());
             preflight::pendulum(&spec, step).into_iter().for_each(|warning| faults.pass_on(warning));
             (Some(SystemSpec::Pendulum(spec)), None)
@@ -96,4 +95,27 @@ fn name(at: &Pointer, name: &str, faults: &mut Faults<'_>) {
     if name.trim().is_empty() || length > 200 || name.chars().any(char::is_control) {
         faults.add(at, "1 to 200 characters, not only blanks, no control characters");
     }
+}
+
+/// Checks and builds a pendulum.
+fn pendulum(at: &Pointer, pendulum: &Pendulum, faults: &mut Faults<'_>) -> PendulumSpec {
+    let Pendulum { length, mass, damping, gravity, angle, rate } = *pendulum;
+    let long = positive(&at.key("length"), length, faults);
+    let heavy = positive(&at.key("mass"), mass, faults);
+    not_negative(&at.key("damping"), damping, faults);
+    not_negative(&at.key("gravity"), gravity, faults);
+    if long && heavy && !(mass * length * length).is_normal() {
+        faults.add_value(
+            at,
+            format!("m L^2 = {:e}", mass * length * length),
+            "m L^2 within the range of a double",
+            None,
+        );
+    }
+    let spec = PendulumSpec { length, mass, damping, gravity, angle, rate };
+    if long && heavy {
+        energy::pendulum(at, &spec, faults);
+    }
+    plausible::pendulum(at, &spec, faults);
+    spec
 }

@@ -1,7 +1,8 @@
-//! Range checks of single numbers.
+//! Range checks of single numbers and of tables over time.
 
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
+use crate::model::spec::Series;
 
 /// Notes a fault unless `x` is above 0 and finite; says whether it is good, which a stand-in is not.
 pub(super) fn positive(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
@@ -28,4 +29,33 @@ pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
         faults.add(at, "a number above 0 and below 1");
     }
     good && faults.readable(at)
+}
+
+/// A table whose rows begin with the time; `None` if it is empty or its times do not increase.
+pub(super) fn series<T>(
+    at: &Pointer,
+    rows: impl Iterator<Item = (f64, T)>,
+    faults: &mut Faults<'_>,
+) -> Option<Series<T>> {
+    let (t, value): (Vec<f64>, Vec<T>) = rows.unzip();
+    if t.is_empty() {
+        faults.add(at, "at least one row");
+        return None;
+    }
+    // A time that could not be read has no order.
+    if !faults.readable(at) {
+        return None;
+    }
+    let before = faults.count();
+    for (i, pair) in t.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            faults.add_value(
+                &at.index(i + 1),
+                format!("time {} after {}", pair[1], pair[0]),
+                "times strictly increasing from row to row",
+                Some("sort the rows by time and keep one row a time; for a jump use two close times".to_owned()),
+            );
+        }
+    }
+    (faults.count() == before).then_some(Series { t, value })
 }

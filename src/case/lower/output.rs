@@ -7,8 +7,8 @@ use super::select::NodeSet;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Every, Field, Output, Probe};
-use crate::case::spec::VtuFormat;
 use crate::case::spec::{OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::vtk::VtuFormat;
 
 /// [-] Rows of `history.csv` that the default interval keeps within, with the first and the last state.
 const HISTORY_ROWS: u64 = 10_000;

@@ -1,9 +1,10 @@
-//! The time and solver sections.
+//! The time, solver and study sections. A study is checked with the rest, so that it does not fail after its first
+//! hour.
 
 use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
-use crate::case::schema::{self, Linear, Method, Solver, System, Time};
+use crate::case::schema::{self, Linear, Method, Solver, Study, System, Time};
 use crate::case::spec::TimeSpec;
 use crate::drive::clock::{Step, Tolerance};
 use crate::integrate::implicit::SolverSpec;
@@ -106,7 +107,7 @@ fn tolerance(at: &Pointer, given: schema::Tolerance, faults: &mut Faults<'_>) ->
 }
 
 /// Looks a method up and checks its parameters; the pointer leads to the name or the parameter at fault.
-pub(super) fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<MethodChoice> {
+fn method(at: &Pointer, method: &Method, faults: &mut Faults<'_>) -> Option<MethodChoice> {
     let error = match MethodChoice::new(&method.name, &method.parameters) {
         Ok(choice) => return Some(choice),
         Err(error) => error,
@@ -165,4 +166,37 @@ pub(super) fn solver(solver: Option<&Solver>, faults: &mut Faults<'_>) -> Solver
         schema::Strategy::Quasi => Strategy::Quasi,
     };
     SolverSpec { newton, linear }
+}
+
+/// Checks the `study` section.
+pub(super) fn study(study: Option<&Study>, faults: &mut Faults<'_>) {
+    let Some(study) = study else { return };
+    let at = Pointer::root().key("study");
+    for (i, choice) in some(&at.key("methods"), study.methods.as_deref(), faults).iter().enumerate() {
+        method(&at.key("methods").index(i), choice, faults);
+    }
+    for (i, step) in some(&at.key("steps"), study.steps.as_deref(), faults).iter().enumerate() {
+        positive(&at.key("steps").index(i), *step, faults);
+    }
+    for (i, tolerance) in some(&at.key("tolerances"), study.tolerances.as_deref(), faults).iter().enumerate() {
+        fraction(&at.key("tolerances").index(i), *tolerance, faults);
+    }
+    if study.repeat.is_some_and(|n| !(1..=1000).contains(&n)) {
+        faults.add(&at.key("repeat"), "a whole number from 1 to 1000");
+    }
+    if let Some(budget) = study.budget_seconds {
+        positive(&at.key("budget_seconds"), budget, faults);
+    }
+}
+
+/// The entries of a list that, if given, must not be empty.
+fn some<'a, T>(at: &Pointer, list: Option<&'a [T]>, faults: &mut Faults<'_>) -> &'a [T] {
+    match list {
+        Some([]) => {
+            faults.add(at, "at least one entry; leave the key out to let the study choose");
+            &[]
+        }
+        Some(list) => list,
+        None => &[],
+    }
 }

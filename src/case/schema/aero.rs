@@ -1,10 +1,6 @@
 //! The air that blows through and against the cloth.
 
-use std::fmt;
-
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 /// The air: a pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative
@@ -19,8 +15,8 @@ pub struct Aero {
 }
 
 /// Wind velocity, constant or over time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
 pub enum Wind {
     /// [m/s] the same at all times
     Constant([f64; 3]),
@@ -29,37 +25,6 @@ pub enum Wind {
         /// [s, m/s] rows of time and velocity, times strictly increasing; linear between rows, constant outside them
         table: Vec<[f64; 4]>,
     },
-}
-
-impl<'de> Deserialize<'de> for Wind {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(WindVisitor)
-    }
-}
-
-struct WindVisitor;
-
-impl<'de> Visitor<'de> for WindVisitor {
-    type Value = Wind;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a vector [x, y, z] or {\"table\": [[t, x, y, z], ...]}")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Wind, A::Error> {
-        <[f64; 3]>::deserialize(SeqAccessDeserializer::new(seq)).map(Wind::Constant)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Wind, A::Error> {
-        let mut table = None;
-        while let Some(key) = map.next_key::<String>()? {
-            if key != "table" {
-                return Err(A::Error::unknown_field(&key, &["table"]));
-            }
-            table = Some(map.next_value()?);
-        }
-        table.map(|table| Wind::Table { table }).ok_or_else(|| A::Error::missing_field("table"))
-    }
 }
 
 impl JsonSchema for Wind {

@@ -2,18 +2,16 @@
 //! business; the JSON Schema is made from its table.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use serde::ser::{Serialize, SerializeMap, Serializer};
-use serde::{Deserialize, de};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::integrate::registry::{MethodInfo, ParameterInfo, methods};
 
 /// A method and the parameters that were given: `"newmark"` or `{"hht": {"alpha": -0.1}}`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
 pub struct Method {
     /// name
     pub name: String,
@@ -21,44 +19,30 @@ pub struct Method {
     pub parameters: BTreeMap<String, f64>,
 }
 
-impl<'de> Deserialize<'de> for Method {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(MethodVisitor)
+/// A method as the case file has it.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Written {
+    Name(String),
+    Tuned(BTreeMap<String, BTreeMap<String, f64>>),
+}
+
+impl TryFrom<Written> for Method {
+    type Error = &'static str;
+
+    fn try_from(written: Written) -> Result<Self, Self::Error> {
+        let (name, parameters) = match written {
+            Written::Name(name) => (name, BTreeMap::new()),
+            Written::Tuned(map) if map.len() == 1 => map.into_iter().next().unwrap_or_default(),
+            Written::Tuned(_) => return Err("expected an object with one key, the method's name"),
+        };
+        Ok(Method { name, parameters })
     }
 }
 
-struct MethodVisitor;
-
-impl<'de> Visitor<'de> for MethodVisitor {
-    type Value = Method;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a method, \"newmark\", or a method with parameters, {\"hht\": {\"alpha\": -0.1}}")
-    }
-
-    fn visit_str<E: de::Error>(self, name: &str) -> Result<Method, E> {
-        Ok(Method { name: name.to_owned(), parameters: BTreeMap::new() })
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Method, A::Error> {
-        let one = "expected an object with one key, the method's name";
-        let (name, parameters) =
-            map.next_entry()?.ok_or_else(|| A::Error::custom(format!("invalid length 0, {one}")))?;
-        match map.next_key::<String>()? {
-            None => Ok(Method { name, parameters }),
-            Some(_) => Err(A::Error::custom(format!("invalid length over 1, {one}"))),
-        }
-    }
-}
-
-impl Serialize for Method {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.parameters.is_empty() {
-            return serializer.serialize_str(&self.name);
-        }
-        let mut map = serializer.serialize_map(Some(1))?;
-        map.serialize_entry(&self.name, &self.parameters)?;
-        map.end()
+impl From<Method> for Written {
+    fn from(Method { name, parameters }: Method) -> Self {
+        if parameters.is_empty() { Written::Name(name) } else { Written::Tuned([(name, parameters)].into()) }
     }
 }
 

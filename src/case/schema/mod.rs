@@ -8,14 +8,11 @@ pub mod loads;
 pub mod method;
 pub mod network;
 pub mod output;
-pub mod pendulum;
 pub mod per_node;
 pub mod select;
 pub mod solver;
 pub mod springs;
-pub mod study;
 pub mod time;
-pub mod vectors;
 
 use crate::warning::WarningCode;
 use schemars::JsonSchema;
@@ -26,14 +23,11 @@ pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
-pub use pendulum::Pendulum;
-pub use per_node::PerNode;
+pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};
 pub use solver::{Linear, Newton, Solver, Strategy};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
-pub use study::Study;
-pub use time::{Time, Tolerance};
-pub use vectors::Vectors;
+pub use time::{Study, Time, Tolerance};
 
 /// A simulation case for canopy-fem. Values are SI. Comments (`//` and `/* */`) and trailing commas are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -76,6 +70,30 @@ pub enum System {
     Network(Box<Network>),
     /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'.
     Pendulum(Pendulum),
+}
+
+/// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pendulum {
+    /// [m] Length L of the line.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length: f64,
+    /// [kg] Mass m of the bob.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass: f64,
+    /// [N m s] Damping c of the rotation; 0 if not given.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
+    pub damping: f64,
+    /// [m/s^2] Gravity g, downwards along -z.
+    #[schemars(range(min = 0))]
+    pub gravity: f64,
+    /// [rad] Initial angle from the lowest position.
+    pub angle: f64,
+    /// [rad/s] Initial angular velocity; 0 if not given.
+    #[serde(default)]
+    pub rate: f64,
 }
 
 /// The JSON Schema of a case, as `canopy-fem schema` prints it.

@@ -5,10 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::aero::Aero;
 use super::loads::Load;
-use super::per_node::PerNode;
+use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
 use super::springs::SpringRule;
-use super::vectors::Vectors;
 use crate::mesh::source::MeshSource;
 
 /// Point masses joined by springs.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::select::NodeSelection;
-use crate::case::spec::{Compression, Precision};
+use crate::vtk::{Compression, Precision};
 
 /// What is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,14 +1,11 @@
-//! A number for every node: one for all, or a list.
-
-use std::fmt;
+//! A number or a vector for every node: one for all, or a list.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// One number for every node, or a list with one a node.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PerNode {
     /// The same for every node.
@@ -17,37 +14,14 @@ pub enum PerNode {
     Each(Vec<f64>),
 }
 
-// serde's own untagged reader only says "did not match any variant"; this one says what was expected and where.
-impl<'de> Deserialize<'de> for PerNode {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(PerNodeVisitor)
-    }
-}
-
-struct PerNodeVisitor;
-
-impl<'de> Visitor<'de> for PerNodeVisitor {
-    type Value = PerNode;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a list with one number a node")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<PerNode, E> {
-        Ok(PerNode::Same(value))
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<PerNode, E> {
-        Ok(PerNode::Same(value as f64))
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<PerNode, E> {
-        Ok(PerNode::Same(value as f64))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<PerNode, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(PerNode::Each)
-    }
+/// One vector for every free degree of freedom, or a list with one vector a node.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Vectors {
+    /// The same for every node.
+    Same([f64; 3]),
+    /// One a node.
+    Each(Vec<[f64; 3]>),
 }
 
 impl JsonSchema for PerNode {
@@ -61,5 +35,20 @@ impl JsonSchema for PerNode {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({"oneOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]})
+    }
+}
+
+impl JsonSchema for Vectors {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Vectors".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let vector = json!({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3});
+        json_schema!({"oneOf": [vector, {"type": "array", "items": vector}]})
     }
 }

@@ -1,4 +1,4 @@
-//! What all formats have in common: points, lines and faces, before they become a mesh.
+//! Points, lines and faces, which all formats have, and the mesh made of them.
 
 use super::Imported;
 use crate::mesh::{Mesh, topology};

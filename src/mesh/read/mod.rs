@@ -1,4 +1,5 @@
-//! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl.
+//! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl. A frame of a run is a mesh too:
+//! its nodes are where they were at its time.
 //!
 //! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
 //! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (Gmsh's arc centres, say) are
@@ -13,6 +14,9 @@ mod vtk;
 use super::{Mesh, MeshError};
 use cells::Cells;
 use std::path::Path;
+
+/// Name of the cell array of a .vtu file that marks seams.
+pub(super) const SEAM: &str = "seam";
 
 /// A mesh read from a file, and what the reader changed.
 #[derive(Clone, Debug, PartialEq)]

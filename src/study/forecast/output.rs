@@ -5,11 +5,11 @@ use std::hint::black_box;
 use super::cost::median_seconds;
 use crate::case::spec::{OutputSpec, RowEvery};
 use crate::output::frame::{Fields, Frame, FrameSize};
-use crate::output::history::HistoryRow;
+use crate::output::rows::HistoryRow;
 use crate::output::space::frame_bytes;
-use crate::output::vtu::{Array, Cells, Snapshot, Values, VtuWriter};
 use crate::output::writer::most_frames;
 use crate::scene::Scene;
+use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuWriter};
 
 /// [s] spent on measuring a frame and a row each.
 const BUDGET: f64 = 2e-3;

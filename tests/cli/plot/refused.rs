@@ -53,7 +53,7 @@ fn damaged_results_are_named_with_their_line() {
     let odd = |text: String| text.replace("\"completed\"", "\"finished\"");
     refusal(|d| edit(d, "out/summary.json", odd), &["out"], &["out/summary.json", "status"]);
     let empty = |d: &Desk| std::fs::write(d.path("out/frames/oscillator_000000.vtu"), "").expect("written");
-    refusal(empty, &["out"], &["oscillator_000000.vtu: is no frame"]);
+    refusal(empty, &["out"], &["oscillator_000000.vtu: is not a VTK file"]);
 }
 
 #[test]

@@ -61,7 +61,8 @@ fn comes_back(mesh: &Mesh) -> Result<(), String> {
         let imported = mesh_from_bytes(Path::new(name), text.as_bytes());
         imported.map(|i| i.mesh).map_err(|error| format!("written, but {error}"))
     };
-    if back("back.vtu", vtu_text(mesh))? != *mesh {
+    let text = vtu_text(mesh).map_err(|error| format!("read, but not written: {error}"))?;
+    if back("back.vtu", text)? != *mesh {
         return Err("another mesh comes back from .vtu".to_owned());
     }
     let other = back("back.obj", obj_text(mesh))?;

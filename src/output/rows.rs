@@ -1,18 +1,19 @@
-//! `history.csv`: a row a step, or every n.
+//! The rows of `history.csv` and `probes.csv`.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use super::csv::CsvFile;
-use super::file_prefix::FilePrefix;
-use super::resume::ResumeError;
+use super::frame::Frame;
+use crate::case::spec::ProbeSpec;
 use crate::drive::observer::{LedgerRow, ObserveError};
 
-/// The header line; other programs rely on it.
-pub const HEADER: &str = "t,step,kinetic,elastic,gravity,external_work,dissipated,numerical,newton_iterations,residual,\
-                          max_speed,max_strain";
+/// The header line of `history.csv`; other programs rely on it.
+pub const HISTORY_HEADER: &str =
+    "t,step,kinetic,elastic,gravity,external_work,dissipated,numerical,newton_iterations,residual,max_speed,max_strain";
+/// The header line of `probes.csv`; other programs rely on it.
+pub const PROBES_HEADER: &str = "t,name,node,x,y,z,vx,vy,vz";
 
-/// One row.
+/// One row of `history.csv`: a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HistoryRow {
     /// [s] time
@@ -47,39 +48,18 @@ impl HistoryRow {
     }
 }
 
-/// The growing file.
-#[derive(Debug)]
-pub struct History {
-    file: CsvFile,
-}
-
-impl History {
-    /// Creates the file with its header.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn create(path: &Path) -> Result<Self, ObserveError> {
-        Ok(Self { file: CsvFile::create(path, HEADER)? })
+/// Appends the positions and velocities of probed nodes at one frame time: probes in the order of the case, nodes in
+/// the order of the probe. Names are quoted already; nodes outside the frame have been refused before the run.
+pub(super) fn write_probes(file: &mut CsvFile, probes: &[ProbeSpec], frame: &Frame) -> Result<(), ObserveError> {
+    let t = frame.time;
+    for ProbeSpec { name, nodes } in probes {
+        for &node in nodes {
+            let at = node as usize;
+            let (Some([x, y, z]), Some([vx, vy, vz])) = (frame.positions.get(at), frame.velocities.get(at)) else {
+                continue;
+            };
+            file.line(|out| write!(out, "{t:?},{name},{node},{x:?},{y:?},{z:?},{vx:?},{vy:?},{vz:?}"))?;
+        }
     }
-
-    /// Goes on with a file after its mark.
-    ///
-    /// # Errors
-    /// When another run holds it or it cannot be opened.
-    pub fn reopen(path: &Path, mark: FilePrefix) -> Result<Self, ResumeError> {
-        Ok(Self { file: CsvFile::reopen(path, mark)? })
-    }
-
-    /// Appends a row.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn push(&mut self, row: &HistoryRow) -> Result<(), ObserveError> {
-        self.file.line(|buffer| row.write(buffer))
-    }
-
-    /// The file under it, to flush.
-    pub fn file(&mut self) -> &mut CsvFile {
-        &mut self.file
-    }
+    Ok(())
 }

@@ -1,18 +1,15 @@
-//! A .vtu file (VTK XML unstructured grid, version 1.0): triangles, then edges, as cells; appended arrays.
+//! Writes .vtu files (VTK XML unstructured grid, version 1.0): triangles, then edges, as cells.
 //!
-//! Source: "VTK XML file formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
-//! Connectivity, offsets and types do not change during a run: they are encoded once and stand first in the
-//! appended section, so a frame only adds its own arrays behind them.
+//! A frame has appended arrays. Connectivity, offsets and types do not change during a run: they are encoded once and
+//! are first in the appended section, so a frame only adds its own arrays behind them.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::cells::{CellTable, Width};
-use super::encode::{Appender, little_endian, little_endian_f32};
-use super::sanitize::xml_attribute;
+use super::encode::{Appender, CellTable, Width, little_endian, little_endian_f32};
 use super::vectored_write::{Appended, Segment};
-pub use crate::case::spec::{Compression, Encoding, Precision, VtuFormat};
+use super::{Compression, Encoding, Precision, VtuFormat, xml_attribute};
 
 /// What never changes: how many points there are and which of them make the cells.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +20,13 @@ pub struct Cells<'a> {
     pub triangles: &'a [[u32; 3]],
     /// edges, which come after the triangles
     pub edges: &'a [[u32; 2]],
+}
+
+impl Cells<'_> {
+    /// Number of corners of all cells.
+    fn corners(&self) -> usize {
+        3 * self.triangles.len() + 2 * self.edges.len()
+    }
 }
 
 /// Values of an array, one a point or a cell.
@@ -84,6 +88,50 @@ pub enum VtuError {
     Write(#[from] std::io::Error),
 }
 
+/// A mesh as text: its arrays are inline in base64, which every VTK reads. `flags` is a named array of one number a
+/// cell, triangles before edges.
+///
+/// # Errors
+/// When a cell names a point that is not there, or a flag is missing.
+pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, (flag, flags): (&str, &[u8])) -> Result<String, VtuError> {
+    let table = CellTable::new(cells, Width::Long)?;
+    let (kind, expected) = (table.width.kind(), table.types.len());
+    if flags.len() != expected {
+        return Err(VtuError::WrongLength { name: flag.to_owned(), found: flags.len(), expected });
+    }
+    let mut appender = Appender::new(VtuFormat { encoding: Encoding::Base64, ..VtuFormat::default() });
+    let mut array = |kind: &str, name: &str, components: usize, data: &[u8]| -> Result<String, VtuError> {
+        let mut text = Vec::new();
+        appender.append(data, &mut text)?;
+        let text = String::from_utf8_lossy(&text);
+        Ok(format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">{text}\
+             </DataArray>\n"
+        ))
+    };
+    Ok([
+        &grid_head(""),
+        &format!("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{expected}\">\n<Points>\n", points.len()),
+        &array("Float64", "points", 3, &little_endian(points.as_flattened()))?,
+        "</Points>\n<Cells>\n",
+        &array(kind, "connectivity", 1, &table.connectivity)?,
+        &array(kind, "offsets", 1, &table.ends)?,
+        &array("UInt8", "types", 1, &table.types)?,
+        "</Cells>\n<CellData>\n",
+        &array("UInt8", flag, 1, flags)?,
+        "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+    ]
+    .concat())
+}
+
+/// The first lines of a file, with a further attribute of its root.
+fn grid_head(compressor: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\"{compressor}>\n<UnstructuredGrid>\n"
+    )
+}
+
 /// Writes pictures of one scene; buffers are kept from one to the next.
 #[derive(Clone, Debug)]
 pub struct VtuWriter {
@@ -107,7 +155,7 @@ impl VtuWriter {
     /// # Errors
     /// When a cell names a point that is not there.
     pub fn new(cells: &Cells<'_>, format: VtuFormat) -> Result<Self, VtuError> {
-        let table = CellTable::new(cells)?;
+        let table = CellTable::new(cells, Width::of(cells.points, cells.corners()))?;
         let mut appender = Appender::new(format);
         let mut body = Vec::new();
         let mut fixed_offsets = [0; 3];
@@ -141,7 +189,7 @@ impl VtuWriter {
     pub fn write(&mut self, picture: &Snapshot<'_>, out: &mut impl Write) -> Result<(), VtuError> {
         self.body.truncate(self.fixed_len);
         let mut appended = Appended::from(Segment::Body(0..self.fixed_len));
-        self.begin(picture.time)?;
+        self.begin(picture.time);
         self.head.push_str("<PointData>\n");
         for array in picture.point_data {
             self.array(array, self.points, &mut appended)?;
@@ -160,15 +208,13 @@ impl VtuWriter {
         Ok(appended.write(out, &self.body, [self.head.as_bytes(), tail])?)
     }
 
-    fn begin(&mut self, time: Option<f64>) -> Result<(), VtuError> {
+    fn begin(&mut self, time: Option<f64>) {
         let compressor = match self.appender.format().compression {
             Compression::None => "",
             Compression::Zlib => " compressor=\"vtkZLibDataCompressor\"",
         };
         self.head.clear();
-        self.head.push_str("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"");
-        let _ = write!(self.head, " byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>");
-        self.head.push_str("\n<UnstructuredGrid>\n");
+        self.head.push_str(&grid_head(compressor));
         if let Some(time) = time {
             let _ = writeln!(
                 self.head,
@@ -177,7 +223,6 @@ impl VtuWriter {
             );
         }
         let _ = writeln!(self.head, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells);
-        Ok(())
     }
 
     /// An array in the precision of the format.
