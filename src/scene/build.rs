@@ -5,15 +5,14 @@ use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::air::{Air, AirData};
-use crate::force::law::axial_dashpot::{AxialDashpots, AxialData};
-use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::bar_law::{BarData, LawBars, Bars};
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::law::series::{Table, Tabled, scalar};
-use crate::force::law::spring::{Coefficient, SpringData, Springs};
+use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
 use crate::startup::{Phase, timed};
@@ -113,20 +112,10 @@ impl Builder<'_> {
     fn springs_and_dashpots(&mut self) {
         for group in self.spec.springs.iter().filter(|g| !g.edges.is_empty()) {
             let batch = self.spring_batch(group);
-            self.terms.push(Box::new(Springs::new(batch.data.clone())));
-            self.springs.push(batch);
-        }
-        for (group, b) in self.spec.springs.iter().filter(|g| !g.edges.is_empty()).zip(0..) {
-            let Some(dashpot) = &group.dashpot else { continue };
-            let batch = &self.springs[b];
-            let data = batch.data.clone();
             let coefficient = batch.dashpot.clone();
-            self.terms.push(match dashpot.kind {
-                DashpotKind::Axial => Box::new(AxialDashpots::new(AxialData { springs: data, coefficient })),
-                DashpotKind::Relative => {
-                    Box::new(RelativeDashpots::new(RelativeData { nodes: data.nodes, coefficient }))
-                }
-            });
+            let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
+            self.terms.push(Box::new(DampedSprings::new(batch.data.clone(), dashpots)));
+            self.springs.push(batch);
         }
     }
 

@@ -89,7 +89,7 @@ struct Net<'a, T: ?Sized> {
 impl<T: Terms + ?Sized> Net<'_, T> {
     /// The forces where a step ends; with corrected velocities, if it predicts.
     fn find(&mut self, scheme: KickDriftScheme, passed: &mut Passed) {
-        passed.tallies.resize(self.terms.count(), Tally::default());
+        passed.tallies.resize(self.terms.tallies(), Tally::default());
         let n = self.mass.len();
         if scheme.predicts {
             self.add(PassKind::TotalOnly, passed);

@@ -16,7 +16,7 @@ use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
 use crate::model::motion::{BLOCK, Sum};
 use crate::model::point::Point;
-use crate::model::quad::{self, Quad, VectorUnit};
+use crate::model::quad::{self, Quad, Real, VectorUnit};
 use multiversion::multiversion;
 use std::ops::Range;
 
