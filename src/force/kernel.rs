@@ -3,8 +3,11 @@
 pub(in crate::force) mod bar_batch;
 pub mod batch;
 pub mod coefficient;
+pub(in crate::force) mod differences;
 pub mod element_block;
 pub mod faces;
+#[cfg(test)]
+pub(in crate::force) mod fixtures;
 pub(in crate::force) mod incidence;
 pub mod local_buffer;
 pub mod neighbours;

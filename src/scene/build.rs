@@ -5,7 +5,7 @@ use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::air::{Air, AirData};
-use crate::force::law::bar_law::{BarData, LawBars, Bars};
+use crate::force::law::bar_law::{BarData, Bars, LawBars};
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
@@ -156,7 +156,7 @@ impl Builder<'_> {
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
         let Some(g) = self.spec.gravity else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start.clone())));
+        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start)));
     }
 
     fn air(&mut self) {
@@ -190,7 +190,7 @@ impl Builder<'_> {
         for load in &self.spec.forces {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
-            let force = vec![DVec3::from_array(load.force); nodes.len()];
+            let force = vec![[load.force[0], load.force[1], load.force[2], 0.0]; nodes.len()];
             let factor = self.factor(load.factor.as_ref());
             self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
         }

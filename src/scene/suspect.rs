@@ -114,7 +114,8 @@ impl Scene for Network {
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
-        let loads = self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
+        let loads =
+            self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
         let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_external(at, [bytemuck::cast_slice_mut(f), &mut []]);

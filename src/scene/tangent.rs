@@ -18,7 +18,12 @@ impl Network {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         for term in &self.terms {
-            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, TangentForm::EXACT, &mut recorder);
+            term.tangent(
+                node_state(state.as_ref()),
+                Weights { m: 0.0, c: 0.0, k: 0.0 },
+                TangentForm::EXACT,
+                &mut recorder,
+            );
         }
         let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
         Assembler::new(nodes, &recorder, symmetric)

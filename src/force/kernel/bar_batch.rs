@@ -88,18 +88,14 @@ impl BarBatch {
 impl Bars<'_> {
     /// Adds elastic and damping forces [N] to a block's sums; returns the elastic energy [J] and the power of damping
     /// [W].
-    pub fn pull<L: AxialLaw>(
-        self,
-        law: &L,
-        block: &ElementBlock<'_>,
-        mut sums: [Option<&mut Records>; 2],
-    ) -> [f64; 2] {
+    pub fn pull<L: AxialLaw>(self, law: &L, block: &ElementBlock<'_>, mut sums: [Option<&mut Records>; 2]) -> [f64; 2] {
         let Bars { ends, numbers, in_stars } = self;
         let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
         let (x, v) = (block.x, block.v);
         let full: &[Group<STAR>] = stars.as_chunks().0;
         let single: &[Group<1>] = others.as_chunks().0;
-        let of_stars = quad::run(Stars { law, groups: full, numbers, x, v, sums: sums.each_mut().map(|sum| sum.as_deref_mut()) });
+        let of_stars =
+            quad::run(Stars { law, groups: full, numbers, x, v, sums: sums.each_mut().map(|sum| sum.as_deref_mut()) });
         let numbers = numbers.map(|column| column.after(in_stars));
         let of_others = quad::run(Stars { law, groups: single, numbers, x, v, sums });
         [of_stars[0] + of_others[0], of_stars[1] + of_others[1]]

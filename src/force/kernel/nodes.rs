@@ -1,7 +1,7 @@
 //! Forces on single nodes: weight, given forces, drag of each node.
 
-use crate::force::kernel::element_block::{ElementBlock, place};
-use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
 use glam::DVec3;
 
@@ -42,30 +42,31 @@ impl<L: NodeLaw> Pass for Nodes<'_, '_, L> {
         let Nodes { law, nodes, block, f } = self;
         let own = block.own.clone();
         let before = |node: usize| nodes.map_or(node, |list| list.partition_point(|&i| (i as usize) < node));
-        let (mut at, end) = (before(own.start), before(own.end));
+        let listed = before(own.start)..before(own.end);
+        let number = |i: usize| nodes.map_or(i, |list| list[i] as usize);
         let mut total = 0.0;
-        while at < end {
-            let next = end.min(at + BLOCK);
+        let mut at = listed.start;
+        while at < listed.end {
+            // A run of nodes that follow each other, if there are several; else one.
+            let run = listed.end.min(at + BLOCK);
+            let run = if number(run - 1) - number(at) == run - 1 - at { run } else { at + 1 };
+            let here = number(at) - own.start..number(at) - own.start + (run - at);
+            let (x, v) = (&rows_of(block.x, here.end)[here.clone()], &rows_of(block.v, here.end)[here.clone()]);
             let mut sum = unit.splat(0.0);
-            for i in at..next {
-                let node = nodes.map_or(i, |list| list[i] as usize);
-                let place = place(node - own.start);
-                let [x, v] = [unit.quad(record(block.x, place)), unit.quad(record(block.v, place))];
-                let [force, amount] = law.force(unit, i, x, v);
-                set_record(f, place, (unit.quad(record(f, place)) + force).numbers());
+            for ((f, (x, v)), i) in rows(f, here.end)[here].iter_mut().zip(x.iter().zip(v)).zip(at..) {
+                let [force, amount] = law.force(unit, i, unit.quad(*x), unit.quad(*v));
+                *f = (unit.quad(*f) + force).numbers();
                 sum = sum + amount;
             }
             let [x, y, z, _] = sum.numbers();
             total += x + y + z;
-            at = next;
+            at = run;
         }
         total
     }
 }
 
-/// A node's vector and one number more.
-#[inline(always)]
-pub(in crate::force) fn padded(vectors: &[DVec3], i: usize) -> PaddedVec3 {
-    let numbers = bytemuck::cast_slice::<DVec3, f64>(&vectors[i..]);
-    numbers.first_chunk().copied().unwrap_or_else(|| [numbers[0], numbers[1], numbers[2], 0.0])
+/// A vector and 0.
+pub(in crate::force) fn padded(vector: DVec3) -> PaddedVec3 {
+    [vector.x, vector.y, vector.z, 0.0]
 }

@@ -1,8 +1,7 @@
 //! Two-node elements in stars: a node with some of its elements, four such nodes side by side.
 //!
 //! ```text
-//! d = x_b - x_a,  u = v_b - v_a         elastic force on a: s d, on b: -s d         (s from the law)
-//!                                       damping force on a: c u or s' d, on b: the opposite
+//! d = x_b - x_a,  u = v_b - v_a         elastic force on a: s d, damping force on a: s' d, on b the opposite
 //! ```
 //! In a net of triangles nearly every node can have three elements that are no other node's (a planar graph has at most
 //! 3 n - 6 edges). What a star's elements add to its own node is summed in a register; added in memory, and one after
@@ -24,23 +23,12 @@ pub(in crate::force) const STARS: usize = 4;
 /// `N` elements of each of four stars, with the star's node first: element `j` of star `q` at `[j][q]`.
 pub(in crate::force) type Group<const N: usize> = [[[u16; 2]; STARS]; N];
 
-/// The direction of a damping force.
-#[derive(Clone, Copy, PartialEq)]
-pub(in crate::force) enum Along {
-    /// there is none
-    Nothing,
-    /// the element: s' d
-    Element,
-    /// the relative velocity: c u, c the third number of the element
-    Velocity,
-}
-
 /// How two-node elements pull: a pure function, for one element or four side by side.
 pub(in crate::force) trait AxialLaw {
     /// whether there is an elastic force
     const ELASTIC: bool;
-    /// direction of the damping force
-    const DAMPING: Along;
+    /// whether there is a damping force
+    const DAMPED: bool;
 
     /// Elements by their three numbers; `#[inline(always)]`.
     fn pull<R: Real>(&self, numbers: [R; 3], measured: Measured<R>) -> Pull<R>;
@@ -51,7 +39,7 @@ pub(in crate::force) trait AxialLaw {
 pub(in crate::force) struct Measured<R> {
     /// [m^2] d^2
     pub square: R,
-    /// [m^2/s] d . u; 0 where damping is not along the element
+    /// [m^2/s] d . u; 0 where there is no damping force
     pub rate: R,
 }
 
@@ -120,7 +108,6 @@ pub(in crate::force) struct Stars<'a, L, const N: usize> {
 #[repr(align(32))]
 struct Kept<const N: usize> {
     d: [[PaddedVec3; STARS]; N],
-    u: [[PaddedVec3; STARS]; N],
     /// d^2, then s
     elastic: [PaddedVec3; N],
     /// d . u, then s'
@@ -134,16 +121,15 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
     fn run<U: VectorUnit>(self, unit: U) -> [f64; 2] {
         let Stars { law, groups, numbers, x, v, sums: [mut elastic, mut damping] } = self;
         let zero = [[0.0; 4]; N];
-        let empty = Kept { d: [[[0.0; 4]; STARS]; N], u: [[[0.0; 4]; STARS]; N], elastic: zero, damping: zero };
+        let empty = Kept { d: [[[0.0; 4]; STARS]; N], elastic: zero, damping: zero };
         // One more than there are stages: a power of two is cheaper to count through.
         let mut kept = [empty; 4];
         let (mut energy, mut power) = ([unit.splat(0.0); N], [unit.splat(0.0); N]);
-        let mut by_component = unit.splat(0.0);
         for i in 0..groups.len() + 2 {
             if let Some(nodes) = groups.get(i) {
                 measure::<U, L, N>(unit, nodes, [x, v], &mut kept[i % 4]);
             }
-            if (1..=groups.len()).contains(&i) && needs_elements::<L>() {
+            if (1..=groups.len()).contains(&i) {
                 let kept = &mut kept[(i - 1) % 4];
                 let [a, b, c] = numbers.map(|column| column.group::<N>(i - 1));
                 for j in 0..N {
@@ -152,7 +138,7 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
                     let pull = law.pull(numbers, measured);
                     kept.elastic[j] = pull.elastic.numbers();
                     energy[j] = energy[j] + pull.energy;
-                    if L::DAMPING == Along::Element {
+                    if L::DAMPED {
                         kept.damping[j] = pull.damping.numbers();
                         power[j] = power[j] + pull.power;
                     }
@@ -160,16 +146,15 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
             }
             if let Some(nodes) = groups.get(i.wrapping_sub(2)) {
                 let kept = &kept[(i - 2) % 4];
-                if L::ELASTIC && let Some(f) = elastic.as_deref_mut() {
+                if L::ELASTIC
+                    && let Some(f) = elastic.as_deref_mut()
+                {
                     add::<U, N>(unit, nodes, (&kept.elastic, &kept.d), f);
                 }
-                match (L::DAMPING, damping.as_deref_mut()) {
-                    (Along::Element, Some(f)) => _ = add::<U, N>(unit, nodes, (&kept.damping, &kept.d), f),
-                    (Along::Velocity, Some(f)) => {
-                        let c = numbers[2].group::<N>(i - 2);
-                        by_component = by_component + add::<U, N>(unit, nodes, (c, &kept.u), f);
-                    }
-                    _ => {}
+                if L::DAMPED
+                    && let Some(f) = damping.as_deref_mut()
+                {
+                    add::<U, N>(unit, nodes, (&kept.damping, &kept.d), f);
                 }
             }
         }
@@ -181,14 +166,8 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
             let [a, b, c, d] = sum.numbers();
             (a + b) + (c + d)
         };
-        let [x, y, z, _] = by_component.numbers();
-        [total(energy), total(power) - (x + y + z)]
+        [total(energy), total(power)]
     }
-}
-
-/// Whether the law is asked: not where dashpots act on the relative velocity alone.
-const fn needs_elements<L: AxialLaw>() -> bool {
-    L::ELASTIC || matches!(L::DAMPING, Along::Element)
 }
 
 #[inline(always)]
@@ -200,58 +179,47 @@ fn measure<U: VectorUnit, L: AxialLaw, const N: usize>(
 ) {
     let mut own = [[unit.splat(0.0); STARS]; 2];
     for (q, nodes) in nodes[0].iter().enumerate() {
-        if needs_elements::<L>() {
-            own[0][q] = unit.quad(record(x, nodes[0]));
-        }
-        if L::DAMPING != Along::Nothing {
+        own[0][q] = unit.quad(record(x, nodes[0]));
+        if L::DAMPED {
             own[1][q] = unit.quad(record(v, nodes[0]));
         }
     }
     for j in 0..N {
         let [mut d, mut u] = own;
         for q in 0..STARS {
-            if needs_elements::<L>() {
-                d[q] = unit.quad(record(x, nodes[j][q][1])) - d[q];
-                kept.d[j][q] = d[q].numbers();
-            }
-            if L::DAMPING != Along::Nothing {
+            d[q] = unit.quad(record(x, nodes[j][q][1])) - d[q];
+            kept.d[j][q] = d[q].numbers();
+            if L::DAMPED {
                 u[q] = unit.quad(record(v, nodes[j][q][1])) - u[q];
-                kept.u[j][q] = u[q].numbers();
             }
         }
-        if needs_elements::<L>() {
-            let [x, y, z] = U::Quad::columns(d);
-            kept.elastic[j] = (x * x + y * y + z * z).numbers();
-            if L::DAMPING == Along::Element {
-                let u = U::Quad::columns(u);
-                kept.damping[j] = (x * u[0] + y * u[1] + z * u[2]).numbers();
-            }
+        let [x, y, z] = U::Quad::columns(d);
+        kept.elastic[j] = (x * x + y * y + z * z).numbers();
+        if L::DAMPED {
+            let u = U::Quad::columns(u);
+            kept.damping[j] = (x * u[0] + y * u[1] + z * u[2]).numbers();
         }
     }
 }
 
-/// Adds the forces scale * vector of a group; returns the sum of force * vector, component by component.
+/// Adds the forces scale * vector of a group.
 #[inline(always)]
 fn add<U: VectorUnit, const N: usize>(
     unit: U,
     nodes: &Group<N>,
     (scale, vectors): (&[PaddedVec3; N], &[[PaddedVec3; STARS]; N]),
     f: &mut Records,
-) -> U::Quad {
-    let mut products = unit.splat(0.0);
+) {
     for q in 0..STARS {
         let mut own = unit.splat(0.0);
         for j in 0..N {
-            let vector = unit.quad(vectors[j][q]);
-            let force = unit.splat(scale[j][q]) * vector;
-            products = products + force * vector;
+            let force = unit.splat(scale[j][q]) * unit.quad(vectors[j][q]);
             own = if j == 0 { force } else { own + force };
             let other = nodes[j][q][1];
             set_record(f, other, (unit.quad(record(f, other)) - force).numbers());
         }
         set_record(f, nodes[0][q][0], (unit.quad(record(f, nodes[0][q][0])) + own).numbers());
     }
-    products
 }
 
 #[cfg(test)]

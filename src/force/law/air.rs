@@ -99,8 +99,12 @@ impl PressureLaw for AirLaw<'_> {
 
 impl ForceTerm for Air {
     fn parts(&self) -> &[TermInfo] {
-        const INFO: TermInfo =
-            TermInfo { velocity_dependent: true, follower: true, on_triangles: true, ..TermInfo::of("air", Role::External) };
+        const INFO: TermInfo = TermInfo {
+            velocity_dependent: true,
+            follower: true,
+            on_triangles: true,
+            ..TermInfo::of("air", Role::External)
+        };
         &[INFO]
     }
 

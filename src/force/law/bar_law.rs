@@ -91,8 +91,7 @@ impl Kernel<2> for BarData {
 
 impl ForceTerm for LawBars {
     fn parts(&self) -> &[TermInfo] {
-        const INFO: TermInfo =
-            TermInfo::of("bars", Role::Elastic);
+        const INFO: TermInfo = TermInfo::of("bars", Role::Elastic);
         &[INFO]
     }
 

@@ -8,9 +8,10 @@
 
 use crate::force::kernel::bar_batch::BarBatch;
 use crate::force::kernel::batch::{Records, Summand, Wants};
+use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
-use crate::force::kernel::star_batches::{Along, AxialLaw, Measured, Pull};
-use crate::force::law::dashpot::{self, Axial, Damping, Kind, Relative, Undamped};
+use crate::force::kernel::star_batches::{AxialLaw, Measured, Pull};
+use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::slack::{Plain, TensionLaw, clamped, tension};
 use crate::force::law::spring::{Coefficient, SpringData, Stretch};
 use crate::force::law::stretch::{InWindow, Stretched, largest};
@@ -45,13 +46,15 @@ pub struct DampedSprings {
     springs: SpringData,
     dashpots: Option<Dashpots>,
     batch: BarBatch,
+    /// of relative dashpots
+    differences: Differences,
 }
 
 impl DampedSprings {
     /// Node numbers must be below the number of nodes that the term will be used with, and springs in ascending order
     /// of their smaller node.
     pub fn new(springs: SpringData, dashpots: Option<Dashpots>) -> Self {
-        DampedSprings { springs, dashpots, batch: BarBatch::default() }
+        DampedSprings { springs, dashpots, batch: BarBatch::default(), differences: Differences::default() }
     }
 
     fn kind(&self) -> Option<DashpotKind> {
@@ -59,25 +62,40 @@ impl DampedSprings {
     }
 
     /// Adds the forces of both parts, or of one of them.
-    fn pull<L: TensionLaw>(&self, law: L, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [f64; 2] {
+    fn pull<L: TensionLaw>(
+        &self,
+        law: L,
+        block: &ElementBlock<'_>,
+        [elastic, damping]: [Option<&mut Records>; 2],
+    ) -> [f64; 2] {
         let Some(bars) = self.batch.bars(block.number) else { return [0.0; 2] };
-        match (sums[0].is_some(), self.kind().filter(|_| sums[1].is_some())) {
-            (true, None) => bars.pull(&BarLaw::<L, Undamped, true>(law, Undamped), block, sums),
-            (true, Some(DashpotKind::Relative)) => bars.pull(&BarLaw::<L, _, true>(law, Relative), block, sums),
-            (true, Some(DashpotKind::Axial)) => bars.pull(&BarLaw::<L, _, true>(law, Axial), block, sums),
-            (false, Some(DashpotKind::Relative)) => bars.pull(&BarLaw::<_, _, false>(Plain, Relative), block, sums),
-            (false, Some(DashpotKind::Axial)) => bars.pull(&BarLaw::<L, _, false>(law, Axial), block, sums),
-            (false, None) => [0.0; 2],
+        let kind = self.dashpots.as_ref().map(|dashpots| dashpots.kind);
+        match (elastic.is_some(), damping, kind) {
+            (true, damping @ Some(_), Some(DashpotKind::Axial)) => {
+                bars.pull(&BarLaw::<L, true, true>(law), block, [elastic, damping])
+            }
+            (false, damping @ Some(_), Some(DashpotKind::Axial)) => {
+                bars.pull(&BarLaw::<L, false, true>(law), block, [None, damping])
+            }
+            (_, damping, kind) => {
+                let damping = damping.filter(|_| kind == Some(DashpotKind::Relative));
+                let power = damping.map_or(0.0, |f| self.differences.add(block.number, block.v, f));
+                let energy = match elastic {
+                    Some(_) => bars.pull(&BarLaw::<L, true, false>(law), block, [elastic, None])[0],
+                    None => 0.0,
+                };
+                [energy, power]
+            }
         }
     }
 }
 
-/// Spring law and kind of dashpot as the kernels see them.
-struct BarLaw<L, D, const ELASTIC: bool>(L, D);
+/// Spring law and axial dashpot as the kernels see them.
+struct BarLaw<L, const ELASTIC: bool, const DAMPED: bool>(L);
 
-impl<L: TensionLaw, D: Kind, const ELASTIC: bool> AxialLaw for BarLaw<L, D, ELASTIC> {
+impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw<L, ELASTIC, DAMPED> {
     const ELASTIC: bool = ELASTIC;
-    const DAMPING: Along = D::ALONG;
+    const DAMPED: bool = DAMPED;
 
     #[inline(always)]
     fn pull<R: Real>(&self, [k, l0, c]: [R; 3], Measured { square, rate }: Measured<R>) -> Pull<R> {
@@ -87,7 +105,7 @@ impl<L: TensionLaw, D: Kind, const ELASTIC: bool> AxialLaw for BarLaw<L, D, ELAS
         let elastic = self.0.at(k, e);
         let over_l = |force: R| (force / l).where_positive(l);
         let pull = Pull { elastic: over_l(elastic.force), energy: elastic.energy, damping: zero, power: zero };
-        if D::ALONG != Along::Element {
+        if !DAMPED {
             return pull;
         }
         let rate = over_l(rate);
@@ -114,7 +132,10 @@ impl Summand for DampedSprings {
         let c = self.dashpots.as_ref().map_or(Coefficient::Uniform(0.0), |dashpots| dashpots.coefficient.clone());
         // Rest lengths one each, even where all are the same: the largest stretch goes over them.
         let numbers = [stiffness.clone(), Coefficient::Each(rest_length.clone()), c];
-        let ends = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
+        let ends: Vec<[u16; 2]> = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
+        if self.kind() == Some(DashpotKind::Relative) {
+            self.differences.take(block, &ends, (elements.start, &numbers[2]));
+        }
         self.batch.take(block, ends, (elements.start, &numbers));
     }
 

@@ -17,7 +17,6 @@
 //! -df/dv = c n n^T
 //! ```
 
-use crate::force::kernel::star_batches::Along;
 use crate::force::law::slack::{Tension, TensionLaw};
 use crate::model::quad::Real;
 
@@ -50,34 +49,4 @@ pub fn axial<L: TensionLaw, R: Real>(law: &L, elastic: Tension<R>, [k, c]: [R; 2
             }
         }
     }
-}
-
-/// The kinds of dashpots as the force kernels distinguish them.
-pub(in crate::force) trait Kind: Copy {
-    /// direction of the force
-    const ALONG: Along;
-}
-
-/// No dashpot.
-#[derive(Clone, Copy)]
-pub(in crate::force) struct Undamped;
-
-/// c (vb - va).
-#[derive(Clone, Copy)]
-pub(in crate::force) struct Relative;
-
-/// T_d n.
-#[derive(Clone, Copy)]
-pub(in crate::force) struct Axial;
-
-impl Kind for Undamped {
-    const ALONG: Along = Along::Nothing;
-}
-
-impl Kind for Relative {
-    const ALONG: Along = Along::Velocity;
-}
-
-impl Kind for Axial {
-    const ALONG: Along = Along::Element;
 }

@@ -74,8 +74,7 @@ impl Sums<'_> {
         }
         let kept = (kind == PassKind::ReusePosition).then_some(&*self.kept);
         let [total, others @ ..] = &mut self.sums;
-        let others =
-            std::array::from_fn(|i| if self.present[i + 1] { rows_of(others[i], self.n) } else { &[] });
+        let others = std::array::from_fn(|i| if self.present[i + 1] { rows_of(others[i], self.n) } else { &[] });
         sum_rows(rows(total, self.n), kept, others);
     }
 

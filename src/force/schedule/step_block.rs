@@ -147,7 +147,7 @@ impl Sweep {
                 levels: scheme.passes() * passed.len().max(1),
                 threads: if several { threads.count() } else { 1 },
                 keeps: scheme.predicts && is_position_only,
-                aside: [works && several, scheme.predicts && several],
+                aside: [works, scheme.predicts && several],
             };
             let mut workspace = self.workspace(needs, &out);
             self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut workspace);

@@ -154,10 +154,6 @@ impl Sweep {
     }
 }
 
-pub(in crate::force) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
-    bytemuck::cast_slice_mut(dofs)
-}
-
 /// What any of the terms wants that a pass goes over.
 pub(in crate::force) fn wants<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> Wants {
     let terms = (0..terms.count()).map(|i| terms.term(i));
