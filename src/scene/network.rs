@@ -37,8 +37,8 @@ pub struct Network {
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     /// of every part of every term
     pub(super) infos: Vec<TermInfo>,
-    /// place of every term's first part among these
-    first_parts: Vec<usize>,
+    /// sum of every part of every term, and its place among these
+    parts: Vec<[Option<Part>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
@@ -102,13 +102,19 @@ impl Network {
         let inverse_mass =
             p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
         let infos: Vec<TermInfo> = p.terms.iter().flat_map(|term| term.parts()).copied().collect();
-        let parts = p.terms.iter().map(|term| term.parts().len());
-        let first_parts = parts.scan(0, |next, parts| Some(std::mem::replace(next, *next + parts))).collect();
+        let mut tallies = 0..;
+        let mut part = |info: &TermInfo| Some(Part { sum: sum_of_role(info.role), tally: tallies.next()? });
+        let parts = p.terms.iter().map(|term| {
+            let mut parts = [None; PARTS];
+            parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
+            parts
+        });
+        let parts = parts.collect();
         Network {
             inverse_mass: inverse_mass.collect(),
             fixed_dofs,
             infos,
-            first_parts,
+            parts,
             numbering: p.numbering,
             fixed: p.fixed,
             mass: p.mass,
@@ -158,9 +164,9 @@ impl Network {
 
     /// The force term that one of [`System::terms`] is a part of, and which part it is.
     pub fn term_of(&self, part: usize) -> Option<(&dyn ForceTerm, usize)> {
-        let term = self.first_parts.partition_point(|&first| first <= part).checked_sub(1)?;
-        let within = part - self.first_parts[term];
-        (within < self.terms[term].parts().len()).then(|| (&*self.terms[term], within))
+        let places = |parts: &[Option<Part>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
+        let mut terms = self.terms.iter().zip(&self.parts);
+        terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
@@ -193,13 +199,11 @@ impl Terms for Network {
     }
 
     fn tallies(&self) -> usize {
-        self.terms.iter().map(|term| term.parts().len()).sum()
+        self.parts.iter().flatten().flatten().count()
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        let (infos, first) = (self.terms[i].parts(), self.first_parts[i]);
-        let part = |part: usize| Some(Part { sum: sum_of_role(infos.get(part)?.role), tally: first + part });
-        Term { summand: &*self.terms[i], parts: std::array::from_fn(part) }
+        Term { summand: &*self.terms[i], parts: self.parts[i] }
     }
 
     fn is_position_only(&self) -> bool {

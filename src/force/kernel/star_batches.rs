@@ -114,16 +114,18 @@ struct Kept<const N: usize> {
     damping: [PaddedVec3; N],
 }
 
+impl<const N: usize> Kept<N> {
+    const EMPTY: Self = Kept { d: [[[0.0; 4]; STARS]; N], elastic: [[0.0; 4]; N], damping: [[0.0; 4]; N] };
+}
+
 impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
     type Output = [f64; 2];
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> [f64; 2] {
         let Stars { law, groups, numbers, x, v, sums: [mut elastic, mut damping] } = self;
-        let zero = [[0.0; 4]; N];
-        let empty = Kept { d: [[[0.0; 4]; STARS]; N], elastic: zero, damping: zero };
         // One more than there are stages: a power of two is cheaper to count through.
-        let mut kept = [empty; 4];
+        let mut kept = [Kept::<N>::EMPTY; 4];
         let (mut energy, mut power) = ([unit.splat(0.0); N], [unit.splat(0.0); N]);
         for i in 0..groups.len() + 2 {
             if let Some(nodes) = groups.get(i) {
@@ -131,10 +133,15 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
             }
             if (1..=groups.len()).contains(&i) {
                 let kept = &mut kept[(i - 1) % 4];
-                let [a, b, c] = numbers.map(|column| column.group::<N>(i - 1));
+                let [a, b] = [numbers[0].group::<N>(i - 1), numbers[1].group::<N>(i - 1)];
                 for j in 0..N {
-                    let numbers = [unit.quad(a[j]), unit.quad(b[j]), unit.quad(c[j])];
-                    let measured = Measured { square: unit.quad(kept.elastic[j]), rate: unit.quad(kept.damping[j]) };
+                    let mut damping = [unit.splat(0.0); 2];
+                    if L::DAMPED {
+                        let c = numbers[2].group::<N>(i - 1);
+                        damping = [unit.quad(c[j]), unit.quad(kept.damping[j])];
+                    }
+                    let numbers = [unit.quad(a[j]), unit.quad(b[j]), damping[0]];
+                    let measured = Measured { square: unit.quad(kept.elastic[j]), rate: damping[1] };
                     let pull = law.pull(numbers, measured);
                     kept.elastic[j] = pull.elastic.numbers();
                     energy[j] = energy[j] + pull.energy;

@@ -131,13 +131,7 @@ impl<const W: usize> quad::Pass for Pass<'_, W> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> (NodeSums, Work) {
-        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
-            (true, true, _) => self.blocks::<U, true, true, false>(unit),
-            (true, false, _) => self.blocks::<U, true, false, false>(unit),
-            (false, true, true) => self.blocks::<U, false, true, true>(unit),
-            (false, true, false) => self.blocks::<U, false, true, false>(unit),
-            (false, false, _) => self.blocks::<U, false, false, false>(unit),
-        }
+        if self.nodes.works.is_some() { self.kinds::<U, true>(unit) } else { self.kinds::<U, false>(unit) }
     }
 }
 
@@ -177,7 +171,18 @@ fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[
 
 impl<const W: usize> Pass<'_, W> {
     #[inline(always)]
-    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(
+    fn kinds<U: VectorUnit, const WORKS: bool>(self, unit: U) -> (NodeSums, Work) {
+        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
+            (true, true, _) => self.blocks::<U, WORKS, true, true, false>(unit),
+            (true, false, _) => self.blocks::<U, WORKS, true, false, false>(unit),
+            (false, true, true) => self.blocks::<U, WORKS, false, true, true>(unit),
+            (false, true, false) => self.blocks::<U, WORKS, false, true, false>(unit),
+            (false, false, _) => self.blocks::<U, WORKS, false, false, false>(unit),
+        }
+    }
+
+    #[inline(always)]
+    fn blocks<U: VectorUnit, const WORKS: bool, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(
         self,
         unit: U,
     ) -> (NodeSums, Work) {
@@ -197,8 +202,12 @@ impl<const W: usize> Pass<'_, W> {
             let (mass, mass_last) = mass.as_chunks::<4>();
             for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
                 let kicked = if PREDICTS { kicked.get_mut(number) } else { None };
-                let forces = [forces[0].get(number), forces[1].get(number)];
-                totals.four(unit, (*mass, m), ([x, v, f], kicked), (forces, before.get_mut(number)));
+                let works = if WORKS {
+                    ([forces[0].get(number), forces[1].get(number)], before.get_mut(number))
+                } else {
+                    ([None; 2], None)
+                };
+                totals.four(unit, (*mass, m), ([x, v, f], kicked), works);
                 number += 1;
             }
             if !mass_last.is_empty() {
@@ -209,7 +218,7 @@ impl<const W: usize> Pass<'_, W> {
                 let mut u = v;
                 let mut from = if before_last.is_empty() { x } else { filled(before_last) };
                 let last = forces_last.map(|f| (!f.is_empty()).then(|| begun::<W>(f)));
-                let works = ([last[0].as_ref(), last[1].as_ref()], Some(&mut from));
+                let works = ([last[0].as_ref(), last[1].as_ref()], WORKS.then_some(&mut from));
                 totals.four(unit, (mass, &filled(m_last)), ([&mut x, &mut v, &mut f], Some(&mut u)), works);
                 for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
                     last.copy_from_slice(&new.as_flattened()[..last.len()]);
