@@ -1,14 +1,14 @@
 //! Forces: one file a physical effect, each with its force, its exact tangents and its energy or power.
 
 pub mod air;
-pub mod axial_dashpot;
 pub mod bar_law;
+pub mod damped_springs;
+pub mod dashpot;
 pub mod follower_pressure;
 pub mod gravity;
 pub mod nodal;
 pub mod one_sided;
 pub mod rayleigh;
-pub mod relative_dashpot;
 pub mod series;
 pub mod slack;
 pub mod spring;

@@ -61,28 +61,32 @@ pub trait TangentSink {
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]);
 }
 
+/// What a tangent may leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TangentForm {
+    /// whether what makes K indefinite in a compressed or buckled state is left out
+    pub convex: bool,
+    /// whether every element's block is symmetric: what a factor is made of that is kept over many steps
+    pub symmetric: bool,
+}
+
+impl TangentForm {
+    /// Nothing is left out.
+    pub const EXACT: TangentForm = TangentForm { convex: false, symmetric: false };
+}
+
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: kernel::batch::Summand {
-    /// Its name in reports, its role in the ledger and what diagnoses ask of it; the same at every state.
-    fn info(&self) -> TermInfo;
+    /// Of each of its parts: its name in reports, its role in the ledger and what diagnoses ask of it; the same at every
+    /// state. Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
+    fn parts(&self) -> &[TermInfo];
 
     /// Whether both tangents are symmetric at every state.
     fn symmetric(&self) -> bool;
 
-    /// Emits `w.c (-df/dv) + w.k (-df/dx)` element by element, always in the same order. `w.m` is the caller's.
-    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink);
-
-    /// The same elements in the same order, but each positive semidefinite: what makes K indefinite in a compressed or
-    /// buckled state is left out. The exact tangent for terms that never are.
-    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        self.tangent(at, w, sink);
-    }
-
-    /// The same elements in the same order, but symmetric and positive semidefinite, near the exact tangent: what a
-    /// factor is made of that is kept over many steps. Terms with a symmetric tangent need none.
-    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        self.convex_tangent(at, w, sink);
-    }
+    /// Emits `w.c (-df/dv) + w.k (-df/dx)`, exact or as `form` says, element by element, always in the same order.
+    /// `w.m` is the caller's.
+    fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
     /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor
     /// of a residual, and for diagnoses. Terms without elastic energy have none.

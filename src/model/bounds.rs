@@ -1,6 +1,6 @@
 //! The box that nodes lie in.
 
-use super::quad::{self, Quad, VectorUnit};
+use super::quad::{self, Quad, Real, VectorUnit};
 use super::workers::Workers;
 
 /// The box that some nodes lie in. A coordinate that is not a number stays, wherever it comes from.

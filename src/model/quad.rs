@@ -20,10 +20,10 @@ pub trait VectorUnit: Copy {
     }
 }
 
-/// Four numbers; operations go number by number.
-pub trait Quad: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
-    /// The numbers.
-    fn numbers(self) -> [f64; 4];
+/// A number, or several side by side: what a force law is written on. Operations go number by number.
+pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
+    /// One number in all places.
+    fn all(self, number: f64) -> Self;
 
     /// Square roots.
     fn sqrt(self) -> Self;
@@ -34,11 +34,57 @@ pub trait Quad: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// `self` where `sign` is above zero, else 0.
     fn where_positive(self, sign: Self) -> Self;
 
+    /// `self` where `sign` is zero or above, else 0.
+    fn where_not_negative(self, sign: Self) -> Self;
+
     /// `self` where it is above `other`, else `other`.
     fn larger(self, other: Self) -> Self;
 
     /// `self` where it is below `other`, else `other`.
     fn smaller(self, other: Self) -> Self;
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn all(self, number: f64) -> f64 {
+        number
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn where_positive(self, sign: f64) -> f64 {
+        if sign > 0.0 { self } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn where_not_negative(self, sign: f64) -> f64 {
+        if sign >= 0.0 { self } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn larger(self, other: f64) -> f64 {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+}
+
+/// Four numbers.
+pub trait Quad: Real {
+    /// The numbers.
+    fn numbers(self) -> [f64; 4];
 
     /// First, second and third numbers of four records.
     fn columns(rows: [Self; 4]) -> [Self; 3];
@@ -118,10 +164,10 @@ operators! { Plain:
     Div div |a, b| a.zip(b, |a, b| a / b);
 }
 
-impl Quad for Plain {
+impl Real for Plain {
     #[inline(always)]
-    fn numbers(self) -> [f64; 4] {
-        self.0
+    fn all(self, number: f64) -> Self {
+        Plain([number; 4])
     }
 
     #[inline(always)]
@@ -136,17 +182,29 @@ impl Quad for Plain {
 
     #[inline(always)]
     fn where_positive(self, sign: Self) -> Self {
-        self.zip(sign, |a, sign| if sign > 0.0 { a } else { 0.0 })
+        self.zip(sign, f64::where_positive)
+    }
+
+    #[inline(always)]
+    fn where_not_negative(self, sign: Self) -> Self {
+        self.zip(sign, f64::where_not_negative)
     }
 
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
-        self.zip(other, |a, other| if a > other { a } else { other })
+        self.zip(other, f64::larger)
     }
 
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
-        self.zip(other, |a, other| if a < other { a } else { other })
+        self.zip(other, f64::smaller)
+    }
+}
+
+impl Quad for Plain {
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        self.0
     }
 
     #[inline(always)]
@@ -192,7 +250,8 @@ mod tests {
         fn run<U: VectorUnit>(self, unit: U) -> Vec<[f64; 4]> {
             let [a, b, c, d] = self.0.map(|numbers| unit.quad(numbers));
             let single = [a + b, a - b, a * b, a / b, a * b + c * d, a.sqrt(), a.abs(), a.where_positive(b)];
-            let single = single.into_iter().chain([a.larger(b), a.smaller(b)]);
+            let others = [a.where_not_negative(b), a.larger(b), a.smaller(b), a.all(3.0)];
+            let single = single.into_iter().chain(others);
             let (columns, pack) = (U::Quad::columns([a, b, c, d]), U::Quad::pack([a, b, c, d]));
             let pack = pack.into_iter().chain(U::Quad::unpack([a, b, c]));
             let splat = unit.splat(c.numbers()[2]);

@@ -5,7 +5,7 @@
 //! nodes). Fixed ends do not count in b. On a regular triangular net the bound is exact.
 
 use super::network::{Network, by_node, node_state};
-use crate::force::TangentSink;
+use crate::force::{TangentForm, TangentSink};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use glam::{DMat3, DVec3};
@@ -29,8 +29,9 @@ impl Network {
         blocks.clear();
         blocks.resize(self.fixed.len(), Block::default());
         let mut sink = Diagonal { blocks, fixed: &self.fixed };
+        let form = TangentForm { convex: true, symmetric: false };
         for term in &self.terms {
-            term.convex_tangent(node_state(at), w, &mut sink);
+            term.tangent(node_state(at), w, form, &mut sink);
         }
         let (mut most, mut dof) = (0.0, 0);
         for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {

@@ -5,15 +5,14 @@ use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
 use crate::force::law::air::{Air, AirData};
-use crate::force::law::axial_dashpot::{AxialDashpots, AxialData};
 use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
 use crate::force::law::series::{Table, Tabled, scalar};
-use crate::force::law::spring::{Coefficient, SpringData, Springs};
+use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
 use crate::startup::{Phase, timed};
@@ -113,20 +112,10 @@ impl Builder<'_> {
     fn springs_and_dashpots(&mut self) {
         for group in self.spec.springs.iter().filter(|g| !g.edges.is_empty()) {
             let batch = self.spring_batch(group);
-            self.terms.push(Box::new(Springs::new(batch.data.clone())));
-            self.springs.push(batch);
-        }
-        for (group, b) in self.spec.springs.iter().filter(|g| !g.edges.is_empty()).zip(0..) {
-            let Some(dashpot) = &group.dashpot else { continue };
-            let batch = &self.springs[b];
-            let data = batch.data.clone();
             let coefficient = batch.dashpot.clone();
-            self.terms.push(match dashpot.kind {
-                DashpotKind::Axial => Box::new(AxialDashpots::new(AxialData { springs: data, coefficient })),
-                DashpotKind::Relative => {
-                    Box::new(RelativeDashpots::new(RelativeData { nodes: data.nodes, coefficient }))
-                }
-            });
+            let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
+            self.terms.push(Box::new(DampedSprings::new(batch.data.clone(), dashpots)));
+            self.springs.push(batch);
         }
     }
 
@@ -167,7 +156,7 @@ impl Builder<'_> {
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
         let Some(g) = self.spec.gravity else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start.clone())));
+        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start)));
     }
 
     fn air(&mut self) {
@@ -201,7 +190,7 @@ impl Builder<'_> {
         for load in &self.spec.forces {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
-            let force = vec![DVec3::from_array(load.force); nodes.len()];
+            let force = vec![[load.force[0], load.force[1], load.force[2], 0.0]; nodes.len()];
             let factor = self.factor(load.factor.as_ref());
             self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
         }

@@ -3,12 +3,12 @@
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::kernel::batch::Summand;
+use crate::force::kernel::batch::{PARTS, Summand};
 use crate::force::law::series::{Table, Tabled};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::step_block::Moving;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Sweep, Terms};
+use crate::force::schedule::sweep::{Part, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
@@ -35,7 +35,10 @@ pub struct Network {
     corners: Vec<f64>,
     tables: Vec<Arc<dyn Tabled>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
+    /// of every part of every term
     pub(super) infos: Vec<TermInfo>,
+    /// sum of every part of every term, and its place among these
+    parts: Vec<[Option<Part>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
@@ -98,11 +101,20 @@ impl Network {
         let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let inverse_mass =
             p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
-        let infos = p.terms.iter().map(|t| t.info()).collect();
+        let infos: Vec<TermInfo> = p.terms.iter().flat_map(|term| term.parts()).copied().collect();
+        let mut tallies = 0..;
+        let mut part = |info: &TermInfo| Some(Part { sum: sum_of_role(info.role), tally: tallies.next()? });
+        let parts = p.terms.iter().map(|term| {
+            let mut parts = [None; PARTS];
+            parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
+            parts
+        });
+        let parts = parts.collect();
         Network {
             inverse_mass: inverse_mass.collect(),
             fixed_dofs,
             infos,
+            parts,
             numbering: p.numbering,
             fixed: p.fixed,
             mass: p.mass,
@@ -132,16 +144,29 @@ impl Network {
         self.terms.iter().map(|t| &**t)
     }
 
-    /// `f =` the forces [N] of one of this network's terms alone; returns its energy [J] or power [W].
-    pub fn pass_of(&self, term: &dyn ForceTerm, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
-        let mut tally = Tally::default();
-        self.sum_of(&[term], at, f, std::slice::from_mut(&mut tally));
-        tally
+    /// `f =` the forces [N] of one of [`System::terms`] alone; returns its energy [J] or power [W]. 0 beyond the last.
+    pub fn pass_of(&self, part: usize, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
+        let mut tally = [Tally::default()];
+        self.sum_of(self.term_of(part).as_slice(), at, f, &mut tally);
+        tally[0]
     }
 
-    /// `f =` the forces [N] of some of the terms.
-    pub(super) fn sum_of(&self, terms: &[&dyn ForceTerm], at: NodeState<'_>, f: &mut [DVec3], tallies: &mut [Tally]) {
-        self.sweep.pass((&Chosen(terms), at), &self.threads, [f, &mut [], &mut []], tallies);
+    /// `f =` the forces [N] of some terms, of one of the parts of each.
+    pub(super) fn sum_of(
+        &self,
+        parts: &[(&dyn ForceTerm, usize)],
+        at: NodeState<'_>,
+        f: &mut [DVec3],
+        tallies: &mut [Tally],
+    ) {
+        self.sweep.pass((&Chosen(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
+    }
+
+    /// The force term that one of [`System::terms`] is a part of, and which part it is.
+    pub fn term_of(&self, part: usize) -> Option<(&dyn ForceTerm, usize)> {
+        let places = |parts: &[Option<Part>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
+        let mut terms = self.terms.iter().zip(&self.parts);
+        terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
@@ -158,36 +183,51 @@ impl Network {
     }
 }
 
-/// The terms, each with the sum of its role.
+/// The sum of a pass that terms of a role add to.
+fn sum_of_role(role: Role) -> usize {
+    match role {
+        Role::Elastic | Role::Gravity => 0,
+        Role::External => 1,
+        Role::Dissipative => 2,
+    }
+}
+
+/// The terms, each part with the sum of its role.
 impl Terms for Network {
     fn count(&self) -> usize {
         self.terms.len()
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        let sum = match self.infos[i].role {
-            Role::Elastic | Role::Gravity => 0,
-            Role::External => 1,
-            Role::Dissipative => 2,
-        };
-        (&*self.terms[i], sum)
+    fn tallies(&self) -> usize {
+        self.parts.iter().flatten().flatten().count()
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        Term { summand: &*self.terms[i], parts: self.parts[i] }
     }
 
     fn is_position_only(&self) -> bool {
-        (0..self.terms.len()).all(|i| self.term(i).1 > 0 || !self.infos[i].velocity_dependent)
+        self.infos.iter().all(|info| sum_of_role(info.role) > 0 || !info.velocity_dependent)
     }
 }
 
-/// Some of the terms, in one sum.
-struct Chosen<'a>(&'a [&'a dyn ForceTerm]);
+/// Some of the parts of terms, in one sum.
+struct Chosen<'a>(&'a [(&'a dyn ForceTerm, usize)]);
 
 impl Terms for Chosen<'_> {
     fn count(&self) -> usize {
         self.0.len()
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        (self.0[i], 0)
+    fn tallies(&self) -> usize {
+        self.0.len()
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        let (term, part) = self.0[i];
+        let mut parts = [None; PARTS];
+        parts[part] = Some(Part { sum: 0, tally: i });
+        Term { summand: term, parts }
     }
 }
 
@@ -222,7 +262,7 @@ impl System for Network {
 
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces) {
         self.pass_into(out, |[total, external, dissipative], tallies| {
-            let (own, outside) = tallies.split_at_mut(self.terms.len());
+            let (own, outside) = tallies.split_at_mut(self.tallies());
             let sums = [&mut *total, &mut *external, dissipative];
             self.sweep.pass((self, node_state(at)), &self.threads, sums, own);
             outside.fill(self.add_external(at, [total, external]));

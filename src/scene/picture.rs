@@ -1,7 +1,7 @@
 //! A network for output, in the user's numbering.
 
 use super::network::{Network, by_node, node_state};
-use crate::force::law::axial_dashpot::AxialData;
+use crate::force::law::damped_springs::axial_force;
 use crate::force::law::spring::Carried;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
@@ -50,9 +50,8 @@ impl Picture for Network {
 
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
         for batch in self.springs.iter().filter(|batch| batch.axial) {
-            let dashpots = AxialData { springs: batch.data.clone(), coefficient: batch.dashpot.clone() };
             for (i, &edge) in batch.edges.iter().enumerate() {
-                tension[edge as usize] += dashpots.force(node_state(at), i);
+                tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
             }
         }
     }

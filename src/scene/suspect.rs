@@ -4,7 +4,7 @@ use super::external::{EXTERNAL, ExternalForces};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::Abilities;
-use crate::force::{ForceTerm, TangentSink};
+use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
@@ -71,13 +71,13 @@ impl Scene for Network {
         let node = dof / 3;
         let mut strongest = (0.0, None);
         let mut f = vec![DVec3::ZERO; self.fixed.len()];
-        for term in &self.terms {
-            self.pass_of(&**term, node_state(at), &mut f);
+        for (part, info) in self.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some()) {
+            self.pass_of(part, node_state(at), &mut f);
             let size = f[node].length();
             // A force that is not finite counts as the strongest.
             let size = if size.is_finite() { size } else { f64::INFINITY };
             if size > strongest.0 {
-                strongest = (size, Some(term.info()));
+                strongest = (size, Some(*info));
             }
         }
         Suspect {
@@ -88,9 +88,9 @@ impl Scene for Network {
     }
 
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
-        let term = self.terms.get(term)?;
-        self.pass_of(&**term, node_state(at), bytemuck::cast_slice_mut(f));
-        Some(term.elements())
+        let (summand, _) = self.term_of(term)?;
+        self.pass_of(term, node_state(at), bytemuck::cast_slice_mut(f));
+        Some(summand.elements())
     }
 
     fn name_of(&self, dof: usize) -> (u32, &'static str) {
@@ -114,9 +114,10 @@ impl Scene for Network {
     }
 
     fn load(&self, at: StateRef<'_>, f: &mut [f64]) {
-        let terms: Vec<&dyn ForceTerm> =
-            self.force_terms().filter(|t| matches!(t.info().role, Role::Gravity | Role::External)).collect();
-        self.sum_of(&terms, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
+        let loads =
+            self.infos.iter().enumerate().filter(|(_, info)| matches!(info.role, Role::Gravity | Role::External));
+        let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
+        self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_external(at, [bytemuck::cast_slice_mut(f), &mut []]);
         for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
@@ -133,7 +134,7 @@ impl Scene for Network {
         y.fill(0.0);
         let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
         for term in &self.terms {
-            term.tangent(node_state(at), w, &mut product);
+            term.tangent(node_state(at), w, TangentForm::EXACT, &mut product);
         }
         for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {

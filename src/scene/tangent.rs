@@ -2,6 +2,7 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
+use crate::force::TangentForm;
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{System, Weights};
@@ -17,10 +18,22 @@ impl Network {
         let state = self.initial_state();
         let mut recorder = Recorder::default();
         for term in &self.terms {
-            term.tangent(node_state(state.as_ref()), Weights { m: 0.0, c: 0.0, k: 0.0 }, &mut recorder);
+            term.tangent(
+                node_state(state.as_ref()),
+                Weights { m: 0.0, c: 0.0, k: 0.0 },
+                TangentForm::EXACT,
+                &mut recorder,
+            );
         }
         let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
         Assembler::new(nodes, &recorder, symmetric)
+    }
+
+    fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
+        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
+        for term in &self.terms {
+            term.tangent(node_state(at), w, form, &mut sink);
+        }
     }
 }
 
@@ -38,28 +51,15 @@ impl TangentSystem for Network {
     }
 
     fn assemble_symmetric(&self, at: StateRef<'_>, w: Weights, convex: bool, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            match (term.symmetric(), convex) {
-                (false, _) => term.symmetric_tangent(node_state(at), w, &mut sink),
-                (true, true) => term.convex_tangent(node_state(at), w, &mut sink),
-                (true, false) => term.tangent(node_state(at), w, &mut sink),
-            }
-        }
+        self.assemble_form(at, w, TangentForm { convex, symmetric: true }, assembler);
     }
 
     fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            term.tangent(node_state(at), w, &mut sink);
-        }
+        self.assemble_form(at, w, TangentForm::EXACT, assembler);
     }
 
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
-        let mut sink = assembler.sink(|dof| w.m * self.mass[dof / 3]);
-        for term in &self.terms {
-            term.convex_tangent(node_state(at), w, &mut sink);
-        }
+        self.assemble_form(at, w, TangentForm { convex: true, symmetric: false }, assembler);
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {

@@ -1,6 +1,6 @@
 //! The interface of what a pass over the blocks sums into nodes ([`Summand`]), and an implementation for many elements
-//! of one kind ([`Batch`]; for springs and what acts as they do `edges`, for triangles that are pushed along their
-//! normal `faces`).
+//! of one kind, one after the other ([`Batch`]). Springs and dashpots have `bar_batch`, triangles that are pushed along
+//! their normal `faces`, forces on nodes `nodes`.
 
 use crate::force::kernel::element_block::ElementBlock;
 pub use crate::force::kernel::element_block::Elements;
@@ -24,6 +24,9 @@ impl Wants {
     }
 }
 
+/// Parts of a force term at most.
+pub const PARTS: usize = 2;
+
 /// Something that is summed into nodes, block after block: every force term.
 pub trait Summand: Send + Sync {
     /// Number of elements (springs, triangles, nodes) that a pass goes over.
@@ -45,9 +48,10 @@ pub trait Summand: Send + Sync {
         let _ = (block, elements, place);
     }
 
-    /// Adds its forces [N], or whatever it sums, to a block's local buffer: those of the elements it has taken, and
-    /// those on the block's own nodes; returns their energy [J] or power [W].
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally;
+    /// Adds its forces [N] to a block's sums: those of the elements it has taken, and those on the block's own nodes;
+    /// returns their energies [J] and powers [W]. A term has one part or two ([`crate::force::ForceTerm::parts`]), each
+    /// with a sum of its own; a part without a sum is left out.
+    fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [Tally; PARTS];
 
     /// [-] Largest l^2/l0^2 of the springs among a block's elements; -inf where there is none.
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
@@ -122,7 +126,8 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
         self.blocks.push(elements);
     }
 
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
-        self.elements_of(block).map_or_else(Tally::default, |elements| self.kernel.add(elements, f))
+    fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        let tally = sum.zip(self.elements_of(block)).map(|(f, elements)| self.kernel.add(elements, f));
+        [tally.unwrap_or_default(), Tally::default()]
     }
 }

@@ -1,7 +1,6 @@
 //! Numbers that belong to elements: one for all, or one each.
 
 use crate::force::kernel::star_batches::{STAR, STARS};
-use crate::model::quad::VectorUnit;
 use std::sync::Arc;
 
 /// One value for all elements, or one each; a uniform value is not read from memory again and again.
@@ -32,34 +31,17 @@ impl Coefficient {
     }
 }
 
-/// Where four elements stand among those that are gone over.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::force) struct Place {
-    /// number of the block of eight
-    pub block: usize,
-    /// which half of it, 0 or 1
-    pub half: usize,
-}
-
-impl Place {
-    /// Number of the four among the elements that are gone over.
-    #[inline(always)]
-    pub fn quad(self) -> usize {
-        2 * self.block + self.half
-    }
-}
-
-/// The values of elements, four at a time.
+/// The values of elements in the order of a kernel, four at a time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::force) struct Column<'a> {
-    quads: &'a [[f64; 4]],
-    /// 0 where all are the same, else all ones: a choice between two places would cost more than the number itself
+    quads: &'a [[f64; STARS]],
+    /// 0 where all are the same, else all ones: a branch would cost more than reading the number
     mask: usize,
 }
 
 impl<'a> Column<'a> {
-    /// One value an element, in whole blocks of eight.
-    pub fn each(quads: &'a [[f64; 4]]) -> Self {
+    /// One value an element.
+    pub fn each(quads: &'a [[f64; STARS]]) -> Self {
         Column { quads, mask: usize::MAX }
     }
 
@@ -68,25 +50,14 @@ impl<'a> Column<'a> {
         Column { quads, mask: 0 }
     }
 
-    /// Those of the elements from one on, the first of a star or of a block.
-    pub fn from(self, first: usize) -> Self {
-        Column { quads: &self.quads[(first / 4) & self.mask..], ..self }
+    /// The column without its first quads.
+    pub fn after(self, quads: usize) -> Self {
+        Column { quads: &self.quads[quads & self.mask..], ..self }
     }
 
-    /// One after the other, and what fills up the last block; none where all are the same.
-    pub fn values(&self) -> &'a [f64] {
-        if self.mask == 0 { &[] } else { self.quads.as_flattened() }
-    }
-
-    /// The values of four stars.
+    /// The values of a group of four stars of `N` elements each.
     #[inline(always)]
-    pub fn stars(&self, group: usize) -> &'a [[f64; STARS]; STAR] {
+    pub fn group<const N: usize>(&self, group: usize) -> &'a [[f64; STARS]; N] {
         &self.quads.as_chunks().0[group & self.mask]
-    }
-
-    /// The values of four elements, by the number of the four among those of the column.
-    #[inline(always)]
-    pub fn quad<U: VectorUnit>(&self, unit: U, number: usize) -> U::Quad {
-        unit.quad(self.quads[number & self.mask])
     }
 }

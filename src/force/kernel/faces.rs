@@ -1,11 +1,11 @@
-//! Batches of triangles that are pushed along their normal, in the order in which they are quickest: pairs first
-//! (`pairs`).
+//! Triangles that are pushed along their normal, by blocks.
 
-use crate::force::kernel::batch::{Summand, Wants};
+use crate::force::kernel::batch::{PARTS, Summand, Wants};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
-use crate::force::kernel::triangle_pairs::{Group, PAIRS, arrange};
+use crate::force::kernel::triangle_pairs::{Group, PressureLaw, Pushing, arrange};
 use crate::model::forces::Tally;
+use crate::model::quad;
 use std::ops::Range;
 
 /// The forces of triangles, for forces of this crate.
@@ -30,33 +30,31 @@ pub struct Faces<'a> {
     pub(in crate::force) x: &'a Records,
     /// [m/s] their velocities, where the kernel wants them
     pub(in crate::force) v: &'a Records,
-    /// those in pairs, by where the records of their nodes begin in the local buffer
-    pub(in crate::force) pairs: &'a [Group],
-    /// all others
-    pub(in crate::force) others: &'a [[u16; 3]],
+    /// by where the records of their nodes begin in the local buffer
+    groups: &'a [Group],
+}
+
+impl Faces<'_> {
+    /// Adds the forces [N] of the triangles to the block's sum; returns their power [W].
+    pub(in crate::force) fn push<L: PressureLaw>(self, law: &L, f: &mut Records) -> f64 {
+        quad::run(Pushing { law, groups: self.groups, x: self.x, v: self.v, f })
+    }
 }
 
 /// A kernel, and its triangles by blocks.
 #[derive(Debug)]
 pub struct FaceBatch<K> {
     kernel: K,
-    pairs: Vec<Group>,
-    others: Vec<[u16; 3]>,
-    blocks: Vec<Placing>,
-}
-
-/// The triangles of a block.
-#[derive(Clone, Debug)]
-struct Placing {
-    pairs: Range<usize>,
-    others: Range<usize>,
+    groups: Vec<Group>,
+    /// groups of every block
+    blocks: Vec<Range<usize>>,
 }
 
 impl<K: FaceKernel> FaceBatch<K> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and triangles in ascending
     /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
-        FaceBatch { kernel, pairs: Vec::new(), others: Vec::new(), blocks: Vec::new() }
+        FaceBatch { kernel, groups: Vec::new(), blocks: Vec::new() }
     }
 
     /// The kernel.
@@ -80,23 +78,18 @@ impl<K: FaceKernel> Summand for FaceBatch<K> {
 
     fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         if block == 0 {
-            self.pairs.clear();
-            self.others.clear();
+            self.groups.clear();
             self.blocks.clear();
-            // Nearly all are in pairs.
-            self.pairs.reserve_exact(self.kernel.elements().len() / (2 * PAIRS));
         }
         let triangles: Vec<[u16; 3]> = self.kernel.elements()[elements].iter().map(|nodes| nodes.map(place)).collect();
-        let (pairs, others) = arrange(&triangles);
-        let first = [self.pairs.len(), self.others.len()];
-        self.pairs.extend(pairs);
-        self.others.extend(others);
-        self.blocks.push(Placing { pairs: first[0]..self.pairs.len(), others: first[1]..self.others.len() });
+        let first = self.groups.len();
+        self.groups.extend(arrange(&triangles));
+        self.blocks.push(first..self.groups.len());
     }
 
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
-        let Some(Placing { pairs, others }) = self.blocks.get(block.number) else { return Tally::default() };
-        let (pairs, others) = (&self.pairs[pairs.clone()], &self.others[others.clone()]);
-        self.kernel.add(Faces { t: block.t, x: block.x, v: block.v, pairs, others }, f)
+    fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        let (Some(f), Some(groups)) = (sum, self.blocks.get(block.number)) else { return Default::default() };
+        let faces = Faces { t: block.t, x: block.x, v: block.v, groups: &self.groups[groups.clone()] };
+        [self.kernel.add(faces, f), Tally::default()]
     }
 }

@@ -192,7 +192,7 @@ fn vector<U: VectorUnit>(unit: U, u: &[f64], at: usize) -> U::Quad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::kernel::lane_batches::tests::random;
+    use crate::force::kernel::fixtures::random;
     use crate::model::quad::Portable;
 
     /// Pairs of nodes, some of them linked twice or with themselves, and some without any.

@@ -1,26 +1,60 @@
-//! Two-node elements in stars: a node with three of its elements, four such nodes side by side.
+//! Two-node elements in stars: a node with some of its elements, four such nodes side by side.
 //!
+//! ```text
+//! d = x_b - x_a,  u = v_b - v_a         elastic force on a: s d, damping force on a: s' d, on b the opposite
+//! ```
 //! In a net of triangles nearly every node can have three elements that are no other node's (a planar graph has at most
 //! 3 n - 6 edges). What a star's elements add to its own node is summed in a register; added in memory, and one after
-//! the other, are three other ends and one sum in place of six ends. Elements that fill no star are left to
-//! [`crate::force::kernel::axial_kernel`].
+//! the other, are three other ends and one sum in place of six ends. Elements that fill no star of three are stars of
+//! one.
 //!
 //! Measuring, the law, and adding follow each other one group apart, so that none of them waits for another's roots or
 //! stores.
 
-use crate::force::kernel::axial_kernel::{AxialLaw, Pull};
 use crate::force::kernel::coefficient::Column;
 use crate::force::kernel::incidence::Incidence;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
-use crate::model::quad::{self, Pass, Quad, VectorUnit};
+use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 
-/// Elements of a star, and stars side by side.
+/// Elements of a full star, and stars side by side.
 pub(in crate::force) const STAR: usize = 3;
 pub(in crate::force) const STARS: usize = 4;
 
-/// Elements of four stars, each with its star's node first: the three of star `q` at `q`, 4 + `q` and 8 + `q`.
-pub(in crate::force) type Group = [[u16; 2]; GROUP];
-pub(in crate::force) const GROUP: usize = STAR * STARS;
+/// `N` elements of each of four stars, with the star's node first: element `j` of star `q` at `[j][q]`.
+pub(in crate::force) type Group<const N: usize> = [[[u16; 2]; STARS]; N];
+
+/// How two-node elements pull: a pure function, for one element or four side by side.
+pub(in crate::force) trait AxialLaw {
+    /// whether there is an elastic force
+    const ELASTIC: bool;
+    /// whether there is a damping force
+    const DAMPED: bool;
+
+    /// Elements by their three numbers; `#[inline(always)]`.
+    fn pull<R: Real>(&self, numbers: [R; 3], measured: Measured<R>) -> Pull<R>;
+}
+
+/// What a law sees of an element.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::force) struct Measured<R> {
+    /// [m^2] d^2
+    pub square: R,
+    /// [m^2/s] d . u; 0 where there is no damping force
+    pub rate: R,
+}
+
+/// What an element does.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::force) struct Pull<R> {
+    /// [N/m] s
+    pub elastic: R,
+    /// [J] elastic energy
+    pub energy: R,
+    /// [N/m] s'
+    pub damping: R,
+    /// [W] power of s' d
+    pub power: R,
+}
 
 /// An element at its place in a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,8 +65,8 @@ pub(in crate::force) struct Placed {
     pub turned: bool,
 }
 
-/// The order of a block's elements, by their ends: groups of stars first, of which there are so many, then all others
-/// as they were. Node after node takes what elements are left, three by three.
+/// The order of a block's elements, by their ends: groups of stars of three first, of which there are so many, then all
+/// others as they were. Node after node takes what elements are left, three by three.
 pub(in crate::force) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
     let around = Incidence::new(ends);
     let (mut stars, mut taken): (Vec<[Placed; STAR]>, _) = (Vec::new(), vec![false; ends.len()]);
@@ -43,105 +77,155 @@ pub(in crate::force) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
         free.extend(placed.filter(|placed| !taken[placed.element]));
         // One between a node and itself is there twice.
         free.dedup_by_key(|placed: &mut Placed| placed.element);
-        for fan in free.as_chunks().0 {
-            fan.iter().for_each(|placed| taken[placed.element] = true);
-            stars.push(*fan);
+        for star in free.as_chunks().0 {
+            star.iter().for_each(|placed| taken[placed.element] = true);
+            stars.push(*star);
         }
     }
     let (groups, left) = stars.as_chunks::<STARS>();
     left.as_flattened().iter().for_each(|placed| taken[placed.element] = false);
-    let in_groups = groups.iter().flat_map(|group| (0..STAR).flat_map(|j| group.each_ref().map(|fan| fan[j])));
+    let in_groups = groups.iter().flat_map(|group| (0..STAR).flat_map(|j| group.each_ref().map(|star| star[j])));
     let others = (0..ends.len()).filter(|&element| !taken[element]).map(|element| Placed { element, turned: false });
     (in_groups.chain(others).collect(), groups.len())
 }
 
-/// Adds the forces [N] of stars to a local buffer, and returns their energy or power; `u` is the nodal vector of the
-/// differences.
-pub(in crate::force) fn add_stars<L: AxialLaw>(law: &L, stars: StarBatches<'_>, u: &Records, f: &mut Records) -> f64 {
-    quad::run(Pulling { law, stars, u, f })
-}
-
-/// Groups of stars, with two numbers of every element.
-pub(in crate::force) type StarBatches<'a> = (&'a [Group], [Column<'a>; 2]);
-
-struct Pulling<'a, L> {
-    law: &'a L,
-    stars: StarBatches<'a>,
-    u: &'a Records,
-    f: &'a mut Records,
+/// A pass over groups of stars of `N` elements. Returns their elastic energy [J] and the power [W] of their damping.
+pub(in crate::force) struct Stars<'a, L, const N: usize> {
+    pub law: &'a L,
+    pub groups: &'a [Group<N>],
+    /// three numbers of every element
+    pub numbers: [Column<'a>; 3],
+    /// [m] positions
+    pub x: &'a Records,
+    /// [m/s] velocities
+    pub v: &'a Records,
+    /// [N] sums of elastic and of damping forces, each where the law has such forces
+    pub sums: [Option<&'a mut Records>; 2],
 }
 
 /// What is kept of a group from one stage to the next.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 #[repr(align(32))]
-struct Kept {
-    d: [PaddedVec3; GROUP],
-    /// squared differences, then forces by difference
-    scale: [PaddedVec3; STAR],
+struct Kept<const N: usize> {
+    d: [[PaddedVec3; STARS]; N],
+    /// d^2, then s
+    elastic: [PaddedVec3; N],
+    /// d . u, then s'
+    damping: [PaddedVec3; N],
 }
 
-impl<L: AxialLaw> Pass for Pulling<'_, L> {
-    type Output = f64;
+impl<const N: usize> Kept<N> {
+    const EMPTY: Self = Kept { d: [[[0.0; 4]; STARS]; N], elastic: [[0.0; 4]; N], damping: [[0.0; 4]; N] };
+}
+
+impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) -> f64 {
-        let Pulling { law, stars: (groups, numbers), u, f } = self;
+    fn run<U: VectorUnit>(self, unit: U) -> [f64; 2] {
+        let Stars { law, groups, numbers, x, v, sums: [mut elastic, mut damping] } = self;
         // One more than there are stages: a power of two is cheaper to count through.
-        let mut kept = [Kept::default(); 4];
-        let mut sums = [unit.splat(0.0); STAR];
+        let mut kept = [Kept::<N>::EMPTY; 4];
+        let (mut energy, mut power) = ([unit.splat(0.0); N], [unit.splat(0.0); N]);
         for i in 0..groups.len() + 2 {
             if let Some(nodes) = groups.get(i) {
-                measure(unit, nodes, u, &mut kept[i % 4]);
+                measure::<U, L, N>(unit, nodes, [x, v], &mut kept[i % 4]);
             }
             if (1..=groups.len()).contains(&i) {
                 let kept = &mut kept[(i - 1) % 4];
-                let numbers = [numbers[0].stars(i - 1), numbers[1].stars(i - 1)];
-                for (j, sum) in sums.iter_mut().enumerate() {
-                    let numbers = [unit.quad(numbers[0][j]), unit.quad(numbers[1][j])];
-                    let Pull { scale, amount } = law.pull(unit, numbers, unit.quad(kept.scale[j]));
-                    kept.scale[j] = scale.numbers();
-                    *sum = *sum + amount;
+                let [a, b] = [numbers[0].group::<N>(i - 1), numbers[1].group::<N>(i - 1)];
+                for j in 0..N {
+                    let mut damping = [unit.splat(0.0); 2];
+                    if L::DAMPED {
+                        let c = numbers[2].group::<N>(i - 1);
+                        damping = [unit.quad(c[j]), unit.quad(kept.damping[j])];
+                    }
+                    let numbers = [unit.quad(a[j]), unit.quad(b[j]), damping[0]];
+                    let measured = Measured { square: unit.quad(kept.elastic[j]), rate: damping[1] };
+                    let pull = law.pull(numbers, measured);
+                    kept.elastic[j] = pull.elastic.numbers();
+                    energy[j] = energy[j] + pull.energy;
+                    if L::DAMPED {
+                        kept.damping[j] = pull.damping.numbers();
+                        power[j] = power[j] + pull.power;
+                    }
                 }
             }
             if let Some(nodes) = groups.get(i.wrapping_sub(2)) {
-                add(unit, nodes, &kept[(i - 2) % 4], f);
+                let kept = &kept[(i - 2) % 4];
+                if L::ELASTIC
+                    && let Some(f) = elastic.as_deref_mut()
+                {
+                    add::<U, N>(unit, nodes, (&kept.elastic, &kept.d), f);
+                }
+                if L::DAMPED
+                    && let Some(f) = damping.as_deref_mut()
+                {
+                    add::<U, N>(unit, nodes, (&kept.damping, &kept.d), f);
+                }
             }
         }
-        let [a, b, c, d] = (sums[0] + sums[1] + sums[2]).numbers();
-        (a + b) + (c + d)
+        let total = |sums: [U::Quad; N]| {
+            let mut sum = sums[0];
+            for other in &sums[1..] {
+                sum = sum + *other;
+            }
+            let [a, b, c, d] = sum.numbers();
+            (a + b) + (c + d)
+        };
+        [total(energy), total(power)]
     }
 }
 
 #[inline(always)]
-fn measure<U: VectorUnit>(unit: U, nodes: &Group, u: &Records, kept: &mut Kept) {
-    let mut own = [unit.splat(0.0); STARS];
-    for (own, nodes) in own.iter_mut().zip(nodes) {
-        *own = unit.quad(record(u, nodes[0]));
+fn measure<U: VectorUnit, L: AxialLaw, const N: usize>(
+    unit: U,
+    nodes: &Group<N>,
+    [x, v]: [&Records; 2],
+    kept: &mut Kept<N>,
+) {
+    let mut own = [[unit.splat(0.0); STARS]; 2];
+    for (q, nodes) in nodes[0].iter().enumerate() {
+        own[0][q] = unit.quad(record(x, nodes[0]));
+        if L::DAMPED {
+            own[1][q] = unit.quad(record(v, nodes[0]));
+        }
     }
-    for j in 0..STAR {
-        let mut d = own;
-        for (q, d) in d.iter_mut().enumerate() {
-            let at = STARS * j + q;
-            *d = unit.quad(record(u, nodes[at][1])) - *d;
-            kept.d[at] = d.numbers();
+    for j in 0..N {
+        let [mut d, mut u] = own;
+        for q in 0..STARS {
+            d[q] = unit.quad(record(x, nodes[j][q][1])) - d[q];
+            kept.d[j][q] = d[q].numbers();
+            if L::DAMPED {
+                u[q] = unit.quad(record(v, nodes[j][q][1])) - u[q];
+            }
         }
         let [x, y, z] = U::Quad::columns(d);
-        kept.scale[j] = (x * x + y * y + z * z).numbers();
+        kept.elastic[j] = (x * x + y * y + z * z).numbers();
+        if L::DAMPED {
+            let u = U::Quad::columns(u);
+            kept.damping[j] = (x * u[0] + y * u[1] + z * u[2]).numbers();
+        }
     }
 }
 
+/// Adds the forces scale * vector of a group.
 #[inline(always)]
-fn add<U: VectorUnit>(unit: U, nodes: &Group, kept: &Kept, f: &mut Records) {
+fn add<U: VectorUnit, const N: usize>(
+    unit: U,
+    nodes: &Group<N>,
+    (scale, vectors): (&[PaddedVec3; N], &[[PaddedVec3; STARS]; N]),
+    f: &mut Records,
+) {
     for q in 0..STARS {
         let mut own = unit.splat(0.0);
-        for j in 0..STAR {
-            let at = STARS * j + q;
-            let force = unit.splat(kept.scale[j][q]) * unit.quad(kept.d[at]);
+        for j in 0..N {
+            let force = unit.splat(scale[j][q]) * unit.quad(vectors[j][q]);
             own = if j == 0 { force } else { own + force };
-            let other = nodes[at][1];
+            let other = nodes[j][q][1];
             set_record(f, other, (unit.quad(record(f, other)) - force).numbers());
         }
-        set_record(f, nodes[q][0], (unit.quad(record(f, nodes[q][0])) + own).numbers());
+        set_record(f, nodes[0][q][0], (unit.quad(record(f, nodes[0][q][0])) + own).numbers());
     }
 }
 

@@ -1,24 +1,41 @@
-//! Triangles in pairs: two that share a side, four such pairs side by side.
+//! Triangles that are pushed along their normal, in pairs: two that share a side, four such pairs side by side.
 //!
+//! ```text
+//! S = 1/2 (x1 - x0) x (x2 - x0) = A N,      a vertex gets p S
+//! ```
 //! In a net nearly every triangle has another for itself. A pair has four nodes to be read and added to, where two
-//! triangles have six. Triangles that are left over are left to [`crate::force::kernel::pressure_kernel`].
+//! triangles have six. A triangle that is left over is a pair with one of no area.
 //!
 //! Measuring, the law, and adding follow each other one group apart, as in [`crate::force::kernel::star_batches`].
 
 use crate::force::kernel::incidence::Incidence;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, record, set_record};
-use crate::force::kernel::pressure_kernel::{PressureLaw, Push};
-use crate::model::quad::{self, Pass, Quad, VectorUnit};
+use crate::model::quad::{Pass, Quad, Real, VectorUnit};
+
+/// How triangles are pushed: a pure function, for one triangle or four side by side.
+pub(in crate::force) trait PressureLaw {
+    /// Triangles by the components of S [m^2] and of the sums [m/s] of their vertices' velocities; `#[inline(always)]`.
+    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R>;
+}
+
+/// What happens to a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::force) struct Push<R> {
+    /// [Pa] a vertex's share of the pressure
+    pub share: R,
+    /// [W] power
+    pub amount: R,
+}
 
 /// Pairs side by side.
-pub(in crate::force) const PAIRS: usize = 4;
+const PAIRS: usize = 4;
 
 /// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
 pub(in crate::force) type Group = [[u16; 4]; PAIRS];
 
-/// A block's triangles: groups of pairs, then all that are in none, as they were. Triangle after triangle takes the
-/// first that is left and has one of its sides the other way round.
-pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16; 3]>) {
+/// A block's triangles in groups of pairs. Triangle after triangle takes the first that is left and has one of its sides
+/// the other way round.
+pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> Vec<Group> {
     let around = Incidence::new(triangles);
     let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
     for (number, &[i, j, k]) in triangles.iter().enumerate() {
@@ -30,15 +47,16 @@ pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<[u16
                 across(triangles, &around, [a, c]).find(|(other, _)| *other != number && !taken[*other])?;
             Some((other, [a, b, c, d]))
         });
-        if let Some((other, pair)) = found {
-            (taken[number], taken[other]) = (true, true);
-            pairs.push(([number, other], pair));
+        taken[number] = true;
+        if let Some((other, _)) = found {
+            taken[other] = true;
         }
+        pairs.push(found.map_or([i, j, k, k], |(_, pair)| pair));
     }
-    let (groups, left) = pairs.as_chunks::<PAIRS>();
-    left.iter().flat_map(|(numbers, _)| numbers).for_each(|&number| taken[number] = false);
-    let others = triangles.iter().zip(taken).filter(|(_, taken)| !taken).map(|(nodes, _)| *nodes);
-    (groups.iter().map(|group| group.each_ref().map(|(_, pair)| *pair)).collect(), others.collect())
+    if let Some(&[a, ..]) = pairs.last() {
+        pairs.resize(pairs.len().next_multiple_of(PAIRS), [a; 4]);
+    }
+    pairs.as_chunks().0.to_vec()
 }
 
 /// Those of `triangles` with the side from `a` to `c`, and their third node.
@@ -54,23 +72,14 @@ fn across<'a>(
     })
 }
 
-/// Adds the forces [N] of pairs to a local buffer, and returns their energy or power; `x` and `v` are the positions [m]
-/// and velocities [m/s] of its nodes.
-pub(in crate::force) fn push_pairs<L: PressureLaw>(
-    law: &L,
-    groups: &[Group],
-    [x, v]: [&Records; 2],
-    f: &mut Records,
-) -> f64 {
-    quad::run(Pushing { law, groups, x, v, f })
-}
-
-struct Pushing<'a, L> {
-    law: &'a L,
-    groups: &'a [Group],
-    x: &'a Records,
-    v: &'a Records,
-    f: &'a mut Records,
+/// A pass over groups of pairs; `x` and `v` are the positions [m] and velocities [m/s] of the nodes. Adds forces [N] to
+/// `f` and returns their power [W].
+pub(in crate::force) struct Pushing<'a, L> {
+    pub law: &'a L,
+    pub groups: &'a [Group],
+    pub x: &'a Records,
+    pub v: &'a Records,
+    pub f: &'a mut Records,
 }
 
 /// What is kept of a group from one stage to the next, of first and of second triangles, component by component.
@@ -100,7 +109,7 @@ impl<L: PressureLaw> Pass for Pushing<'_, L> {
                 let Kept { s, v } = &mut kept[(i - 1) % 4];
                 for ((s, v), sum) in s.iter_mut().zip(v).zip(&mut sums) {
                     let [area, v] = [quads(unit, s), quads(unit, v)];
-                    let Push { share, amount } = law.push(unit, area, v);
+                    let Push { share, amount } = law.push(area, v);
                     *s = numbers(scaled(share, area));
                     *sum = *sum + amount;
                 }
@@ -134,7 +143,7 @@ fn measure<U: VectorUnit>(unit: U, nodes: &Group, [x, v]: [&Records; 2], kept: &
 
 /// S = 1/2 a x b, of four triangles by two sides.
 #[inline(always)]
-pub(in crate::force) fn area<U: VectorUnit>(unit: U, a: [U::Quad; 3], b: [U::Quad; 3]) -> [U::Quad; 3] {
+fn area<U: VectorUnit>(unit: U, a: [U::Quad; 3], b: [U::Quad; 3]) -> [U::Quad; 3] {
     let half = unit.splat(0.5);
     [half * (a[1] * b[2] - a[2] * b[1]), half * (a[2] * b[0] - a[0] * b[2]), half * (a[0] * b[1] - a[1] * b[0])]
 }
@@ -153,17 +162,17 @@ fn add<U: VectorUnit>(unit: U, nodes: &Group, [one, two]: &[[PaddedVec3; 3]; 2],
 // No `map` in these: its closure would be compiled for any machine, and every operation in it called.
 
 #[inline(always)]
-pub(in crate::force) fn quads<U: VectorUnit>(unit: U, [x, y, z]: &[PaddedVec3; 3]) -> [U::Quad; 3] {
+fn quads<U: VectorUnit>(unit: U, [x, y, z]: &[PaddedVec3; 3]) -> [U::Quad; 3] {
     [unit.quad(*x), unit.quad(*y), unit.quad(*z)]
 }
 
 #[inline(always)]
-pub(in crate::force) fn numbers<Q: Quad>([x, y, z]: [Q; 3]) -> [PaddedVec3; 3] {
+fn numbers<Q: Quad>([x, y, z]: [Q; 3]) -> [PaddedVec3; 3] {
     [x.numbers(), y.numbers(), z.numbers()]
 }
 
 #[inline(always)]
-pub(in crate::force) fn scaled<Q: Quad>(by: Q, [x, y, z]: [Q; 3]) -> [Q; 3] {
+fn scaled<Q: Quad>(by: Q, [x, y, z]: [Q; 3]) -> [Q; 3] {
     [by * x, by * y, by * z]
 }
 

@@ -14,12 +14,12 @@
 
 use crate::force::kernel::batch::{Records, Wants};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::pressure_kernel::{PressureLaw, Push, push};
+use crate::force::kernel::triangle_pairs::{PressureLaw, Push};
 use crate::force::law::series::Table;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
-use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
-use crate::model::quad::{Quad, VectorUnit};
+use crate::model::quad::Real;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -74,7 +74,7 @@ impl FaceKernel for AirData {
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let wind = DVec3::from_array(self.wind.at(block.t));
-        Tally { energy: 0.0, power: push(&AirLaw { data: self, wind }, &block, f) }
+        Tally { energy: 0.0, power: block.push(&AirLaw { data: self, wind }, f) }
     }
 }
 
@@ -86,32 +86,44 @@ struct AirLaw<'a> {
 impl PressureLaw for AirLaw<'_> {
     /// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
     #[inline(always)]
-    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
-        let (third, wind) = (unit.splat(THIRD), self.wind);
-        let (linear, quadratic) = (unit.splat(self.data.linear), unit.splat(self.data.quadratic));
-        let flow = third * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
-        let flux = s[0] * unit.splat(wind.x) + s[1] * unit.splat(wind.y) + s[2] * unit.splat(wind.z) - flow;
+    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+        let (all, wind) = (|number| s[0].all(number), self.wind);
+        let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
+        let flux = s[0] * all(wind.x) + s[1] * all(wind.y) + s[2] * all(wind.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         let vn = (flux / area).where_positive(area);
-        let dp = linear * vn + quadratic * vn * vn.abs();
-        Push { share: dp * third, amount: dp * flow }
+        let dp = all(self.data.linear) * vn + all(self.data.quadratic) * vn * vn.abs();
+        Push { share: dp * all(THIRD), amount: dp * flow }
     }
 }
 
 impl ForceTerm for Air {
-    fn info(&self) -> TermInfo {
-        TermInfo { velocity_dependent: true, follower: true, on_triangles: true, ..TermInfo::of("air", Role::External) }
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo = TermInfo {
+            velocity_dependent: true,
+            follower: true,
+            on_triangles: true,
+            ..TermInfo::of("air", Role::External)
+        };
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {
         false
     }
 
-    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+    /// The symmetric form is the part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric
+    /// part worth keeping.
+    fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         let wind = DVec3::from_array(data.wind.at(at.t));
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
+            if form.symmetric {
+                let dv = outer(flow.area.s, flow.n) * (w.c * flow.slope / 9.0);
+                sink.triangle(nodes, &[[dv; 3]; 3]);
+                continue;
+            }
             if flow.a == 0.0 {
                 sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
                 continue;
@@ -122,18 +134,6 @@ impl ForceTerm for Air {
             let dv = outer(s, n) * (w.c * flow.slope / 9.0);
             let row = [0, 1, 2].map(|j| ds * flow.area.derivative(j) * (-w.k / 3.0) + dv);
             sink.triangle(nodes, &[row; 3]);
-        }
-    }
-
-    /// The part in the velocities, dp'/9 S N^T; what the shape does to the pressure has no symmetric part worth
-    /// keeping.
-    fn symmetric_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.kernel();
-        let wind = DVec3::from_array(data.wind.at(at.t));
-        for &nodes in data.triangles.iter() {
-            let flow = data.flow(at, wind, nodes);
-            let dv = outer(flow.area.s, flow.n) * (w.c * flow.slope / 9.0);
-            sink.triangle(nodes, &[[dv; 3]; 3]);
         }
     }
 }

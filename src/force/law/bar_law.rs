@@ -7,7 +7,7 @@
 
 use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Wants};
 use crate::force::kernel::element_block::vector;
-use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
@@ -90,20 +90,17 @@ impl Kernel<2> for BarData {
 }
 
 impl ForceTerm for LawBars {
-    fn info(&self) -> TermInfo {
-        TermInfo::of("bars", Role::Elastic)
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo = TermInfo::of("bars", Role::Elastic);
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {
         true
     }
 
-    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        self.kernel().emit(at, w.k, sink, |k| k);
-    }
-
-    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        self.kernel().emit(at, w.k, sink, |k| k.max(0.0));
+    fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        self.kernel().emit(at, w.k, sink, |k| if form.convex { k.max(0.0) } else { k });
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {

@@ -6,14 +6,13 @@
 
 use crate::force::kernel::batch::{Records, Wants};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::pressure_kernel::{PressureLaw, Push, push};
+use crate::force::kernel::triangle_pairs::{PressureLaw, Push};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::{AreaVector, THIRD};
-use crate::force::{ForceTerm, NodeState, TangentSink};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
-use crate::model::quad::VectorUnit;
+use crate::model::quad::Real;
 use crate::model::system::{TermInfo, Weights};
-use glam::DMat3;
 use std::sync::Arc;
 
 /// A follower pressure on a batch of triangles.
@@ -39,7 +38,7 @@ impl FaceKernel for FollowerData {
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let pressure = self.pressure * factor(self.factor.as_ref(), block.t);
-        Tally { energy: 0.0, power: push(&FollowerLaw { pressure }, &block, f) }
+        Tally { energy: 0.0, power: block.push(&FollowerLaw { pressure }, f) }
     }
 }
 
@@ -50,35 +49,32 @@ struct FollowerLaw {
 
 impl PressureLaw for FollowerLaw {
     #[inline(always)]
-    fn push<U: VectorUnit>(&self, unit: U, s: [U::Quad; 3], v: [U::Quad; 3]) -> Push<U::Quad> {
-        let share = unit.splat(THIRD * self.pressure);
+    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+        let share = s[0].all(THIRD * self.pressure);
         Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
     }
 }
 
 impl ForceTerm for FollowerPressure {
-    fn info(&self) -> TermInfo {
-        TermInfo { follower: true, on_triangles: true, ..TermInfo::of("follower pressure", Role::External) }
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo =
+            TermInfo { follower: true, on_triangles: true, ..TermInfo::of("follower pressure", Role::External) };
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {
         false
     }
 
-    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+    fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         let p = data.pressure * factor(data.factor.as_ref(), at.t);
         for &nodes in data.triangles.iter() {
             let area = AreaVector::new(at.x, nodes);
-            let row = [0, 1, 2].map(|j| area.derivative(j) * (-w.k * p / 3.0));
+            // A symmetric part would be that of the surface's edge alone, of either sign: there is none.
+            let k = if form.symmetric { 0.0 } else { w.k };
+            let row = [0, 1, 2].map(|j| area.derivative(j) * (-k * p / 3.0));
             sink.triangle(nodes, &[row; 3]);
-        }
-    }
-
-    /// None: over a closed or held surface the symmetric part is that of its edge alone, of either sign.
-    fn symmetric_tangent(&self, _at: NodeState<'_>, _w: Weights, sink: &mut dyn TangentSink) {
-        for &nodes in self.kernel().triangles.iter() {
-            sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
         }
     }
 }

@@ -2,12 +2,15 @@
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
-use crate::force::kernel::batch::{Records, Summand, Wants};
-use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
+use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::PaddedVec3;
+use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::AreaVector;
-use crate::force::{ForceTerm, NodeState, TangentSink};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use glam::DVec3;
 use std::sync::Arc;
@@ -25,8 +28,8 @@ pub struct NodalForces {
     pub info: TermInfo,
     /// the nodes, ascending
     pub nodes: Vec<u32>,
-    /// [N] force on each of them at factor 1
-    pub force: Vec<DVec3>,
+    /// [N] force on each of them at factor 1, and 0
+    pub force: Vec<PaddedVec3>,
     /// optional factor over time
     pub factor: Option<Arc<Table<1>>>,
 }
@@ -56,8 +59,22 @@ impl DeadPressure<'_> {
             }
         }
         let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != DVec3::ZERO).collect();
-        let force = nodes.iter().map(|&i| sum[i as usize]).collect();
+        let force = nodes.iter().map(|&i| padded(sum[i as usize])).collect();
         NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
+    }
+}
+
+/// The forces at one time.
+struct Scaled<'a> {
+    forces: &'a [PaddedVec3],
+    factor: f64,
+}
+
+impl NodeLaw for Scaled<'_> {
+    #[inline(always)]
+    fn force<U: VectorUnit>(&self, unit: U, i: usize, _: U::Quad, v: U::Quad) -> [U::Quad; 2] {
+        let force = unit.splat(self.factor) * unit.quad(self.forces[i]);
+        [force, force * v]
     }
 }
 
@@ -70,28 +87,21 @@ impl Summand for NodalForces {
         Wants { x: false, v: true }
     }
 
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
-        let scale = factor(self.factor.as_ref(), block.t);
-        let before = |node: usize| self.nodes.partition_point(|&i| (i as usize) < node);
-        let here = before(block.own.start)..before(block.own.end);
-        let mut power = 0.0;
-        for (&i, &force) in self.nodes[here.clone()].iter().zip(&self.force[here]) {
-            let (force, at) = (scale * force, place(i as usize - block.own.start));
-            add(f, at, force);
-            power += force.dot(vector(block.v, at));
-        }
-        Tally { energy: 0.0, power }
+    fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        let law = Scaled { forces: &self.force, factor: factor(self.factor.as_ref(), block.t) };
+        let power = sum.map_or(0.0, |f| nodes::add(&law, Some(&self.nodes), block, f));
+        [Tally { energy: 0.0, power }, Tally::default()]
     }
 }
 
 impl ForceTerm for NodalForces {
-    fn info(&self) -> TermInfo {
-        self.info
+    fn parts(&self) -> &[TermInfo] {
+        std::slice::from_ref(&self.info)
     }
 
     fn symmetric(&self) -> bool {
         true
     }
 
-    fn tangent(&self, _at: NodeState<'_>, _w: Weights, _sink: &mut dyn TangentSink) {}
+    fn tangent(&self, _at: NodeState<'_>, _w: Weights, _: TangentForm, _sink: &mut dyn TangentSink) {}
 }

@@ -3,11 +3,13 @@
 //! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
-use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Summand, Wants};
-use crate::force::kernel::element_block::{ElementBlock, add, place, vector};
+use crate::force::kernel::batch::{Batch, Elements, Kernel, PARTS, Records, Summand, Wants};
+use crate::force::kernel::element_block::{ElementBlock, vector};
+use crate::force::kernel::nodes::{self, NodeLaw};
 use crate::force::law::spring::Coefficient;
-use crate::force::{ForceTerm, NodeState, TangentSink, outer};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
+use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -30,28 +32,32 @@ impl Summand for RayleighMass {
         Wants { x: false, v: true }
     }
 
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
-        let mut power = 0.0;
-        for (i, node) in block.own.clone().enumerate() {
-            let v = vector(block.v, place(i));
-            let force = -(self.factor * self.mass[node]) * v;
-            power += force.dot(v);
-            add(f, place(i), force);
-        }
-        Tally { energy: 0.0, power }
+    fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        let power = sum.map_or(0.0, |f| nodes::add(self, None, block, f));
+        [Tally { energy: 0.0, power }, Tally::default()]
+    }
+}
+
+impl NodeLaw for RayleighMass {
+    #[inline(always)]
+    fn force<U: VectorUnit>(&self, unit: U, i: usize, _: U::Quad, v: U::Quad) -> [U::Quad; 2] {
+        let force = unit.splat(-(self.factor * self.mass[i])) * v;
+        [force, force * v]
     }
 }
 
 impl ForceTerm for RayleighMass {
-    fn info(&self) -> TermInfo {
-        TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh mass damping", Role::Dissipative) }
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo =
+            TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh mass damping", Role::Dissipative) };
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {
         true
     }
 
-    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         for (i, m) in self.mass.iter().enumerate() {
             sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
         }
@@ -91,15 +97,17 @@ impl Kernel<2> for RayleighData {
 }
 
 impl ForceTerm for RayleighStiffness {
-    fn info(&self) -> TermInfo {
-        TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh stiffness damping", Role::Dissipative) }
+    fn parts(&self) -> &[TermInfo] {
+        const INFO: TermInfo =
+            TermInfo { velocity_dependent: true, ..TermInfo::of("rayleigh stiffness damping", Role::Dissipative) };
+        &[INFO]
     }
 
     fn symmetric(&self) -> bool {
         true
     }
 
-    fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
+    fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
             sink.edge(nodes, outer(n, n) * (w.c * data.coefficient.at(i)));

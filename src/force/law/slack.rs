@@ -1,46 +1,27 @@
 //! The three slack kinds and the plain spring as tension laws T(e), e = l - l0 (thesis Eq. 3, both readings).
 
-use crate::model::quad::{Quad, VectorUnit};
+use crate::model::quad::Real;
 use crate::model::spec::Slack;
 
 /// A spring's elastic tension at one elongation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tension {
+pub struct Tension<R = f64> {
     /// [N] tension T
-    pub force: f64,
+    pub force: R,
     /// [N/m] dT/dl; at the threshold the taut branch's
-    pub slope: f64,
+    pub slope: R,
     /// [J] stored energy, zero at rest
-    pub energy: f64,
+    pub energy: R,
 }
 
-/// A tension law for springs of stiffness `k`. Monomorphised into the kernels, so that a plain spring pays no branch.
+/// A tension law, for one spring or several side by side. Monomorphised into the kernels, so that a plain spring pays
+/// no branch.
 pub trait TensionLaw: Copy + Send + Sync {
-    /// [m] where the law clamps: the tension is k (max(e, threshold) - offset); -inf = never.
-    fn threshold(&self) -> f64;
-
-    /// [m] elongation at which the taut branch has no tension.
-    fn offset(&self) -> f64;
+    /// Where the law clamps: T = k (max(e, threshold) - offset); `None` = nowhere.
+    fn clamp(&self) -> Option<Clamped>;
 
     /// Tension, slope and energy at elongation `e` [m] with stiffness `k` [N/m].
-    #[inline(always)]
-    fn at(&self, k: f64, e: f64) -> Tension {
-        let (threshold, offset) = (self.threshold(), self.offset());
-        let taut = e >= threshold;
-        let c = if taut { e } else { threshold };
-        let force = k * (c - offset);
-        // Below the threshold the force is constant: its work is linear in the rest of the elongation.
-        Tension { force, slope: if taut { k } else { 0.0 }, energy: 0.5 * force * (c - offset) + force * (e - c) }
-    }
-
-    /// Tension and energy of four springs, with the bits of [`TensionLaw::at`].
-    #[inline(always)]
-    fn quad<U: VectorUnit>(&self, unit: U, k: U::Quad, e: U::Quad) -> (U::Quad, U::Quad) {
-        let c = e.larger(unit.splat(self.threshold()));
-        let taut = c - unit.splat(self.offset());
-        let force = k * taut;
-        (force, unit.splat(0.5) * force * taut + force * (e - c))
-    }
+    fn at<R: Real>(&self, k: R, e: R) -> Tension<R>;
 }
 
 /// T = k e.
@@ -49,22 +30,14 @@ pub struct Plain;
 
 impl TensionLaw for Plain {
     #[inline(always)]
-    fn threshold(&self) -> f64 {
-        f64::NEG_INFINITY
+    fn clamp(&self) -> Option<Clamped> {
+        None
     }
+
     #[inline(always)]
-    fn offset(&self) -> f64 {
-        0.0
-    }
-    #[inline(always)]
-    fn at(&self, k: f64, e: f64) -> Tension {
+    fn at<R: Real>(&self, k: R, e: R) -> Tension<R> {
         let force = k * e;
-        Tension { force, slope: k, energy: 0.5 * force * e }
-    }
-    #[inline(always)]
-    fn quad<U: VectorUnit>(&self, unit: U, k: U::Quad, e: U::Quad) -> (U::Quad, U::Quad) {
-        let force = k * e;
-        (force, unit.splat(0.5) * force * e)
+        Tension { force, slope: k, energy: k.all(0.5) * force * e }
     }
 }
 
@@ -79,12 +52,19 @@ pub struct Clamped {
 
 impl TensionLaw for Clamped {
     #[inline(always)]
-    fn threshold(&self) -> f64 {
-        self.threshold
+    fn clamp(&self) -> Option<Clamped> {
+        Some(*self)
     }
+
     #[inline(always)]
-    fn offset(&self) -> f64 {
-        self.offset
+    fn at<R: Real>(&self, k: R, e: R) -> Tension<R> {
+        let threshold = k.all(self.threshold);
+        let c = e.larger(threshold);
+        let taut = c - k.all(self.offset);
+        let force = k * taut;
+        let slope = k.where_not_negative(e - threshold);
+        // Below the threshold the force is constant: its work is linear in the rest of the elongation.
+        Tension { force, slope, energy: k.all(0.5) * force * taut + force * (e - c) }
     }
 }
 
@@ -110,7 +90,7 @@ pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::quad::{Pass, run};
+    use crate::model::quad::{Pass, Quad, VectorUnit, run};
 
     const K: f64 = 7.0;
     const EPS: f64 = 0.2;
@@ -160,8 +140,8 @@ mod tests {
 
         #[inline(always)]
         fn run<U: VectorUnit>(self, unit: U) -> Self::Output {
-            let (force, energy) = self.0.quad(unit, unit.splat(K), unit.quad(self.1));
-            (force.numbers(), energy.numbers())
+            let tension = self.0.at(unit.splat(K), unit.quad(self.1));
+            (tension.force.numbers(), tension.energy.numbers())
         }
     }
 

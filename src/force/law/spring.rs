@@ -6,19 +6,14 @@
 //! ```
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
-use crate::force::kernel::axial_kernel::{AxialLaw, Pull, pull};
-use crate::force::kernel::batch::{Records, Wants};
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::kernel::edges::{EdgeBatch, EdgeKernel, Edges};
-use crate::force::law::slack::{Plain, TensionLaw, clamped, tension};
-use crate::force::law::stretch::{InScene, InWindow, Stretched, largest};
+use crate::force::law::slack::{Plain, clamped};
+use crate::force::law::stretch::{InScene, Stretched, largest};
 pub use crate::force::law::tension::Carried;
 use crate::force::law::tension::Carrying;
-use crate::force::{ForceTerm, NodeState, TangentSink, outer};
-use crate::model::forces::{Role, Tally};
-use crate::model::quad::{self, Quad, VectorUnit};
+use crate::force::outer;
+use crate::model::quad;
 use crate::model::spec::Slack;
-use crate::model::system::{TermInfo, Weights};
 use glam::{DMat3, DVec3};
 use multiversion::multiversion;
 use std::sync::Arc;
@@ -35,9 +30,6 @@ pub struct SpringData {
     /// slack kind of the batch
     pub slack: Slack,
 }
-
-/// A batch of springs as a force term.
-pub type Springs = EdgeBatch<SpringData>;
 
 impl SpringData {
     /// Vector from a to b, length, and elongation of spring `i`.
@@ -90,18 +82,6 @@ impl SpringData {
     }
 }
 
-/// Springs side by side, by stiffness and rest length.
-struct SpringLaw<T>(T);
-
-impl<T: TensionLaw> AxialLaw for SpringLaw<T> {
-    #[inline(always)]
-    fn pull<U: VectorUnit>(&self, unit: U, [k, l0]: [U::Quad; 2], square: U::Quad) -> Pull<U::Quad> {
-        let l = square.sqrt();
-        let (force, energy) = self.0.quad(unit, k, l - l0);
-        Pull { scale: (force / l).where_positive(l), amount: energy }
-    }
-}
-
 /// Without roots and divisions: a fraction of a force pass.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn turns_over(data: &SpringData, from: &[DVec3], to: &[DVec3]) -> bool {
@@ -130,68 +110,5 @@ impl Stretch {
         }
         let g = t / self.length;
         DMat3::from_diagonal(DVec3::splat(g)) + outer(self.n, self.n) * (s - g)
-    }
-}
-
-impl EdgeKernel for SpringData {
-    const WANTS: Wants = Wants { x: true, v: false };
-
-    fn elements(&self) -> &[[u32; 2]] {
-        &self.nodes
-    }
-
-    fn numbers(&self) -> [Coefficient; 2] {
-        // One each, even where all are the same: the largest stretch goes over them.
-        [self.stiffness.clone(), Coefficient::Each(self.rest_length.clone())]
-    }
-
-    fn add(&self, block: Edges<'_>, f: &mut Records) -> Tally {
-        let energy = match clamped(self.slack) {
-            None => pull(&SpringLaw(Plain), &block, block.x, f),
-            Some(tension) => pull(&SpringLaw(tension), &block, block.x, f),
-        };
-        Tally { energy, power: 0.0 }
-    }
-
-    fn largest_stretch(&self, block: Edges<'_>) -> f64 {
-        largest(Stretched { ends: block.ends, rest_length: block.second(), at: InWindow(block.x) })
-    }
-}
-
-impl ForceTerm for Springs {
-    fn info(&self) -> TermInfo {
-        TermInfo::of("springs", Role::Elastic)
-    }
-
-    fn symmetric(&self) -> bool {
-        true
-    }
-
-    fn tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.kernel();
-        for (i, &nodes) in data.nodes.iter().enumerate() {
-            let s = data.stretch(at.x, i);
-            let t = tension(data.slack, data.stiffness.at(i), s.elongation);
-            sink.edge(nodes, s.block(t.force, t.slope) * w.k);
-        }
-    }
-
-    /// B = max(T, 0)/l (I - n n^T) + (dT/dl) n n^T: the geometric part of a compressed spring is dropped.
-    fn convex_tangent(&self, at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
-        let data = self.kernel();
-        for (i, &nodes) in data.nodes.iter().enumerate() {
-            let s = data.stretch(at.x, i);
-            let t = tension(data.slack, data.stiffness.at(i), s.elongation);
-            sink.edge(nodes, s.block(t.force.max(0.0), t.slope) * w.k);
-        }
-    }
-
-    fn add_stiffness(&self, nodes: &mut [f64]) {
-        let data = self.kernel();
-        for (i, pair) in data.nodes.iter().enumerate() {
-            for &node in pair {
-                nodes[node as usize] += data.stiffness.at(i);
-            }
-        }
     }
 }

@@ -2,7 +2,7 @@
 //! no root.
 
 use crate::force::kernel::local_buffer::{Records, record};
-use crate::model::quad::{self, Quad, VectorUnit};
+use crate::model::quad::{self, Quad, Real, VectorUnit};
 
 /// Springs by their ends, and where these are.
 pub(in crate::force) struct Stretched<'a, E, P> {

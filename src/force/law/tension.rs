@@ -4,7 +4,7 @@ use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::slack::TensionLaw;
 use crate::force::law::spring::SpringData;
 use crate::force::law::stretch::{InScene, Positions};
-use crate::model::quad::{Pass, Quad, VectorUnit};
+use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 use glam::DVec3;
 
 /// Where the values of springs belong.
@@ -75,7 +75,7 @@ impl<L: TensionLaw> Carrying<'_, L> {
         }
         let (d, l0) = (U::Quad::columns(d), unit.quad(springs.rest_length));
         let e = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - l0;
-        let (tension, _) = self.law.quad(unit, unit.quad(springs.stiffness), e);
+        let tension = self.law.at(unit.quad(springs.stiffness), e).force;
         let (tension, strain) = (tension.numbers(), (e / l0).numbers());
         for ((&place, tension), strain) in places.iter().zip(tension).zip(strain) {
             self.to.tension[place as usize] = tension;

@@ -302,8 +302,8 @@ mod tests {
             self.blocks += 1;
         }
 
-        fn add(&self, _: &ElementBlock<'_>, _: &mut Records) -> Tally {
-            Tally::default()
+        fn add(&self, _: &ElementBlock<'_>, _: [Option<&mut Records>; 2]) -> [Tally; 2] {
+            Default::default()
         }
     }
 

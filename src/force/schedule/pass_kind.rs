@@ -2,7 +2,7 @@
 
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
-use crate::force::schedule::sweep::Terms;
+use crate::force::schedule::sweep::{Part, Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::model::forces::Tally;
 
@@ -50,29 +50,42 @@ impl Sums<'_> {
         block: &ElementBlock<'_>,
         tallies: &mut [Tally],
     ) {
-        let n = self.n;
-        let [total, others @ ..] = &mut self.sums;
-        let is_told = |other: usize| self.present[other + 1] && kind != PassKind::TotalOnly;
-        for (_, other) in others.iter_mut().enumerate().filter(|(i, _)| is_told(*i)) {
-            rows(other, n).fill(PaddedVec3::default());
+        for (sum, _) in self.sums.iter_mut().zip(self.present).skip(1).filter(|(_, present)| *present) {
+            rows(sum, self.n).fill(PaddedVec3::default());
         }
+        let adds_to_first = |term: &Term<'_>| term.parts.iter().flatten().any(|part| part.sum == 0);
         if kind.goes_over(0) {
-            for (i, tally) in tallies.iter_mut().enumerate() {
-                if let (term, 0) = terms.term(i) {
-                    *tally = term.add(block, total);
+            (0..terms.count()).map(|i| terms.term(i)).filter(adds_to_first).for_each(|term| {
+                self.add_term(term, block, tallies);
+            });
+            if kind == PassKind::TotalOnly && terms.is_position_only() {
+                self.kept.copy_from_slice(rows(self.sums[0], self.n));
+            }
+        }
+        for term in (0..terms.count()).map(|i| terms.term(i)) {
+            match (kind.goes_over(0), adds_to_first(&term)) {
+                (true, true) => {}
+                (_, false) => self.add_term(term, block, tallies),
+                (false, true) => {
+                    let parts = term.parts.map(|part| part.filter(|part| part.sum > 0));
+                    self.add_term(Term { parts, ..term }, block, tallies);
                 }
             }
         }
-        if kind == PassKind::TotalOnly && terms.is_position_only() {
-            self.kept.copy_from_slice(rows(total, n));
-        }
-        for (i, tally) in tallies.iter_mut().enumerate() {
-            if let (term, sum @ 1..) = terms.term(i) {
-                *tally = term.add(block, if is_told(sum - 1) { others[sum - 1] } else { total });
+        let kept = (kind == PassKind::ReusePosition).then_some(&*self.kept);
+        let [total, others @ ..] = &mut self.sums;
+        let others = std::array::from_fn(|i| if self.present[i + 1] { rows_of(others[i], self.n) } else { &[] });
+        sum_rows(rows(total, self.n), kept, others);
+    }
+
+    fn add_term(&mut self, Term { summand, parts }: Term<'_>, block: &ElementBlock<'_>, tallies: &mut [Tally]) {
+        let [a, b, c] = &mut self.sums;
+        let mut all = [Some(&mut **a), Some(&mut **b), Some(&mut **c)];
+        let found = summand.add(block, parts.map(|part| all.get_mut(part?.sum)?.take()));
+        for (part, found) in parts.into_iter().zip(found) {
+            if let Some(Part { tally, .. }) = part {
+                tallies[tally] = found;
             }
         }
-        let kept = (kind == PassKind::ReusePosition).then_some(&*self.kept);
-        let others = std::array::from_fn(|i| if is_told(i) { rows_of(others[i], n) } else { &[] });
-        sum_rows(rows(total, n), kept, others);
     }
 }

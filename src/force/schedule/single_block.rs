@@ -9,7 +9,7 @@ use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{Sweep, Terms};
 use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
 use crate::model::forces::Tally;
-use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work};
+use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work, Working};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
 use glam::DVec3;
@@ -89,7 +89,7 @@ struct Net<'a, T: ?Sized> {
 impl<T: Terms + ?Sized> Net<'_, T> {
     /// The forces where a step ends; with corrected velocities, if it predicts.
     fn find(&mut self, scheme: KickDriftScheme, passed: &mut Passed) {
-        passed.tallies.resize(self.terms.count(), Tally::default());
+        passed.tallies.resize(self.terms.tallies(), Tally::default());
         let n = self.mass.len();
         if scheme.predicts {
             self.add(PassKind::TotalOnly, passed);
@@ -124,31 +124,22 @@ impl<T: Terms + ?Sized> Net<'_, T> {
     /// Ends a step and begins another.
     fn go_on(&mut self, scheme: KickDriftScheme, another: bool) -> NodeSums {
         let (n, works) = (self.mass.len(), self.present[1] || self.present[2]);
-        let mut work = Work::default();
-        if works {
-            work = self.begun.and(self.work()).halved();
-            rows(self.before, n).copy_from_slice(rows(self.x, n));
-        }
         let flat = |records| rows(records, n).as_flattened_mut();
+        let [total, external, dissipative] = self.sums.each_mut().map(|sum| flat(sum));
         let nodes: Nodes<'_, RECORD> = Nodes {
             mass: self.mass,
             inverse_mass: flat(self.m),
             x: flat(self.x),
             v: flat(self.v),
             kicked: if scheme.predicts { flat(self.kicked) } else { &mut [] },
-            f: flat(self.sums[0]),
+            f: total,
+            works: works.then(|| Working {
+                forces: [if self.present[1] { external } else { &[] }, if self.present[2] { dissipative } else { &[] }],
+                before: flat(self.before),
+            }),
         };
-        let nodes = scheme.end(nodes, another);
-        if works && another {
-            self.begun = self.work();
-        }
+        let (nodes, next) = scheme.end(nodes, another);
+        let work = std::mem::replace(&mut self.begun, next).and(nodes.work).halved();
         NodeSums { work, ..nodes }
-    }
-
-    /// [J] What the forces of now do on the way of the step.
-    fn work(&self) -> Work {
-        let numbers = RECORD * self.mass.len();
-        let forces = [1, 2].map(|i| if self.present[i] { &self.sums[i][..numbers] } else { &[] });
-        Work::of::<RECORD>(forces, &self.before[..numbers], &self.x[..numbers])
     }
 }

@@ -143,11 +143,11 @@ impl Sweep {
             let works = !passed.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
             let (several, is_position_only) = (passed.len() > 1, terms.is_position_only());
             let needs = WorkspaceSize {
-                terms: terms.count(),
+                terms: terms.tallies(),
                 levels: scheme.passes() * passed.len().max(1),
                 threads: if several { threads.count() } else { 1 },
                 keeps: scheme.predicts && is_position_only,
-                aside: [works && several, scheme.predicts && several],
+                aside: [works, scheme.predicts && several],
             };
             let mut workspace = self.workspace(needs, &out);
             self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut workspace);
@@ -156,7 +156,7 @@ impl Sweep {
             let told_at = if is_position_only { 0 } else { scheme.passes() - 1 };
             for (step, passed) in passed.iter_mut().enumerate() {
                 let first = scheme.passes() * step;
-                passed.tallies.resize(terms.count(), Tally::default());
+                passed.tallies.resize(terms.tallies(), Tally::default());
                 workspace.add_up(first + told_at, &mut passed.tallies);
                 passed.largest_stretch = workspace.largest_stretch(first);
                 passed.nodes = workspace.node_sums(first + scheme.passes() - 1);

@@ -4,11 +4,10 @@
 //! the next, when that begins.
 
 use crate::force::schedule::step_block::Moving;
-use crate::force::schedule::sweep::by_node;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use crate::model::stride::{NodeSums, Nodes, StepStart, Work};
+use crate::model::stride::{NodeSums, Nodes, StepStart, Work, Working};
 use crate::model::system::KickDriftBlock;
 use crate::model::workers::Workers;
 use bytemuck::{cast_slice, cast_slice_mut};
@@ -57,33 +56,28 @@ impl StepBoundary<'_> {
         let another = level + 1 < levels;
         let forces = out.each_ref().map(|sum| cast_slice::<DVec3, f64>(sum));
         let works = forces.iter().any(|sum| !sum.is_empty());
-        let mut work = Work::default();
-        if works {
-            let (begun, from) = if level + 1 > passes {
-                (sums[level + 1 - passes].work, cast_slice(before))
-            } else {
-                let Point { state, forces: Forces { external, dissipative, .. } } = from;
-                let from = &state.x[dofs.clone()];
-                let forces = [external, dissipative].map(|sum| sum.get(dofs.clone()).unwrap_or_default());
-                (Work::of::<3>(forces, from, x), from)
-            };
-            work = begun.and(Work::of::<3>(forces, from, x)).halved();
-            if another {
-                before.copy_from_slice(by_node(x));
-            }
-        }
+        let begun = if works && level + 1 == passes {
+            let Point { state, forces: Forces { external, dissipative, .. } } = from;
+            before.copy_from_slice(cast_slice(&state.x[dofs.clone()]));
+            let forces = [external, dissipative].map(|sum| sum.get(dofs.clone()).unwrap_or_default());
+            Work::of::<3>(forces, cast_slice(before), x)
+        } else {
+            sums[level + 1 - passes].work
+        };
         let nodes = Nodes::<3> {
             mass: &self.mass[dofs.start / 3..dofs.end / 3],
             inverse_mass: &self.inverse_mass[dofs],
-            x: &mut *x,
+            x,
             v,
             kicked: cast_slice_mut(kicked),
             f: cast_slice_mut(total),
+            works: works.then(|| Working { forces, before: cast_slice_mut(before) }),
         };
-        sums[level] = NodeSums { work, ..scheme.end(nodes, another) };
-        if works && another {
-            // The first half of the next step's, kept where that step's first pass is; its second half makes it whole.
-            sums[level + 1].work = Work::of::<3>(forces, cast_slice(before), x);
+        let (ended, next) = scheme.end(nodes, another);
+        sums[level] = NodeSums { work: begun.and(ended.work).halved(), ..ended };
+        if another {
+            // Kept where the next step's first pass is, until that step ends.
+            sums[level + 1].work = next;
         }
     }
 }

@@ -6,7 +6,7 @@
 //! are energies and powers. So no sum depends on which thread did which node block.
 
 use crate::force::NodeState;
-use crate::force::kernel::batch::{Summand, Wants};
+use crate::force::kernel::batch::{PARTS, Summand, Wants};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
@@ -20,13 +20,34 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// What a pass adds up.
+/// A force term in a pass.
+#[derive(Clone, Copy)]
+pub struct Term<'a> {
+    /// the term
+    pub summand: &'a dyn Summand,
+    /// where its parts go, to a sum each; `None` = the part is left out
+    pub parts: [Option<Part>; PARTS],
+}
+
+/// Where a part of a force term goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// the sum of its forces: 0, 1 or 2
+    pub sum: usize,
+    /// place of its energy and power
+    pub tally: usize,
+}
+
+/// The force terms that a pass adds up.
 pub trait Terms: Sync {
-    /// How many there are.
+    /// Number of terms.
     fn count(&self) -> usize;
 
-    /// A term, and which of the pass's sums it adds to: 0, 1 or 2.
-    fn term(&self, i: usize) -> (&dyn Summand, usize);
+    /// Number of energies and powers: of all parts of all terms.
+    fn tallies(&self) -> usize;
+
+    /// A term.
+    fn term(&self, i: usize) -> Term<'_>;
 
     /// Whether all terms of the first sum depend on position only: their forces follow from positions alone, so that
     /// other velocities change nothing.
@@ -37,7 +58,7 @@ pub trait Terms: Sync {
     /// [-] Largest l^2/l0^2 of all springs of a block, if it is wanted; else and without springs -inf.
     fn largest_stretch(&self, block: &ElementBlock<'_>, wanted: bool) -> f64 {
         let terms = if wanted { 0..self.count() } else { 0..0 };
-        terms.map(|i| self.term(i).0.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
+        terms.map(|i| self.term(i).summand.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -88,8 +109,9 @@ impl Sweep {
         out: [&mut [DVec3]; SUMS],
         tallies: &mut [Tally],
     ) {
-        debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
-        let mut workspace = self.workspace(WorkspaceSize::of_a_pass(terms.count()), &out);
+        let parts = || (0..terms.count()).flat_map(|i| terms.term(i).parts).flatten();
+        debug_assert!(parts().all(|part| !out[part.sum].is_empty()) || at.x.is_empty());
+        let mut workspace = self.workspace(WorkspaceSize::of_a_pass(terms.tallies()), &out);
         let (partition, workers) = (&self.partition, threads.workers());
         let (kind, level, first, stretch) = (PassKind::Full, 0, 0, false);
         let wants = wants(terms, kind);
@@ -132,14 +154,11 @@ impl Sweep {
     }
 }
 
-pub(in crate::force) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
-    bytemuck::cast_slice_mut(dofs)
-}
-
 /// What any of the terms wants that a pass goes over.
 pub(in crate::force) fn wants<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> Wants {
-    let terms = (0..terms.count()).map(|i| terms.term(i)).filter(|(_, sum)| kind.goes_over(*sum));
-    terms.map(|(term, _)| term.wants()).fold(Wants::default(), Wants::or)
+    let terms = (0..terms.count()).map(|i| terms.term(i));
+    let terms = terms.filter(|term| term.parts.iter().flatten().any(|part| kind.goes_over(part.sum)));
+    terms.map(|term| term.summand.wants()).fold(Wants::default(), Wants::or)
 }
 
 impl<T: Terms + ?Sized> Job<'_, T> {
@@ -175,7 +194,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         let local_buffers = &mut *self.threads.local_buffers(rayon::current_thread_index().unwrap_or(0));
         let numbers = self.partition.blocks_of(node_blocks);
         let first = self.partition.halo_of(numbers.clone()).start;
-        let count = self.terms.count();
+        let count = self.terms.tallies();
         for (number, i) in numbers.zip(0..) {
             let plan = &self.partition.blocks()[number];
             let (own_kept, others_kept) =

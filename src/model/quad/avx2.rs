@@ -1,9 +1,9 @@
 //! Four numbers in a register of a processor with AVX2. `pulp` proves that it has them, so that its instructions are
 //! safe to call; none is fused.
 
-use super::{Pass, Quad, VectorUnit};
+use super::{Pass, Quad, Real, VectorUnit};
 use pulp::x86::V3;
-use std::arch::x86_64::{__m256d, _CMP_GT_OQ};
+use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Processors with AVX2.
@@ -61,10 +61,10 @@ operators! { Register:
     Div div |a, b| Register(a.0, a.0.avx._mm256_div_pd(a.1, b.1));
 }
 
-impl Quad for Register {
+impl Real for Register {
     #[inline(always)]
-    fn numbers(self) -> [f64; 4] {
-        bytemuck::cast(self.1)
+    fn all(self, number: f64) -> Self {
+        Register(self.0, self.0.avx._mm256_set1_pd(number))
     }
 
     #[inline(always)]
@@ -86,6 +86,13 @@ impl Quad for Register {
     }
 
     #[inline(always)]
+    fn where_not_negative(self, sign: Self) -> Self {
+        let avx = self.0.avx;
+        let not_negative = avx._mm256_cmp_pd::<_CMP_GE_OQ>(sign.1, avx._mm256_setzero_pd());
+        Register(self.0, avx._mm256_and_pd(self.1, not_negative))
+    }
+
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Register(self.0, self.0.avx._mm256_max_pd(self.1, other.1))
     }
@@ -93,6 +100,13 @@ impl Quad for Register {
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         Register(self.0, self.0.avx._mm256_min_pd(self.1, other.1))
+    }
+}
+
+impl Quad for Register {
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        bytemuck::cast(self.1)
     }
 
     #[inline(always)]

@@ -12,11 +12,12 @@
 //! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of
 //! four numbers, the last of them 0). The same operations as in single steps, and in the same order: the same bits.
 
+use super::work::{Sums, along};
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
 use crate::model::motion::{BLOCK, Sum};
 use crate::model::point::Point;
-use crate::model::quad::{self, Quad, VectorUnit};
+use crate::model::quad::{self, Quad, Real, VectorUnit};
 use multiversion::multiversion;
 use std::ops::Range;
 
@@ -71,6 +72,17 @@ pub struct Nodes<'a, const W: usize> {
     /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0
     /// afterwards where another step follows, whose pass adds to them
     pub f: &'a mut [f64],
+    /// forces whose work is summed, if there are any
+    pub works: Option<Working<'a>>,
+}
+
+/// Forces that do work, of the same nodes.
+#[derive(Debug)]
+pub struct Working<'a> {
+    /// [N] external and dissipative forces at the step's end; empty where there are none
+    pub forces: [&'a [f64]; 2],
+    /// [m] positions where the step began; those where it ends afterwards
+    pub before: &'a mut [f64],
 }
 
 impl KickDriftScheme {
@@ -101,8 +113,9 @@ impl KickDriftScheme {
         correct(v, kicked, self.end.unwrap_or_default(), (inverse_mass, f));
     }
 
-    /// Ends a step; where another follows, begins that too. Tells what the nodes are like between both.
-    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> NodeSums {
+    /// Ends a step; where another follows, begins that too. Returns sums over the nodes between both, with twice the
+    /// work that forces at the step's end do on its way, and twice what they do on the way of the next step.
+    pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> (NodeSums, Work) {
         quad::run(Pass { scheme: self, nodes, another })
     }
 }
@@ -114,17 +127,11 @@ struct Pass<'a, const W: usize> {
 }
 
 impl<const W: usize> quad::Pass for Pass<'_, W> {
-    type Output = NodeSums;
+    type Output = (NodeSums, Work);
 
     #[inline(always)]
-    fn run<U: VectorUnit>(self, unit: U) -> NodeSums {
-        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
-            (true, true, _) => self.blocks::<U, true, true, false>(unit),
-            (true, false, _) => self.blocks::<U, true, false, false>(unit),
-            (false, true, true) => self.blocks::<U, false, true, true>(unit),
-            (false, true, false) => self.blocks::<U, false, true, false>(unit),
-            (false, false, _) => self.blocks::<U, false, false, false>(unit),
-        }
+    fn run<U: VectorUnit>(self, unit: U) -> (NodeSums, Work) {
+        if self.nodes.works.is_some() { self.kinds::<U, true>(unit) } else { self.kinds::<U, false>(unit) }
     }
 }
 
@@ -164,12 +171,28 @@ fn correct(v: &mut [f64], kicked: &[f64], l: f64, (inverse_mass, f): (&[f64], &[
 
 impl<const W: usize> Pass<'_, W> {
     #[inline(always)]
-    fn blocks<U: VectorUnit, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(self, unit: U) -> NodeSums {
-        let Nodes { mass, inverse_mass, x, v, kicked, f } = self.nodes;
+    fn kinds<U: VectorUnit, const WORKS: bool>(self, unit: U) -> (NodeSums, Work) {
+        match (self.scheme.end.is_some() && !self.scheme.predicts, self.another, self.scheme.predicts) {
+            (true, true, _) => self.blocks::<U, WORKS, true, true, false>(unit),
+            (true, false, _) => self.blocks::<U, WORKS, true, false, false>(unit),
+            (false, true, true) => self.blocks::<U, WORKS, false, true, true>(unit),
+            (false, true, false) => self.blocks::<U, WORKS, false, true, false>(unit),
+            (false, false, _) => self.blocks::<U, WORKS, false, false, false>(unit),
+        }
+    }
+
+    #[inline(always)]
+    fn blocks<U: VectorUnit, const WORKS: bool, const END: bool, const ANOTHER: bool, const PREDICTS: bool>(
+        self,
+        unit: U,
+    ) -> (NodeSums, Work) {
+        let Nodes { mass, inverse_mass, x, v, kicked, f, works } = self.nodes;
+        let (forces, before) = works.map_or(([&[][..]; 2], &mut [][..]), |works| (works.forces, works.before));
         let (kicked, kicked_last) = groups_mut::<W>(kicked);
-        let mut kicked = kicked.iter_mut();
+        let (before, before_last) = groups_mut::<W>(before);
+        let (forces, forces_last) = (forces.map(|f| groups::<W>(f).0), forces.map(|f| groups::<W>(f).1));
         let mut totals = Totals::<U, W, END, ANOTHER, PREDICTS>::new(unit, self.scheme);
-        let n = W * BLOCK;
+        let (n, mut number) = (W * BLOCK, 0);
         let rest = inverse_mass.chunks(n).zip(mass.chunks(BLOCK)).zip(f.chunks_mut(n));
         for ((x, v), ((inverse_mass, mass), f)) in x.chunks_mut(n).zip(v.chunks_mut(n)).zip(rest) {
             let (x, x_last) = groups_mut::<W>(x);
@@ -178,24 +201,35 @@ impl<const W: usize> Pass<'_, W> {
             let (f, f_last) = groups_mut::<W>(f);
             let (mass, mass_last) = mass.as_chunks::<4>();
             for ((x, v), ((m, mass), f)) in x.iter_mut().zip(v).zip(m.iter().zip(mass).zip(f)) {
-                let kicked = if PREDICTS { kicked.next() } else { None };
-                totals.four(unit, (*mass, m), ([x, v, f], kicked));
+                let kicked = if PREDICTS { kicked.get_mut(number) } else { None };
+                let works = if WORKS {
+                    ([forces[0].get(number), forces[1].get(number)], before.get_mut(number))
+                } else {
+                    ([None; 2], None)
+                };
+                totals.four(unit, (*mass, m), ([x, v, f], kicked), works);
+                number += 1;
             }
             if !mass_last.is_empty() {
-                // The first of them stands for those that are missing, without a mass.
+                // The first of them stands for those that are missing, without a mass and without forces that work.
                 let mut mass = [0.0; 4];
                 mass[..mass_last.len()].copy_from_slice(mass_last);
                 let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
                 let mut u = v;
-                totals.four(unit, (mass, &filled(m_last)), ([&mut x, &mut v, &mut f], Some(&mut u)));
+                let mut from = if before_last.is_empty() { x } else { filled(before_last) };
+                let last = forces_last.map(|f| (!f.is_empty()).then(|| begun::<W>(f)));
+                let works = ([last[0].as_ref(), last[1].as_ref()], WORKS.then_some(&mut from));
+                totals.four(unit, (mass, &filled(m_last)), ([&mut x, &mut v, &mut f], Some(&mut u)), works);
                 for (last, new) in [(x_last, x), (v_last, v), (f_last, f)] {
                     last.copy_from_slice(&new.as_flattened()[..last.len()]);
                 }
                 if PREDICTS {
                     kicked_last.copy_from_slice(&u.as_flattened()[..kicked_last.len()]);
                 }
+                before_last.copy_from_slice(&from.as_flattened()[..before_last.len()]);
             }
             totals.motion.end_block(unit);
+            totals.work.end_block(unit);
         }
         totals.sums()
     }
@@ -224,6 +258,13 @@ pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
     group
 }
 
+/// Nodes, and zeros in the places that are left.
+pub(super) fn begun<const W: usize>(nodes: &[f64]) -> Group<W> {
+    let mut group = [[0.0; 4]; W];
+    group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
+    group
+}
+
 /// How steps end and begin, and what was found of the nodes so far.
 struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
     /// k, h and l
@@ -233,6 +274,8 @@ struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: boo
     high: [U::Quad; W],
     /// 0, if all is finite
     nothing: U::Quad,
+    /// [J] of external and of dissipative forces: on the way of this step, then on that of the next
+    work: Sums<U::Quad, 4>,
 }
 
 impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool>
@@ -246,6 +289,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
             low: [unit.splat(f64::INFINITY); W],
             high: [unit.splat(f64::NEG_INFINITY); W],
             nothing: unit.splat(0.0),
+            work: Sums::new(unit),
         }
     }
 
@@ -255,10 +299,16 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
         unit: U,
         (mass, inverse_mass): ([f64; 4], &Group<W>),
         ([x, v, f], mut kicked): ([&mut Group<W>; 3], Option<&mut Group<W>>),
+        (forces, mut before): ([Option<&Group<W>>; 2], Option<&mut Group<W>>),
     ) {
         let [k, h, l] = self.sizes;
         let mut between = [unit.splat(0.0); W];
+        let mut ways = [between; 2];
         for i in 0..W {
+            if let Some(before) = &mut before {
+                ways[0][i] = unit.quad(x[i]) - unit.quad(before[i]);
+                before[i] = x[i];
+            }
             let (x_i, mut v_i, f_i) = (unit.quad(x[i]), unit.quad(v[i]), unit.quad(f[i]));
             let a = unit.quad(inverse_mass[i]) * f_i;
             if END {
@@ -269,7 +319,9 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
             let place = if W == 4 { 0 } else { i };
             if ANOTHER {
                 let u = v_i + k * a;
-                x[i] = (x_i + h * u).numbers();
+                let next = x_i + h * u;
+                x[i] = next.numbers();
+                ways[1][i] = next - x_i;
                 if PREDICTS && let Some(kicked) = &mut kicked {
                     kicked[i] = u.numbers();
                     v_i = v_i + h * a;
@@ -289,9 +341,18 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
             }
         }
         self.motion.add(unit.quad(mass), columns::<U::Quad, W>(between));
+        if before.is_some() {
+            for (place, force) in forces.into_iter().enumerate() {
+                let Some(force) = force else { continue };
+                self.work.add(place, along::<U, W>(unit, force, &ways[0]));
+                if ANOTHER {
+                    self.work.add(2 + place, along::<U, W>(unit, force, &ways[1]));
+                }
+            }
+        }
     }
 
-    fn sums(self) -> NodeSums {
+    fn sums(self) -> (NodeSums, Work) {
         let mut bounds = Bounds::default();
         let places = if W == 4 { 1 } else { W };
         let numbers = |quads: [U::Quad; W]| quads.into_iter().take(places).flat_map(Quad::numbers);
@@ -302,13 +363,10 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
         }
         let motion = self.motion.motion();
         let finite = self.nothing.numbers().into_iter().all(|zero| zero == 0.0);
-        NodeSums {
-            kinetic: motion.kinetic,
-            largest_square: motion.largest_square,
-            bounds,
-            finite,
-            work: Work::default(),
-        }
+        let [external, dissipative, next_external, next_dissipative] = self.work.sums();
+        let (kinetic, largest_square) = (motion.kinetic, motion.largest_square);
+        let nodes = NodeSums { kinetic, largest_square, bounds, finite, work: Work { external, dissipative } };
+        (nodes, Work { external: next_external, dissipative: next_dissipative })
     }
 }
 

@@ -5,7 +5,7 @@
 //! ```
 //! Either half is a sum for itself: in a stride the first is taken when a step begins, and the other when it ends.
 
-use super::kick_drift::{columns, filled, groups};
+use super::kick_drift::{begun, columns, filled, groups};
 use crate::model::motion::BLOCK;
 use crate::model::quad::{self, Quad, VectorUnit};
 
@@ -26,44 +26,81 @@ impl<const W: usize, const N: usize> quad::Pass for Pass<'_, W, N> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> [f64; N] {
-        let (from, from_last) = groups::<W>(self.from);
-        let (x, x_last) = groups::<W>(self.x);
-        let mut sums = [0.0; N];
-        for (sum, force) in sums.iter_mut().zip(self.forces) {
-            let (force, force_last) = groups::<W>(force);
-            let group = BLOCK / 4;
-            for (force, (from, x)) in force.chunks(group).zip(from.chunks(group).zip(x.chunks(group))) {
-                let mut block = unit.splat(0.0);
+        let mut sums = Sums::<U::Quad, N>::new(unit);
+        let n = W * BLOCK;
+        for (block, (from, x)) in self.from.chunks(n).zip(self.x.chunks(n)).enumerate() {
+            let (from, from_last) = groups::<W>(from);
+            let (x, x_last) = groups::<W>(x);
+            for (place, force) in self.forces.into_iter().enumerate() {
+                let force = force.get(n * block..).unwrap_or_default();
+                let (force, force_last) = groups::<W>(&force[..force.len().min(n)]);
                 for (force, (from, x)) in force.iter().zip(from.iter().zip(x)) {
-                    block = block + of_four::<U, W>(unit, force, [from, x]);
+                    sums.add(place, along::<U, W>(unit, force, &way(unit, [from, x])));
                 }
-                *sum += total(block);
+                if !force_last.is_empty() {
+                    let [from, x] = [from_last, x_last].map(filled::<W>);
+                    sums.add(place, along::<U, W>(unit, &begun(force_last), &way(unit, [&from, &x])));
+                }
             }
-            if !force_last.is_empty() {
-                let [from, x] = [from_last, x_last].map(filled::<W>);
-                let mut last = [[0.0; 4]; W];
-                last.as_flattened_mut()[..force_last.len()].copy_from_slice(force_last);
-                *sum += total(of_four::<U, W>(unit, &last, [&from, &x]));
-            }
+            sums.end_block(unit);
         }
-        sums
+        sums.sums()
+    }
+}
+
+/// Sums over nodes that are added four by four, block after block.
+pub(super) struct Sums<Q, const N: usize> {
+    /// of whole blocks
+    sums: [f64; N],
+    block: [Q; N],
+}
+
+impl<Q: Quad, const N: usize> Sums<Q, N> {
+    #[inline(always)]
+    pub fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
+        Sums { sums: [0.0; N], block: [unit.splat(0.0); N] }
+    }
+
+    /// Adds four nodes to one of the sums.
+    #[inline(always)]
+    pub fn add(&mut self, place: usize, four: Q) {
+        self.block[place] = self.block[place] + four;
+    }
+
+    /// After the last four of every block of [`BLOCK`] nodes, and of all.
+    #[inline(always)]
+    pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
+        for (sum, block) in self.sums.iter_mut().zip(&mut self.block) {
+            let [a, b, c, d] = block.numbers();
+            *sum += (a + b) + (c + d);
+            *block = unit.splat(0.0);
+        }
+    }
+
+    #[inline(always)]
+    pub fn sums(self) -> [f64; N] {
+        self.sums
     }
 }
 
 #[inline(always)]
-fn of_four<U: VectorUnit, const W: usize>(unit: U, force: &[[f64; 4]; W], [from, x]: [&[[f64; 4]; W]; 2]) -> U::Quad {
+fn way<U: VectorUnit, const W: usize>(unit: U, [from, x]: [&[[f64; 4]; W]; 2]) -> [U::Quad; W] {
+    let mut way = [unit.splat(0.0); W];
+    for i in 0..W {
+        way[i] = unit.quad(x[i]) - unit.quad(from[i]);
+    }
+    way
+}
+
+/// [J] f . d of four nodes.
+#[inline(always)]
+pub(super) fn along<U: VectorUnit, const W: usize>(unit: U, force: &[[f64; 4]; W], way: &[U::Quad; W]) -> U::Quad {
     let mut products = [unit.splat(0.0); W];
     for i in 0..W {
-        products[i] = unit.quad(force[i]) * (unit.quad(x[i]) - unit.quad(from[i]));
+        products[i] = unit.quad(force[i]) * way[i];
     }
     let [x, y, z] = columns::<U::Quad, W>(products);
     x + y + z
-}
-
-#[inline(always)]
-fn total<Q: Quad>(block: Q) -> f64 {
-    let [a, b, c, d] = block.numbers();
-    (a + b) + (c + d)
 }
 
 #[cfg(test)]

@@ -1,31 +1,69 @@
 //! Blocks of steps, and single steps, beside force passes and the scheme's equations one after the other.
 
 use super::*;
-use crate::force::kernel::batch::{Records, Summand, Wants};
-use crate::force::kernel::edges::EdgeBatch;
-use crate::force::kernel::edges::links::{LinkData, Links};
+use crate::force::kernel::batch::{Batch, Elements, Kernel, PARTS, Records, Summand, Wants};
 use crate::force::kernel::element_block::ElementBlock;
-use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
-use crate::force::law::spring::{Coefficient, SpringData, Springs};
+use crate::force::kernel::local_buffer::{record, set_record};
+use crate::force::law::damped_springs::{DampedSprings, Dashpots};
+use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::partition::Limits;
+use crate::force::schedule::sweep::{Part, Term};
 use crate::model::bounds::Bounds;
 use crate::model::forces::Forces;
 use crate::model::motion::{Motion, motion};
 use crate::model::point::Point;
-use crate::model::spec::Slack;
+use crate::model::spec::{DashpotKind, Slack};
 use crate::model::state::State;
 use crate::model::stride::{self, KickDriftScheme, NodeSums};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
 use rayon::ThreadPoolBuildError;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub const NODES: usize = 800;
 
-/// Dashpots to the node after the next 30 in the first sum, links to the next node in the first or in the last.
+/// Links by their ends: they add to either end half of what is at the other.
+pub struct LinkData(Vec<[u32; 2]>);
+
+/// A batch of links.
+pub type Links = Batch<LinkData, 2>;
+
+pub fn links(nodes: Vec<[u32; 2]>) -> Links {
+    Batch::new(LinkData(nodes))
+}
+
+impl Kernel<2> for LinkData {
+    const WANTS: Wants = Wants { x: true, v: false };
+
+    fn elements(&self) -> &[[u32; 2]] {
+        &self.0
+    }
+
+    fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        for &[a, b] in block.nodes {
+            for (own, other) in [(a, b), (b, a)] {
+                let (sum, x) = (record(f, own), record(block.x, other));
+                set_record(f, own, std::array::from_fn(|i| sum[i] + 0.5 * x[i]));
+            }
+        }
+        Tally::default()
+    }
+}
+
+fn springs(nodes: Vec<[u32; 2]>) -> SpringData {
+    let rest_length = vec![0.3; nodes.len()].into();
+    SpringData { rest_length, nodes: nodes.into(), stiffness: Coefficient::Uniform(5.0), slack: Slack::None }
+}
+
+/// Dashpots of 2 N s/m as the second part of springs.
+pub fn relative_dashpots(nodes: Vec<[u32; 2]>) -> DampedSprings {
+    let dashpots = Dashpots { kind: DashpotKind::Relative, coefficient: Coefficient::Uniform(2.0) };
+    DampedSprings::new(springs(nodes), Some(dashpots))
+}
+
+/// Springs to the node after the next 30 in the first sum, links to the next node in the first or in the last.
 struct Pairs {
-    dashpots: RelativeDashpots,
+    springs: DampedSprings,
     links: Links,
     sum_of_links: usize,
 }
@@ -35,28 +73,34 @@ impl Terms for Pairs {
         2
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        [(&self.dashpots as &dyn Summand, 0), (&self.links, self.sum_of_links)][i]
+    fn tallies(&self) -> usize {
+        2
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        let part = |sum| [Some(Part { sum, tally: i }), None];
+        match i {
+            0 => Term { summand: &self.springs, parts: part(0) },
+            _ => Term { summand: &self.links, parts: part(self.sum_of_links) },
+        }
     }
 }
 
 fn terms_with(limits: Limits, sum_of_links: usize) -> (Pairs, Sweep) {
     let apart = |by: u32| (0..NODES as u32 - by).map(|i| [i, i + by]).collect();
-    let data = RelativeData { nodes: apart(31), coefficient: Coefficient::Uniform(2.0) };
-    let links = LinkData { nodes: apart(1), weight: 0.5 };
-    let mut terms = Pairs { dashpots: EdgeBatch::new(data), links: EdgeBatch::new(links), sum_of_links };
-    let partition = Partition::within(limits, NODES, &mut [&mut terms.dashpots, &mut terms.links]);
+    let springs = DampedSprings::new(springs(apart(31)), None);
+    let mut terms = Pairs { springs, links: links(apart(1)), sum_of_links };
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.springs, &mut terms.links]);
     (terms, Sweep::of(partition))
 }
 
-/// Springs in the first sum, which count the blocks they are asked for, and dashpots in the last.
+/// Springs in the first sum, which count the blocks they are asked for, and their dashpots in the last.
 struct Damped {
     springs: Counted,
-    dashpots: RelativeDashpots,
     is_position_only: bool,
 }
 
-struct Counted(Springs, AtomicUsize);
+struct Counted(DampedSprings, AtomicUsize);
 
 impl Summand for Counted {
     fn elements(&self) -> usize {
@@ -75,19 +119,24 @@ impl Summand for Counted {
         self.0.take(block, elements, place);
     }
 
-    fn add(&self, block: &ElementBlock<'_>, f: &mut Records) -> Tally {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.add(block, f)
+    fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
+        self.1.fetch_add(usize::from(sums[0].is_some()), Ordering::Relaxed);
+        self.0.add(block, sums)
     }
 }
 
 impl Terms for Damped {
     fn count(&self) -> usize {
+        1
+    }
+
+    fn tallies(&self) -> usize {
         2
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        [(&self.springs as &dyn Summand, 0), (&self.dashpots, 2)][i]
+    fn term(&self, _: usize) -> Term<'_> {
+        let parts = [(0, 0), (2, 1)].map(|(sum, tally)| Some(Part { sum, tally }));
+        Term { summand: &self.springs, parts }
     }
 
     fn is_position_only(&self) -> bool {
@@ -96,17 +145,10 @@ impl Terms for Damped {
 }
 
 fn damped(limits: Limits, is_position_only: bool) -> (Damped, Sweep) {
-    let nodes: Arc<[[u32; 2]]> = (0..NODES as u32 - 31).map(|i| [i, i + 31]).collect();
-    let data = SpringData {
-        rest_length: vec![0.3; nodes.len()].into(),
-        nodes: nodes.clone(),
-        stiffness: Coefficient::Uniform(5.0),
-        slack: Slack::None,
-    };
-    let springs = Counted(EdgeBatch::new(data), AtomicUsize::new(0));
-    let dashpots = EdgeBatch::new(RelativeData { nodes, coefficient: Coefficient::Uniform(2.0) });
-    let mut terms = Damped { springs, dashpots, is_position_only };
-    let partition = Partition::within(limits, NODES, &mut [&mut terms.springs, &mut terms.dashpots]);
+    let nodes = (0..NODES as u32 - 31).map(|i| [i, i + 31]).collect();
+    let springs = Counted(relative_dashpots(nodes), AtomicUsize::new(0));
+    let mut terms = Damped { springs, is_position_only };
+    let partition = Partition::within(limits, NODES, &mut [&mut terms.springs]);
     (terms, Sweep::of(partition))
 }
 

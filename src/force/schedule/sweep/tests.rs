@@ -1,20 +1,18 @@
 //! Passes over blocks, beside element after element.
 
 use super::*;
-use crate::force::kernel::edges::EdgeBatch;
-use crate::force::kernel::edges::links::{LinkData, Links};
-use crate::force::kernel::lane_batches::tests::random;
+use crate::force::kernel::fixtures::random;
+use crate::force::law::damped_springs::DampedSprings;
 use crate::force::law::gravity::Gravity;
-use crate::force::law::relative_dashpot::{RelativeDashpots, RelativeData};
-use crate::force::law::spring::Coefficient;
 use crate::force::schedule::partition::Limits;
+use crate::force::schedule::step_block::tests::{Links, links, relative_dashpots};
 use rayon::ThreadPoolBuildError;
 
 const NODES: usize = 200;
 
 /// A star, a chain and weight, each for a sum of its own.
 struct Mixed {
-    star: RelativeDashpots,
+    star: DampedSprings,
     chain: Links,
     weight: Gravity,
 }
@@ -24,28 +22,45 @@ impl Terms for Mixed {
         3
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        [(&self.star as &dyn Summand, 2), (&self.chain, 0), (&self.weight, 1)][i]
+    fn tallies(&self) -> usize {
+        3
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        let part = |sum| Some(Part { sum, tally: i });
+        match i {
+            0 => Term { summand: &self.star, parts: [None, part(2)] },
+            1 => Term { summand: &self.chain, parts: [part(0), None] },
+            _ => Term { summand: &self.weight, parts: [part(1), None] },
+        }
     }
 }
 
-/// All add to the only sum.
-impl<S: Summand> Terms for [S] {
+/// Some parts, which all add to the only sum.
+struct Only<'a>(&'a [(&'a dyn Summand, usize)]);
+
+impl Terms for Only<'_> {
     fn count(&self) -> usize {
-        self.len()
+        self.0.len()
     }
 
-    fn term(&self, i: usize) -> (&dyn Summand, usize) {
-        (&self[i], 0)
+    fn tallies(&self) -> usize {
+        self.0.len()
+    }
+
+    fn term(&self, i: usize) -> Term<'_> {
+        let (summand, part) = self.0[i];
+        let mut parts = [None; PARTS];
+        parts[part] = Some(Part { sum: 0, tally: i });
+        Term { summand, parts }
     }
 }
 
 fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
-    let data = RelativeData { nodes: ends(&|i| [i, 0]), coefficient: Coefficient::Uniform(2.0) };
-    let links = LinkData { nodes: ends(&|i| [i, i - 1]), weight: 0.5 };
-    let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), vec![DVec3::X; NODES].into());
-    let mut terms = Mixed { star: EdgeBatch::new(data), chain: EdgeBatch::new(links), weight };
+    let (star, chain) = (relative_dashpots(ends(&|i| [i, 0])), links(ends(&|i| [i, i - 1])));
+    let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), &vec![DVec3::X; NODES]);
+    let mut terms = Mixed { star, chain, weight };
     let partition = Partition::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
     (terms, Sweep::of(partition))
 }
@@ -122,10 +137,10 @@ fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildE
         };
         let before = all();
         let (mut sum, mut tally) = (vec![DVec3::NAN; NODES], [Tally::default()]);
-        let star = std::slice::from_ref(&terms.star);
-        sweep.pass((star, at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
+        let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
+        sweep.pass((&Only(&star), at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
         assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
-        sweep.pass((&star[1..], at), &threads, [&mut sum, &mut [], &mut []], &mut []);
+        sweep.pass((&Only(&[]), at), &threads, [&mut sum, &mut [], &mut []], &mut []);
         assert!(sum.iter().all(|f| *f == DVec3::ZERO));
         assert_eq!(all(), before);
     }
@@ -140,8 +155,8 @@ fn a_batch_can_be_cut_again() {
     let partition = Partition::within(Limits { node_block: 64, records: 300 }, NODES, &mut [&mut terms.star]);
     let sweep = Sweep::of(partition);
     let mut sum = vec![DVec3::NAN; NODES];
-    let star = std::slice::from_ref(&terms.star);
-    sweep.pass((star, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
+    sweep.pass((&Only(&star), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     let (expected, _) = one_by_one(at);
     assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).length() < 1e-12 * (1.0 + b.length())));
 }
@@ -154,7 +169,6 @@ fn weight_alone_needs_no_elements() {
     let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
     let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, summands));
     let mut sum = vec![DVec3::NAN; NODES];
-    let one = std::slice::from_ref(&terms.weight);
-    sweep.pass((one, at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
+    sweep.pass((&Only(&[(&terms.weight, 0)]), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * DVec3::new(0.0, 0.5, -2.0)));
 }

@@ -1,12 +1,9 @@
 //! Wavefronts gone over without any forces.
 
 use super::*;
-use crate::force::kernel::coefficient::Coefficient;
-use crate::force::kernel::edges::EdgeBatch;
-use crate::force::kernel::lane_batches::tests::random;
-use crate::force::law::relative_dashpot::RelativeData;
+use crate::force::kernel::fixtures::random;
 use crate::force::schedule::partition::Limits;
-use crate::force::schedule::step_block::tests::NODES;
+use crate::force::schedule::step_block::tests::{NODES, links};
 
 /// Elements between nodes up to so many apart: all of them so far, or as it happens, with a few that reach far.
 fn partition(limits: Limits, apart: u32, seed: Option<u64>) -> Partition {
@@ -21,8 +18,7 @@ fn partition(limits: Limits, apart: u32, seed: Option<u64>) -> Partition {
         };
         [i, i + reach.min(left)]
     });
-    let data = RelativeData { nodes: nodes.collect(), coefficient: Coefficient::Uniform(2.0) };
-    Partition::within(limits, NODES, &mut [&mut EdgeBatch::new(data)])
+    Partition::within(limits, NODES, &mut [&mut links(nodes.collect())])
 }
 
 /// What was done so far, of all wavefronts.

@@ -1,0 +1,103 @@
+//! Two-node elements by blocks, in the order in which they are quickest ([`crate::force::kernel::star_batches`]).
+
+use crate::force::kernel::coefficient::{Coefficient, Column};
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::local_buffer::Records;
+use crate::force::kernel::star_batches::{AxialLaw, Group, STAR, STARS, Stars, arrange};
+use crate::model::quad;
+use std::ops::Range;
+
+/// The elements of all blocks, with three numbers each.
+#[derive(Debug, Default)]
+pub(in crate::force) struct BarBatch {
+    /// ends by where their records begin, block after block: groups of stars of three, then groups of stars of one,
+    /// the last of them filled up with elements between a node and itself
+    ends: Vec<[u16; 2]>,
+    /// numbers in the same order; empty where all are the same
+    numbers: [Vec<[f64; STARS]>; 3],
+    uniform: [[[f64; STARS]; STAR]; 3],
+    blocks: Vec<Placing>,
+}
+
+/// The elements of a block.
+#[derive(Clone, Debug)]
+struct Placing {
+    /// all of them, by fours
+    quads: Range<usize>,
+    /// how many of these are in stars of three
+    in_stars: usize,
+}
+
+/// A block's elements.
+#[derive(Clone, Copy)]
+pub(in crate::force) struct Bars<'a> {
+    /// ends by where their records begin, and three numbers of each; the same order
+    pub ends: &'a [[u16; 2]],
+    numbers: [Column<'a>; 3],
+    /// by fours
+    in_stars: usize,
+}
+
+impl BarBatch {
+    /// Takes the elements of the next block, by their ends and numbers.
+    pub fn take(&mut self, block: usize, ends: Vec<[u16; 2]>, (first, all): (usize, &[Coefficient; 3])) {
+        if block == 0 {
+            *self = BarBatch::default();
+            for (uniform, numbers) in self.uniform.iter_mut().zip(all) {
+                if let Coefficient::Uniform(number) = numbers {
+                    *uniform = [[*number; STARS]; STAR];
+                }
+            }
+        }
+        let (order, groups) = arrange(&ends);
+        let start = self.ends.len();
+        self.ends.extend(order.iter().map(|placed| {
+            let [a, b] = ends[placed.element];
+            if placed.turned { [b, a] } else { [a, b] }
+        }));
+        let padded = start + order.len().next_multiple_of(STARS);
+        if let Some(&[a, _]) = self.ends[start..].last() {
+            self.ends.resize(padded, [a, a]);
+        }
+        for (numbers, all) in self.numbers.iter_mut().zip(all) {
+            if let Coefficient::Each(values) = all {
+                let value = |i: usize| order.get(i).map_or(0.0, |placed| values[first + placed.element]);
+                numbers.extend((0..(padded - start) / STARS).map(|quad| [0, 1, 2, 3].map(|q| value(STARS * quad + q))));
+            }
+        }
+        self.blocks.push(Placing { quads: start / STARS..padded / STARS, in_stars: STAR * groups });
+    }
+
+    /// A block's elements, if it has any.
+    pub fn bars(&self, block: usize) -> Option<Bars<'_>> {
+        let Placing { quads, in_stars } = self.blocks.get(block).filter(|placing| !placing.quads.is_empty())?;
+        let numbers = std::array::from_fn(|i| match self.numbers[i].get(quads.clone()) {
+            Some(numbers) => Column::each(numbers),
+            None => Column::uniform(&self.uniform[i]),
+        });
+        Some(Bars { ends: &self.ends[STARS * quads.start..STARS * quads.end], numbers, in_stars: *in_stars })
+    }
+
+    /// One of the three numbers of a block's elements; none where all are the same.
+    pub fn each_number(&self, block: usize, which: usize) -> &[f64] {
+        let quads = self.blocks.get(block).map_or(0..0, |placing| placing.quads.clone());
+        self.numbers[which].get(quads).unwrap_or_default().as_flattened()
+    }
+}
+
+impl Bars<'_> {
+    /// Adds elastic and damping forces [N] to a block's sums; returns the elastic energy [J] and the power of damping
+    /// [W].
+    pub fn pull<L: AxialLaw>(self, law: &L, block: &ElementBlock<'_>, mut sums: [Option<&mut Records>; 2]) -> [f64; 2] {
+        let Bars { ends, numbers, in_stars } = self;
+        let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
+        let (x, v) = (block.x, block.v);
+        let full: &[Group<STAR>] = stars.as_chunks().0;
+        let single: &[Group<1>] = others.as_chunks().0;
+        let of_stars =
+            quad::run(Stars { law, groups: full, numbers, x, v, sums: sums.each_mut().map(|sum| sum.as_deref_mut()) });
+        let numbers = numbers.map(|column| column.after(in_stars));
+        let of_others = quad::run(Stars { law, groups: single, numbers, x, v, sums });
+        [of_stars[0] + of_others[0], of_stars[1] + of_others[1]]
+    }
+}

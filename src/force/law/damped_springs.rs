@@ -1,0 +1,243 @@
+//! Springs, slack or not ([`crate::force::law::spring`]), with their dashpots ([`crate::force::law::dashpot`]), in
+//! one pass.
+//!
+//! ```text
+//! force on a = T n + T_d n + c (vb - va),  on b the opposite          n = (xb - xa)/l
+//! -df/dx = [[B, -B], [-B, B]],  -df/dv = [[D, -D], [-D, D]]          B and D: see the two laws
+//! ```
+
+use crate::force::kernel::bar_batch::BarBatch;
+use crate::force::kernel::batch::{Records, Summand, Wants};
+use crate::force::kernel::differences::Differences;
+use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::star_batches::{AxialLaw, Measured, Pull};
+use crate::force::law::dashpot::{self, Damping};
+use crate::force::law::slack::{Plain, TensionLaw, clamped, tension};
+use crate::force::law::spring::{Coefficient, SpringData, Stretch};
+use crate::force::law::stretch::{InWindow, Stretched, largest};
+use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
+use crate::model::forces::{Role, Tally};
+use crate::model::quad::Real;
+use crate::model::spec::DashpotKind;
+use crate::model::system::{TermInfo, Weights};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+const SPRINGS: TermInfo = TermInfo::of("springs", Role::Elastic);
+const AXIAL: TermInfo = dashpots("axial dashpots");
+const RELATIVE: TermInfo = dashpots("relative dashpots");
+
+const fn dashpots(name: &'static str) -> TermInfo {
+    TermInfo { velocity_dependent: true, ..TermInfo::of(name, Role::Dissipative) }
+}
+
+/// Dashpots of a batch of springs.
+#[derive(Clone, Debug)]
+pub struct Dashpots {
+    /// along the springs, or on the relative velocity
+    pub kind: DashpotKind,
+    /// [N s/m] c
+    pub coefficient: Coefficient,
+}
+
+/// Springs with their dashpots as a force term of one or two parts: elastic, and damping.
+#[derive(Debug)]
+pub struct DampedSprings {
+    springs: SpringData,
+    dashpots: Option<Dashpots>,
+    batch: BarBatch,
+    /// of relative dashpots
+    differences: Differences,
+}
+
+impl DampedSprings {
+    /// Node numbers must be below the number of nodes that the term will be used with, and springs in ascending order
+    /// of their smaller node.
+    pub fn new(springs: SpringData, dashpots: Option<Dashpots>) -> Self {
+        DampedSprings { springs, dashpots, batch: BarBatch::default(), differences: Differences::default() }
+    }
+
+    fn kind(&self) -> Option<DashpotKind> {
+        self.dashpots.as_ref().map(|dashpots| dashpots.kind)
+    }
+
+    /// Adds the forces of both parts, or of one of them.
+    fn pull<L: TensionLaw>(
+        &self,
+        law: L,
+        block: &ElementBlock<'_>,
+        [elastic, damping]: [Option<&mut Records>; 2],
+    ) -> [f64; 2] {
+        let Some(bars) = self.batch.bars(block.number) else { return [0.0; 2] };
+        let kind = self.dashpots.as_ref().map(|dashpots| dashpots.kind);
+        match (elastic.is_some(), damping, kind) {
+            (true, damping @ Some(_), Some(DashpotKind::Axial)) => {
+                bars.pull(&BarLaw::<L, true, true>(law), block, [elastic, damping])
+            }
+            (false, damping @ Some(_), Some(DashpotKind::Axial)) => {
+                bars.pull(&BarLaw::<L, false, true>(law), block, [None, damping])
+            }
+            (_, damping, kind) => {
+                let damping = damping.filter(|_| kind == Some(DashpotKind::Relative));
+                let power = damping.map_or(0.0, |f| self.differences.add(block.number, block.v, f));
+                let energy = match elastic {
+                    Some(_) => bars.pull(&BarLaw::<L, true, false>(law), block, [elastic, None])[0],
+                    None => 0.0,
+                };
+                [energy, power]
+            }
+        }
+    }
+}
+
+/// Spring law and axial dashpot as the kernels see them.
+struct BarLaw<L, const ELASTIC: bool, const DAMPED: bool>(L);
+
+impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw<L, ELASTIC, DAMPED> {
+    const ELASTIC: bool = ELASTIC;
+    const DAMPED: bool = DAMPED;
+
+    #[inline(always)]
+    fn pull<R: Real>(&self, [k, l0, c]: [R; 3], Measured { square, rate }: Measured<R>) -> Pull<R> {
+        let zero = k.all(0.0);
+        let l = square.sqrt();
+        let e = l - l0;
+        let elastic = self.0.at(k, e);
+        let over_l = |force: R| (force / l).where_positive(l);
+        let pull = Pull { elastic: over_l(elastic.force), energy: elastic.energy, damping: zero, power: zero };
+        if !DAMPED {
+            return pull;
+        }
+        let rate = over_l(rate);
+        let Damping { force, .. } = dashpot::axial(&self.0, elastic, [k, c], [e, rate]);
+        Pull { damping: over_l(force), power: zero - force * rate, ..pull }
+    }
+}
+
+impl Summand for DampedSprings {
+    fn elements(&self) -> usize {
+        self.springs.nodes.len()
+    }
+
+    fn wants(&self) -> Wants {
+        Wants { x: true, v: self.dashpots.is_some() }
+    }
+
+    fn element(&self, number: usize) -> Option<&[u32]> {
+        self.springs.nodes.get(number).map(|nodes| nodes.as_slice())
+    }
+
+    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        let SpringData { nodes, rest_length, stiffness, .. } = &self.springs;
+        let c = self.dashpots.as_ref().map_or(Coefficient::Uniform(0.0), |dashpots| dashpots.coefficient.clone());
+        // Rest lengths one each, even where all are the same: the largest stretch goes over them.
+        let numbers = [stiffness.clone(), Coefficient::Each(rest_length.clone()), c];
+        let ends: Vec<[u16; 2]> = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
+        if self.kind() == Some(DashpotKind::Relative) {
+            self.differences.take(block, &ends, (elements.start, &numbers[2]));
+        }
+        self.batch.take(block, ends, (elements.start, &numbers));
+    }
+
+    fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
+        let [energy, power] = match clamped(self.springs.slack) {
+            None => self.pull(Plain, block, sums),
+            Some(law) => self.pull(law, block, sums),
+        };
+        [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
+    }
+
+    fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
+        let Some(bars) = self.batch.bars(block.number) else { return f64::NEG_INFINITY };
+        let rest_length = self.batch.each_number(block.number, 1);
+        largest(Stretched { ends: bars.ends, rest_length, at: InWindow(block.x) })
+    }
+}
+
+/// An axial dashpot at a state.
+struct AxialState {
+    stretch: Stretch,
+    /// [m/s] vb - va
+    dv: DVec3,
+    /// [m/s] n . dv
+    rate: f64,
+    damping: Damping,
+}
+
+/// The dashpot along spring `i`, whose coefficient is `c` [N s/m].
+fn axial_state(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> AxialState {
+    let [a, b] = springs.nodes[i].map(|node| node as usize);
+    let (stretch, dv, k) = (springs.stretch(at.x, i), at.v[b] - at.v[a], springs.stiffness.at(i));
+    let (e, rate) = (stretch.elongation, stretch.n.dot(dv));
+    let elastic = tension(springs.slack, k, e);
+    let damping = match clamped(springs.slack) {
+        None => dashpot::axial(&Plain, elastic, [k, c], [e, rate]),
+        Some(law) => dashpot::axial(&law, elastic, [k, c], [e, rate]),
+    };
+    AxialState { stretch, dv, rate, damping }
+}
+
+/// [N] What the dashpot along spring `i` adds to its elastic tension; `c` [N s/m] is its coefficient.
+pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> f64 {
+    axial_state(springs, at, i, c).damping.force
+}
+
+impl AxialState {
+    fn tangent(&self, w: Weights) -> DMat3 {
+        let (n, d) = (self.stretch.n, self.damping);
+        let block = self.stretch.block(d.force, d.slope) * w.k + self.velocity_tangent(w);
+        if self.stretch.length > 0.0 {
+            block + outer(n, self.dv - self.rate * n) * (w.k * d.c / self.stretch.length)
+        } else {
+            block
+        }
+    }
+
+    /// c n n^T.
+    fn velocity_tangent(&self, w: Weights) -> DMat3 {
+        outer(self.stretch.n, self.stretch.n) * (w.c * self.damping.c)
+    }
+}
+
+impl ForceTerm for DampedSprings {
+    fn parts(&self) -> &[TermInfo] {
+        match self.kind() {
+            None => &[SPRINGS],
+            Some(DashpotKind::Axial) => &[SPRINGS, AXIAL],
+            Some(DashpotKind::Relative) => &[SPRINGS, RELATIVE],
+        }
+    }
+
+    fn symmetric(&self) -> bool {
+        self.kind() != Some(DashpotKind::Axial)
+    }
+
+    /// Of a spring B = (T/l)(I - n n^T) + (dT/dl) n n^T; the convex one has max(T, 0) in place of T. Of an axial
+    /// dashpot the symmetric one is c n n^T, the part in the velocities.
+    fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
+        let springs = &self.springs;
+        for (i, &nodes) in springs.nodes.iter().enumerate() {
+            let stretch = springs.stretch(at.x, i);
+            let t = tension(springs.slack, springs.stiffness.at(i), stretch.elongation);
+            let force = if form.convex { t.force.max(0.0) } else { t.force };
+            let mut block = stretch.block(force, t.slope) * w.k;
+            if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
+                let c = coefficient.at(i);
+                block += match kind {
+                    DashpotKind::Relative => DMat3::from_diagonal(DVec3::splat(w.c * c)),
+                    DashpotKind::Axial if form.symmetric => axial_state(springs, at, i, c).velocity_tangent(w),
+                    DashpotKind::Axial => axial_state(springs, at, i, c).tangent(w),
+                };
+            }
+            sink.edge(nodes, block);
+        }
+    }
+
+    fn add_stiffness(&self, nodes: &mut [f64]) {
+        for (i, pair) in self.springs.nodes.iter().enumerate() {
+            for &node in pair {
+                nodes[node as usize] += self.springs.stiffness.at(i);
+            }
+        }
+    }
+}
