@@ -265,7 +265,7 @@ mod tests {
             method: crate::integrate::registry::MethodChoice::with_defaults(name).expect("in the registry"),
             limit: None,
         });
-        let best = |explicit: FoundStep, implicit: Found| {
+        let best = |explicit: FoundStep, implicit: FoundStep| {
             let offers = [(&candidates[0], explicit), (&candidates[1], implicit)];
             best_of(&offers, "rk4").expect("there are two").0.method.info.name
         };
