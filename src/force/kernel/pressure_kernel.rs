@@ -97,7 +97,7 @@ pub(in crate::force) mod tests {
     use super::*;
     use crate::force::kernel::element_block::vector;
     use crate::force::kernel::lane_batches::tests::{NODES, elements, on_both, vectors};
-    use glam::DVec3;
+    use nalgebra::Vector3;
 
     /// Pressure 2 Pa, a third to each vertex.
     pub struct Law;
@@ -111,14 +111,14 @@ pub(in crate::force) mod tests {
     }
 
     /// Forces [N] of [`Law`] by node, and its power, written as one would: a triangle after the other.
-    pub fn one_by_one(triangles: &[[u16; 3]], [x, v]: [&Records; 2]) -> (Vec<DVec3>, f64) {
-        let (mut forces, mut power) = (vec![DVec3::ZERO; NODES], 0.0);
+    pub fn one_by_one(triangles: &[[u16; 3]], [x, v]: [&Records; 2]) -> (Vec<Vector3<f64>>, f64) {
+        let (mut forces, mut power) = (vec![Vector3::zeros(); NODES], 0.0);
         for nodes in triangles {
             let [a, b, c] = nodes.map(|i| vector(x, i));
-            let s = 0.5 * (b - a).cross(c - a);
+            let s = 0.5 * (b - a).cross(&(c - a));
             for &node in nodes {
                 forces[node as usize / 4] += 2.0 / 3.0 * s;
-                power += 2.0 / 3.0 * s.dot(vector(v, node));
+                power += 2.0 / 3.0 * s.dot(&vector(v, node));
             }
         }
         (forces, power)
@@ -133,8 +133,8 @@ pub(in crate::force) mod tests {
             assert_eq!(best, portable, "{n} triangles");
             let (forces, power) = one_by_one(&nodes, [x, v]);
             for (found, force) in best.0.iter().zip(&forces) {
-                let found = DVec3::from_array(found.map(f64::from_bits));
-                assert!((found - *force).length() < 1e-13, "{n} triangles: {found} against {force}");
+                let found = Vector3::from(found.map(f64::from_bits));
+                assert!((found - *force).norm() < 1e-13, "{n} triangles: {found} against {force}");
             }
             assert!((f64::from_bits(best.1) - power).abs() < 1e-12, "{n} triangles: {power}");
         }

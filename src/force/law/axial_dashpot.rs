@@ -17,7 +17,7 @@ use crate::force::law::spring::{Coefficient, SpringData, Stretch};
 use crate::force::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// Axial dashpots parallel to a batch of springs.
 pub type AxialDashpots = Batch<AxialData, 2>;
@@ -34,7 +34,7 @@ pub struct AxialData {
 struct Damping {
     stretch: Stretch,
     /// vb - va
-    dv: DVec3,
+    dv: Vector3<f64>,
     ldot: f64,
     force: f64,
     /// dT_d/dl
@@ -56,10 +56,10 @@ impl AxialData {
 
     /// Of dashpot `i` between nodes whose positions and velocities differ by `dx` [m] and `dv` [m/s].
     #[inline]
-    fn damping(&self, i: usize, dx: DVec3, dv: DVec3) -> Damping {
+    fn damping(&self, i: usize, dx: Vector3<f64>, dv: Vector3<f64>) -> Damping {
         let springs = &self.springs;
         let stretch = springs.stretch_of(dx, i);
-        let ldot = stretch.n.dot(dv);
+        let ldot = stretch.n.dot(&dv);
         let c = self.coefficient.at(i);
         let Some(law) = clamped(springs.slack) else {
             return Damping { stretch, dv, ldot, force: c * ldot, slope: 0.0, c };

@@ -13,7 +13,7 @@ use crate::force::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
-use glam::DMat3;
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// A follower pressure on a batch of triangles.
@@ -78,7 +78,7 @@ impl ForceTerm for FollowerPressure {
     /// None: over a closed or held surface the symmetric part is that of its edge alone, of either sign.
     fn symmetric_tangent(&self, _at: NodeState<'_>, _w: Weights, sink: &mut dyn TangentSink) {
         for &nodes in self.kernel().triangles.iter() {
-            sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
+            sink.triangle(nodes, &[[Matrix3::zeros(); 3]; 3]);
         }
     }
 }

@@ -10,24 +10,24 @@ use crate::force::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::{self, Quad, VectorUnit};
 use crate::model::system::{TermInfo, Weights};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Uniform gravity.
 #[derive(Clone, Debug)]
 pub struct Gravity {
     /// [m/s^2] acceleration of free fall
-    g: DVec3,
+    g: Vector3<f64>,
     /// [kg] mass of every node, 0 where it is held in all directions
     mass: Vec<f64>,
     /// [m] node positions from which the energy counts
-    origin: Arc<[DVec3]>,
+    origin: Arc<[Vector3<f64>]>,
 }
 
 impl Gravity {
     /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the
     /// energy counts.
-    pub fn new(g: DVec3, mass: impl Iterator<Item = f64>, origin: Arc<[DVec3]>) -> Self {
+    pub fn new(g: Vector3<f64>, mass: impl Iterator<Item = f64>, origin: Arc<[Vector3<f64>]>) -> Self {
         Gravity { g, mass: mass.collect(), origin }
     }
 }
@@ -37,9 +37,9 @@ const BLOCK: usize = 64;
 
 /// f += m g; its output is -g . sum of m (x - origin).
 struct Weigh<'a> {
-    g: DVec3,
+    g: Vector3<f64>,
     mass: &'a [f64],
-    origin: &'a [DVec3],
+    origin: &'a [Vector3<f64>],
     x: &'a [PaddedVec3],
     f: &'a mut [PaddedVec3],
 }
@@ -72,7 +72,7 @@ impl quad::Pass for Weigh<'_> {
                 *f = (unit.quad(*f) + m * g).numbers();
             }
             let [x, y, z, _] = moments.numbers();
-            energy -= self.g.dot(DVec3::new(x, y, z));
+            energy -= self.g.dot(&Vector3::new(x, y, z));
         }
         energy
     }
@@ -80,7 +80,7 @@ impl quad::Pass for Weigh<'_> {
 
 /// Four nodes' positions; the last number of each means nothing.
 #[inline(always)]
-fn origins<U: VectorUnit>(unit: U, nodes: &[DVec3; 4]) -> [U::Quad; 4] {
+fn origins<U: VectorUnit>(unit: U, nodes: &[Vector3<f64>; 4]) -> [U::Quad; 4] {
     let numbers: &[f64; 12] = bytemuck::cast_ref(nodes);
     let at = |first: usize| numbers[first..].first_chunk().copied().unwrap_or_default();
     [at(0), at(3), at(6), [nodes[3].x, nodes[3].y, nodes[3].z, 0.0]].map(|n| unit.quad(n))

@@ -9,7 +9,7 @@ use crate::force::law::spring::Coefficient;
 use crate::force::{ForceTerm, NodeState, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The mass-proportional part.
@@ -35,7 +35,7 @@ impl Summand for RayleighMass {
         for (i, node) in block.own.clone().enumerate() {
             let v = vector(block.v, place(i));
             let force = -(self.factor * self.mass[node]) * v;
-            power += force.dot(v);
+            power += force.dot(&v);
             add(f, place(i), force);
         }
         Tally { energy: 0.0, power }
@@ -53,7 +53,7 @@ impl ForceTerm for RayleighMass {
 
     fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         for (i, m) in self.mass.iter().enumerate() {
-            sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
+            sink.node(i as u32, Matrix3::from_diagonal_element(w.c * self.factor * m));
         }
     }
 }
@@ -69,7 +69,7 @@ pub struct RayleighData {
     /// [N s/m] beta k
     pub coefficient: Coefficient,
     /// unit vector of every spring on the mesh as given
-    pub direction: Arc<[DVec3]>,
+    pub direction: Arc<[Vector3<f64>]>,
 }
 
 impl Kernel<2> for RayleighData {
@@ -82,7 +82,7 @@ impl Kernel<2> for RayleighData {
     fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
         let power = block.each([1.0, -1.0], f, |i, [a, b]| {
             let n = self.direction[i];
-            let rate = n.dot(vector(block.v, b) - vector(block.v, a));
+            let rate = n.dot(&(vector(block.v, b) - vector(block.v, a)));
             let c = self.coefficient.at(i);
             (c * rate * n, -c * rate * rate)
         });

@@ -13,7 +13,7 @@ use crate::force::{ForceTerm, NodeState, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// A batch of relative dashpots.
@@ -66,7 +66,7 @@ impl ForceTerm for RelativeDashpots {
     fn tangent(&self, _at: NodeState<'_>, w: Weights, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, &nodes) in data.nodes.iter().enumerate() {
-            sink.edge(nodes, DMat3::from_diagonal(DVec3::splat(w.c * data.coefficient.at(i))));
+            sink.edge(nodes, Matrix3::from_diagonal_element(w.c * data.coefficient.at(i)));
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::force::schedule::threads::{LocalBuffers, SUMS, Threads};
 use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
 use crate::model::forces::Tally;
 use crate::model::workers::Workers;
-use glam::DVec3;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -85,7 +85,7 @@ impl Sweep {
         &self,
         (terms, at): (&T, NodeState<'_>),
         threads: &Threads,
-        out: [&mut [DVec3]; SUMS],
+        out: [&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
     ) {
         debug_assert!((0..terms.count()).all(|i| !out[terms.term(i).1].is_empty()) || at.x.is_empty());
@@ -124,7 +124,7 @@ impl Sweep {
     pub(in crate::force) fn workspace(
         &self,
         needs: WorkspaceSize,
-        out: &[&mut [DVec3]; SUMS],
+        out: &[&mut [Vector3<f64>]; SUMS],
     ) -> Pooled<'_, Workspace> {
         let mut workspace = self.workspace.take();
         workspace.fit(&self.partition, needs, out);
@@ -132,7 +132,7 @@ impl Sweep {
     }
 }
 
-pub(in crate::force) fn by_node(dofs: &mut [f64]) -> &mut [DVec3] {
+pub(in crate::force) fn by_node(dofs: &mut [f64]) -> &mut [Vector3<f64>] {
     bytemuck::cast_slice_mut(dofs)
 }
 
@@ -210,7 +210,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         &self,
         (number, kept): (usize, &mut [PaddedVec3]),
         local_buffers: &mut LocalBuffers,
-        out: &[&mut [DVec3]; SUMS],
+        out: &[&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
     ) -> f64 {
         let plan = &self.partition.blocks()[number];
@@ -235,7 +235,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
     }
 
     /// Copies a nodal vector into a block's local buffer.
-    fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
+    fn load(&self, plan: &Plan, from: &[Vector3<f64>], to: &mut Records) {
         let first = self.first;
         let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
         copy_rows(&from[plan.own.start - first..plan.own.end - first], own);
