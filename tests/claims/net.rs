@@ -37,7 +37,7 @@ struct Start<'a> {
 
 /// A rhombus of SIDE x SIDE nodes, free in all directions, with a pull `tension` in every spring.
 fn net(tension: f64, start: &Start<'_>) -> Case {
-    let nodes: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| place(i).to_array()).collect();
+    let nodes: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| place(i).into()).collect();
     let mut springs = Vec::new();
     for (i, j) in (0..SIDE * SIDE).map(|n| (n % SIDE, n / SIDE)) {
         let node = |i: usize, j: usize| i + SIDE * j;
@@ -76,7 +76,7 @@ fn dynamical(q: Vector3<f64>, tension: f64) -> Matrix3<f64> {
     let bond = |n: &Vector3<f64>| {
         let along = Matrix3::from_columns(&[*n * n.x, *n * n.y, *n * n.z]);
         // 1 - cos without its cancellation at long waves.
-        let turn = 2.0 * (0.5 * A * q.dot(&n)).sin().powi(2);
+        let turn = 2.0 * (0.5 * A * q.dot(n)).sin().powi(2);
         turn * (K * along + tension / A * (Matrix3::identity() - along))
     };
     BONDS.iter().map(bond).fold(Matrix3::zeros(), |sum, b| sum + b) * (2.0 / M)
@@ -84,7 +84,7 @@ fn dynamical(q: Vector3<f64>, tension: f64) -> Matrix3<f64> {
 
 /// [1/s^2] M^-1 K e cos(q (x - x_c) + phase) at every node over the same cosine's amplitude.
 fn answer(linear: &Linearised, q: Vector3<f64>, e: Vector3<f64>, phase: f64) -> Vec<Vector3<f64>> {
-    let u: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| (e * wave(q, i, phase)).to_array()).collect();
+    let u: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| (e * wave(q, i, phase)).into()).collect();
     linear.times(&u).iter().map(|f| Vector3::from(*f) / M).collect()
 }
 

@@ -215,7 +215,7 @@ mod tests {
             store_rows(records, &mut stored);
             assert_eq!(stored, nodes);
             for (i, (sum, node)) in sums.iter().zip(&nodes).enumerate() {
-                assert_eq!(*sum, *node + 0.5);
+                assert_eq!(*sum, node.add_scalar(0.5));
                 let [x, y, z, _] = record(window.records(), (i * RECORD) as u16);
                 assert_eq!(Vector3::new(x, y, z), *node);
             }

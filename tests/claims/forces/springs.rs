@@ -42,8 +42,8 @@ fn on_end(more: &Value, start: Start) -> Vector3<f64> {
         "mesh": {"explicit": {"nodes": [[0, 0, 0], [2, 3, 6]], "springs": [[0, 1]]}},
         "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
         "initial": {
-            "displacement": [[0, 0, 0], start.displacement.to_array()],
-            "velocity": [[0, 0, 0], start.velocity.to_array()]
+            "displacement": [[0, 0, 0], start.displacement.as_slice()],
+            "velocity": [[0, 0, 0], start.velocity.as_slice()]
         }
     });
     for (key, value) in more.as_object().expect("keys of a rule") {

@@ -73,7 +73,7 @@ fn triangle(velocity: [Vector3<f64>; 3]) -> Value {
     json!({
         "mesh": {"explicit": {"nodes": [[0, 0, 0], [1, 2, 2], [2, 1, -2]], "springs": [], "triangles": [[0, 1, 2]]}},
         "springs": [],
-        "initial": {"velocity": velocity.map(|v| v.to_array())}
+        "initial": {"velocity": velocity.map(<[f64; 3]>::from)}
     })
 }
 
@@ -128,7 +128,7 @@ fn pressures(claims: &mut Vec<Claim>) {
     let table = json!([[0.0, 1.0], [0.25, 5.0]]);
     // 1/2 of the products of the edges by hand, times p/3; the table's factors are 1 and 3
     let (start, later) = (p / 6.0 * Vector3::new(-12.0, 12.0, -6.0), p / 6.0 * Vector3::new(-20.0, 22.0, -12.0));
-    let across = p / 3.0 * 9.0 * Vector3::new(0.0, 0.6, 0.8);
+    let across: Vector3<f64> = p / 3.0 * 9.0 * Vector3::new(0.0, 0.6, 0.8);
     for (what, load, expected) in [
         ("follower pressure", json!({"on": "all", "pressure": p, "kind": "follower"}), [start, later]),
         (
@@ -146,7 +146,8 @@ fn pressures(claims: &mut Vec<Claim>) {
         for (when, found, expected) in
             run(load).into_iter().zip(expected).zip(["at the start", "deformed"]).map(|((f, e), w)| (w, f, e))
         {
-            let worst = found.into_iter().max_by(|a, b| (a - expected).norm().total_cmp(&(b - expected).norm()));
+            let off = |a: &Vector3<f64>| (a - expected).norm();
+            let worst = found.into_iter().max_by(|a, b| off(a).total_cmp(&off(b)));
             claims.push(agrees(
                 &format!("{what}, {when}, worst vertex"),
                 worst.unwrap_or(Vector3::repeat(f64::NAN)),
@@ -160,7 +161,7 @@ fn nodal(claims: &mut Vec<Claim>) {
     let force = Vector3::new(1.0, -2.0, 2.0);
     let mut network = triangle([Vector3::zeros(); 3]);
     let table = json!([[0.25, 1], [0.5, -2], [0.75, 4]]);
-    network["loads"] = json!([{"on": {"ids": [1]}, "force": force.to_array(), "table": table}]);
+    network["loads"] = json!([{"on": {"ids": [1]}, "force": force.as_slice(), "table": table}]);
     let found = forces(network, 8);
     // constant before the first row and after the last, linear between
     for (step, factor) in [1.0, 1.0, 1.0, -0.5, -2.0, 1.0, 4.0, 4.0].into_iter().enumerate() {

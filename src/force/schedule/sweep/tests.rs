@@ -100,7 +100,7 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
                 assert!((found.energy - expected.energy).abs() < 1e-10, "{found:?} {expected:?}");
                 assert!((found.power - expected.power).abs() < 1e-10, "{found:?} {expected:?}");
             }
-            let all = sums.iter().flatten().flat_map(|f| f.to_array());
+            let all = sums.iter().flatten().flat_map(|f| f.iter().copied());
             bits.push(all.chain(tallies.map(|t| t.energy + t.power)).map(f64::to_bits).collect::<Vec<_>>());
         }
         assert!(bits[0] == bits[1] && bits[0] == bits[2], "node blocks of {node_block}");
