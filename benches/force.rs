@@ -14,7 +14,7 @@ use canopy_fem::scene::{Network, build_network};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fixture::steps::Steps;
 use fixture::{Contents, PlainC, cloth};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -28,11 +28,11 @@ fn spring_pass(c: &mut Criterion) {
     let springs = 0;
     // The same net as the C loop sees it, in the order a scene keeps it in.
     let state = scene.initial_state();
-    let raised: Vec<DVec3> = bytemuck::cast_slice::<f64, DVec3>(&state.x)
+    let raised: Vec<Vector3<f64>> = bytemuck::cast_slice::<f64, Vector3<f64>>(&state.x)
         .iter()
-        .map(|p| DVec3::new(p.x, p.y, 0.3 * (1.0 - p.x * p.x - p.y * p.y)))
+        .map(|p| Vector3::new(p.x, p.y, 0.3 * (1.0 - p.x * p.x - p.y * p.y)))
         .collect();
-    let (mut f, mut g) = (vec![DVec3::ZERO; arrays.x.len()], vec![DVec3::ZERO; arrays.x.len()]);
+    let (mut f, mut g) = (vec![Vector3::zeros(); arrays.x.len()], vec![Vector3::zeros(); arrays.x.len()]);
     let mut group = c.benchmark_group("spring pass, 703 nodes");
     group.throughput(Throughput::Elements(arrays.nodes.len() as u64));
     group.bench_function("canopy-fem, with energy", |b| {
@@ -74,7 +74,7 @@ fn ratios(_: &mut Criterion) {
     }
     if let Ok(plain) = PlainC::compile() {
         let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
-        let mut f = vec![DVec3::ZERO; arrays.x.len()];
+        let mut f = vec![Vector3::zeros(); arrays.x.len()];
         let mut verlet = Steps::new(&springs, "velocity-verlet", H);
         let ratio = median_ratio(&mut || verlet.step(), &mut || plain.verlet_step(&mut arrays, &mut f));
         println!("velocity-verlet step, 703 nodes, springs: canopy-fem / plain C, taken in turn: {ratio:.3}");
@@ -92,7 +92,7 @@ fn passes(_: &mut Criterion) {
         (*x, *v) = (*x + 0.01 * (i as f64).sin(), (i as f64).cos());
     }
     let at = NodeState { t: 0.0, x: bytemuck::cast_slice(&state.x), v: bytemuck::cast_slice(&state.v) };
-    let mut f = vec![DVec3::ZERO; 703];
+    let mut f = vec![Vector3::zeros(); 703];
     for (part, info) in scene.terms().iter().enumerate() {
         let Some((term, _)) = scene.term_of(part) else { continue };
         let mut ns: Vec<f64> = (0..200)
@@ -130,7 +130,7 @@ fn explicit_steps(c: &mut Criterion) {
     }
     if let Ok(plain) = PlainC::compile() {
         let mut arrays = fixture::SpringArrays::of_cloth(703, 126);
-        let mut f = vec![DVec3::ZERO; arrays.x.len()];
+        let mut f = vec![Vector3::zeros(); arrays.x.len()];
         group
             .bench_function("velocity-verlet: plain C, springs", |b| b.iter(|| plain.verlet_step(&mut arrays, &mut f)));
     }

@@ -4,7 +4,7 @@ use super::pattern::{Pattern, PatternError};
 use super::record::Recorder;
 use crate::force::TangentSink;
 use crate::mesh::adjacency::row_starts;
-use glam::DMat3;
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// Marks a fixed degree of freedom.
@@ -117,24 +117,24 @@ pub struct MatrixSink<'a> {
 
 impl MatrixSink<'_> {
     #[inline]
-    fn add(&mut self, block: &DMat3) {
+    fn add(&mut self, block: &Matrix3<f64>) {
         let Some(&id) = self.emitted.next() else {
             debug_assert!(false, "a force term emitted more elements than when the pattern was recorded");
             return;
         };
-        for (&slot, value) in self.blocks[id as usize].iter().zip(block.to_cols_array()) {
+        for (&slot, value) in self.blocks[id as usize].iter().zip(block.iter()) {
             self.values[slot as usize] += value;
         }
     }
 }
 
 impl TangentSink for MatrixSink<'_> {
-    fn node(&mut self, _i: u32, block: DMat3) {
+    fn node(&mut self, _i: u32, block: Matrix3<f64>) {
         self.add(&block);
     }
 
     #[inline]
-    fn edge(&mut self, [a, b]: [u32; 2], block: DMat3) {
+    fn edge(&mut self, [a, b]: [u32; 2], block: Matrix3<f64>) {
         let minus = -block;
         // The order of `Emission::blocks`: (a, a), (a, b), (b, a), (b, b), lower triangle only if symmetric.
         self.add(&block);
@@ -147,7 +147,7 @@ impl TangentSink for MatrixSink<'_> {
         self.add(&block);
     }
 
-    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         for (p, row) in nodes.iter().zip(blocks) {
             for (q, block) in nodes.iter().zip(row) {
                 if !self.symmetric || p >= q {

@@ -1,7 +1,7 @@
 //! Records which elements the terms emit, in order.
 
 use crate::force::TangentSink;
-use glam::DMat3;
+use nalgebra::Matrix3;
 
 /// One emitted element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,15 +22,15 @@ pub struct Recorder {
 }
 
 impl TangentSink for Recorder {
-    fn node(&mut self, i: u32, _block: DMat3) {
+    fn node(&mut self, i: u32, _block: Matrix3<f64>) {
         self.emissions.push(Emission::Node(i));
     }
 
-    fn edge(&mut self, nodes: [u32; 2], _block: DMat3) {
+    fn edge(&mut self, nodes: [u32; 2], _block: Matrix3<f64>) {
         self.emissions.push(Emission::Edge(nodes));
     }
 
-    fn triangle(&mut self, nodes: [u32; 3], _blocks: &[[DMat3; 3]; 3]) {
+    fn triangle(&mut self, nodes: [u32; 3], _blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.emissions.push(Emission::Triangle(nodes));
     }
 }

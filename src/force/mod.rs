@@ -36,7 +36,7 @@ pub mod law;
 pub mod schedule;
 
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 
 /// A state by nodes: what a force term sees.
 #[derive(Clone, Copy, Debug)]
@@ -44,21 +44,21 @@ pub struct NodeState<'a> {
     /// [s] time
     pub t: f64,
     /// [m] node positions
-    pub x: &'a [DVec3],
+    pub x: &'a [Vector3<f64>],
     /// [m/s] node velocities
-    pub v: &'a [DVec3],
+    pub v: &'a [Vector3<f64>],
 }
 
 /// Takes the blocks of cm M + cc C + ck K that a term emits (the weights are already applied by the term).
 pub trait TangentSink {
     /// A block on the diagonal of node `i`.
-    fn node(&mut self, i: u32, block: DMat3);
+    fn node(&mut self, i: u32, block: Matrix3<f64>);
 
     /// The two-node element `[[B, -B], [-B, B]]`; `B` need not be symmetric.
-    fn edge(&mut self, nodes: [u32; 2], block: DMat3);
+    fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
 
     /// A three-node element; `blocks[p][q]` is the block of row node `nodes[p]`, column node `nodes[q]`.
-    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]);
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]);
 }
 
 /// What a tangent may leave out.
@@ -96,6 +96,6 @@ pub trait ForceTerm: kernel::batch::Summand {
 }
 
 /// The matrix `a b^T`.
-pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+pub(crate) fn outer(a: Vector3<f64>, b: Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_columns(&[a * b.x, a * b.y, a * b.z])
 }

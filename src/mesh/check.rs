@@ -1,15 +1,15 @@
 //! What every mesh must satisfy before a simulation uses it.
 
 use super::{Mesh, MeshError};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// [-] area over squared longest edge below which a triangle counts as degenerate; its normal is then mostly rounding.
 const LEAST_FLATNESS: f64 = 1e-10;
 
 impl Mesh {
     /// Position of a node.
-    pub(crate) fn point(&self, node: u32) -> DVec3 {
-        DVec3::from_array(self.nodes[node as usize])
+    pub(crate) fn point(&self, node: u32) -> Vector3<f64> {
+        Vector3::from(self.nodes[node as usize])
     }
 
     /// Checks what no simulation can do without: numbers in range, finite positions, no edge or triangle twice or
@@ -86,8 +86,8 @@ impl Mesh {
         for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
             let (u, v, w) =
                 (self.point(b) - self.point(a), self.point(c) - self.point(a), self.point(c) - self.point(b));
-            let longest = u.length().max(v.length()).max(w.length());
-            let area = 0.5 * u.cross(v).length();
+            let longest = u.norm().max(v.norm()).max(w.norm());
+            let area = 0.5 * u.cross(&v).norm();
             // Written so that an overflow to NaN or infinity is a fault too.
             if !(area > LEAST_FLATNESS * longest * longest && area.is_finite()) {
                 return Err(MeshError::DegenerateTriangle { triangle, area, longest });

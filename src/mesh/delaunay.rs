@@ -1,13 +1,13 @@
 //! Constrained Delaunay triangulation of a ring, by `spade` (exact predicates).
 
-use glam::DVec2;
+use nalgebra::Vector2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// Triangles, counter-clockwise, of the nodes' constrained Delaunay triangulation, those inside the hole left out.
 ///
 /// The first `hole` nodes are those of the inner loop, which is convex: a triangle among them alone lies in the hole,
 /// all others outside it. `None` if two nodes coincide, a coordinate is no number, or two constraints cross.
-pub(super) fn triangulate(points: &[DVec2], constraints: &[[usize; 2]], hole: usize) -> Option<Vec<[u32; 3]>> {
+pub(super) fn triangulate(points: &[Vector2<f64>], constraints: &[[usize; 2]], hole: usize) -> Option<Vec<[u32; 3]>> {
     let vertices = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
     let mut conflict = false;
     let edges = constraints.to_vec();

@@ -17,7 +17,7 @@ use super::polish::polish;
 use super::random::SplitMix64;
 use super::sdf::{SizeFunction, turned_off_seams};
 use super::{Mesh, MeshError, quality, topology};
-use glam::DVec2;
+use nalgebra::Vector2;
 
 /// [-] how much longer than wanted the springs are, so that the nodes spread to the boundary (`Fscale`)
 const OVERLENGTH: f64 = 1.2;
@@ -113,9 +113,9 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     }
     let count = start.points.len();
     let mut bars = Bars::default();
-    let mut last = vec![DVec2::INFINITY; count];
-    let mut forces = vec![DVec2::ZERO; count];
-    let mut momentum = vec![DVec2::ZERO; count];
+    let mut last = vec![Vector2::repeat(f64::INFINITY); count];
+    let mut forces = vec![Vector2::zeros(); count];
+    let mut momentum = vec![Vector2::zeros(); count];
     let mut movement = f64::INFINITY;
     let mut flips = Flips::default();
 
@@ -136,9 +136,10 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     Err(MeshError::NotRelaxed { iterations: ITERATIONS, movement, tolerance: REST })
 }
 
-fn moved_far(size: &SizeFunction, points: &[DVec2], last: &[DVec2]) -> bool {
+fn moved_far(size: &SizeFunction, points: &[Vector2<f64>], last: &[Vector2<f64>]) -> bool {
     // Asked this way round, a point that is no number counts as far, and the triangulation will refuse it.
-    let near = |(p, q): (&DVec2, &DVec2)| p.distance_squared(*q) < (RETRIANGULATE * size.at(p.length())).powi(2);
+    let near =
+        |(p, q): (&Vector2<f64>, &Vector2<f64>)| (p - q).norm_squared() < (RETRIANGULATE * size.at(p.norm())).powi(2);
     !points.iter().zip(last).all(near)
 }
 
@@ -165,24 +166,24 @@ impl Bars {
 
     /// Forces max(F0 - L, 0), repulsive only; the wanted lengths are scaled so that their squares sum up to those of
     /// the actual ones.
-    fn forces(&mut self, size: &SizeFunction, points: &[DVec2], forces: &mut [DVec2]) {
+    fn forces(&mut self, size: &SizeFunction, points: &[Vector2<f64>], forces: &mut [Vector2<f64>]) {
         for (h, point) in self.size.iter_mut().zip(points) {
-            *h = size.at(point.length());
+            *h = size.at(point.norm());
         }
         // The size function is all but linear along a bar, so the mean of its ends stands for its middle.
         let wanted = |bar: &[u32; 2]| 0.5 * (self.size[bar[0] as usize] + self.size[bar[1] as usize]);
         let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
         for bar in &self.ends {
             let [a, b] = bar.map(|n| points[n as usize]);
-            sum_actual += a.distance_squared(b);
+            sum_actual += (a - b).norm_squared();
             sum_wanted += wanted(bar).powi(2);
         }
         let scale = OVERLENGTH * (sum_actual / sum_wanted).sqrt();
-        forces.fill(DVec2::ZERO);
+        forces.fill(Vector2::zeros());
         for bar in &self.ends {
             let [a, b] = bar.map(|n| points[n as usize]);
             let (across, full) = (b - a, scale * wanted(bar));
-            let square = across.length_squared();
+            let square = across.norm_squared();
             if square < full * full && square > 0.0 {
                 let force = across * (full / square.sqrt() - 1.0);
                 forces[bar[0] as usize] -= force;
@@ -197,9 +198,15 @@ impl Bars {
 ///
 /// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars
 /// meet.
-fn step(plan: &MeshPlan, start: &mut Layout, bars: &Bars, forces: &[DVec2], momentum: &mut [DVec2]) -> f64 {
+fn step(
+    plan: &MeshPlan,
+    start: &mut Layout,
+    bars: &Bars,
+    forces: &[Vector2<f64>],
+    momentum: &mut [Vector2<f64>],
+) -> f64 {
     let (ring, seams) = (plan.size.ring, plan.seams);
-    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(*m)).sum();
+    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(&m)).sum();
     let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
     let mut largest: f64 = 0.0;
     for node in 0..start.points.len() {
@@ -209,12 +216,12 @@ fn step(plan: &MeshPlan, start: &mut Layout, bars: &Bars, forces: &[DVec2], mome
         match start.freedom[node] {
             Freedom::Fixed => continue,
             Freedom::Free => {}
-            Freedom::Ray(direction) => push = push.dot(direction) * direction,
+            Freedom::Ray(direction) => push = push.dot(&direction) * direction,
         }
-        let target = |by: DVec2| match start.freedom[node] {
+        let target = |by: Vector2<f64>| match start.freedom[node] {
             Freedom::Ray(direction) => {
                 // Kept off the centre, which on a disc is the seams' common end.
-                let radius = (point + by).dot(direction).max(plan.hub + CLEARANCE * h);
+                let radius = (point + by).dot(&direction).max(plan.hub + CLEARANCE * h);
                 ring.pushed_inside(radius * direction, CLEARANCE * h)
             }
             _ => {
@@ -222,7 +229,7 @@ fn step(plan: &MeshPlan, start: &mut Layout, bars: &Bars, forces: &[DVec2], mome
                 turned_off_seams(plan.off_hub(inside, CLEARANCE * h), seams, CLEARANCE * h)
             }
         };
-        largest = largest.max(target(push).distance(point) / h);
+        largest = largest.max((target(push) - point).norm() / h);
         let moved = target(push + memory * momentum[node]);
         momentum[node] = moved - point;
         start.points[node] = moved;

@@ -1,6 +1,6 @@
 //! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than triangulating anew.
 
-use glam::DVec2;
+use nalgebra::Vector2;
 
 /// No triangle beyond this side.
 const NONE: u32 = u32::MAX;
@@ -59,10 +59,10 @@ impl Flips {
 
     /// Flips edges until the triangulation is Delaunay again; false if a triangle has turned over, or the flips do
     /// not end, and a new triangulation is needed.
-    pub fn follow(&mut self, points: &[DVec2]) -> bool {
+    pub fn follow(&mut self, points: &[Vector2<f64>]) -> bool {
         let upright = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|n| points[n as usize]);
-            (b - a).perp_dot(c - a) > 0.0
+            (b - a).perp(&(c - a)) > 0.0
         };
         if self.triangles.is_empty() || !self.triangles.iter().all(upright) {
             return false;
@@ -92,7 +92,7 @@ impl Flips {
     }
 
     /// Whether the angles opposite a side add up to more than 180 degrees.
-    fn wants_flip(&self, t: u32, side: usize, points: &[DVec2]) -> bool {
+    fn wants_flip(&self, t: u32, side: usize, points: &[Vector2<f64>]) -> bool {
         let other = self.beyond[t as usize][side];
         if other == NONE || self.kept[t as usize][side] {
             return false;
@@ -103,9 +103,9 @@ impl Flips {
             [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3], far].map(|n| points[n as usize]);
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         // Sine of the sum of the angles at c and d, times the four lengths.
-        let sine = ca.perp_dot(cb) * da.dot(db) + ca.dot(cb) * db.perp_dot(da);
+        let sine = ca.perp(&cb) * da.dot(&db) + ca.dot(&cb) * db.perp(&da);
         // The sum of the squares bounds the product of lengths from above, without square roots.
-        sine < -EXCESS * (ca.length_squared() * cb.length_squared() + da.length_squared() * db.length_squared())
+        sine < -EXCESS * (ca.norm_squared() * cb.norm_squared() + da.norm_squared() * db.norm_squared())
     }
 
     /// Replaces the side a-b of triangles abc and bad by c-d; returns the other triangle.

@@ -1,13 +1,13 @@
 //! Order along Hilbert's curve (1891): points near each other in the plane mostly follow each other in the order, and
 //! in memory.
 
-use glam::DVec2;
+use nalgebra::Vector2;
 
 /// Cells a side is divided into, as a power of two: finer than the edges of any mesh that fits into memory.
 const BITS: u32 = 16;
 
 /// The place of a point on the curve that fills the square [-half, half]^2 [m].
-pub(super) fn place(point: DVec2, half: f64) -> u32 {
+pub(super) fn place(point: Vector2<f64>, half: f64) -> u32 {
     let cells = f64::from(1_u32 << BITS);
     // The conversion clamps what lies outside, and takes what is no number for 0.
     let cell = |c: f64| ((0.5 + 0.5 * c / half) * cells).min(cells - 1.0) as u32;
@@ -37,7 +37,7 @@ mod tests {
         let n = 32;
         let centre = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0;
         let mut cells: Vec<(u32, [i32; 2])> =
-            (0..n * n).map(|i| (place(DVec2::new(centre(i % n), centre(i / n)), 1.0), [i % n, i / n])).collect();
+            (0..n * n).map(|i| (place(Vector2::new(centre(i % n), centre(i / n)), 1.0), [i % n, i / n])).collect();
         cells.sort_unstable();
         for pair in cells.windows(2) {
             let [(a, [x, y]), (b, [u, v])] = [pair[0], pair[1]];

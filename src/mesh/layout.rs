@@ -4,8 +4,9 @@ use super::MeshError;
 use super::annulus::GRADING_RANGE;
 use super::hilbert;
 use super::random::SplitMix64;
-use super::sdf::{RadialTable, Ring, SizeFunction};
-use glam::DVec2;
+use super::sdf::{RadialTable, Ring, SizeFunction, on_unit_circle};
+use crate::model::unit_vector::unit_vector;
+use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 
 /// [-] `grading` if neither it nor the boundary nodes are given
@@ -36,7 +37,7 @@ pub(super) struct Request {
 pub(super) enum Freedom {
     Fixed,
     /// along a ray from the origin with this direction
-    Ray(DVec2),
+    Ray(Vector2<f64>),
     Free,
 }
 
@@ -61,7 +62,7 @@ pub(super) struct MeshPlan {
 /// Where the relaxation starts.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    pub points: Vec<DVec2>,
+    pub points: Vec<Vector2<f64>>,
     pub freedom: Vec<Freedom>,
     /// edges of the loops, then of the seams
     pub constraints: Vec<[usize; 2]>,
@@ -192,9 +193,9 @@ impl MeshPlan {
     }
 
     /// `p` moved out of the hub by at least `depth` [m].
-    pub fn off_hub(&self, p: DVec2, depth: f64) -> DVec2 {
+    pub fn off_hub(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
         let least = self.hub + depth;
-        if self.hub == 0.0 || p.length() >= least { p } else { least * p.try_normalize().unwrap_or(DVec2::X) }
+        if self.hub == 0.0 || p.norm() >= least { p } else { least * unit_vector(p).unwrap_or(Vector2::x()) }
     }
 
     /// Lays out the nodes: inner loop, outer loop, centre, seams, interior.
@@ -218,7 +219,7 @@ impl MeshPlan {
             let edges = seam_node(arc + 1, arcs, count) - seam_node(arc, arcs, count);
             for i in 0..edges {
                 let angle = TAU * (arc as f64 + i as f64 / edges as f64) / arcs as f64;
-                start.points.push(radius * DVec2::from_angle(angle));
+                start.points.push(radius * on_unit_circle(angle));
                 start.freedom.push(Freedom::Fixed);
             }
         }
@@ -233,20 +234,20 @@ impl MeshPlan {
         let ring = self.size.ring;
         let centre = start.points.len();
         if !ring.has_hole() {
-            start.points.push(DVec2::ZERO);
+            start.points.push(Vector2::zeros());
             start.freedom.push(Freedom::Fixed);
         }
         let along = RadialTable::new([self.hub.max(ring.inner), ring.outer], |r| 1.0 / self.size.at(r));
         let on_hub = usize::from(self.hub > 0.0);
         for seam in 0..self.seams {
             let ends = [0, 1].map(|l| firsts[l] + seam_node(seam, self.seams, self.loops[l]));
-            let direction = DVec2::from_angle(TAU * seam as f64 / self.seams as f64);
+            let ray = on_unit_circle(TAU * seam as f64 / self.seams as f64);
             let mut previous = if ring.has_hole() { ends[0] } else { centre };
             for i in 1..=self.seam_nodes {
                 let radius = along.radius_at((i - on_hub) as f64 / (self.seam_nodes + 1 - on_hub) as f64);
                 let node = start.points.len();
-                start.points.push(radius * direction);
-                start.freedom.push(if i <= on_hub { Freedom::Fixed } else { Freedom::Ray(direction) });
+                start.points.push(radius * ray);
+                start.freedom.push(if i <= on_hub { Freedom::Fixed } else { Freedom::Ray(ray) });
                 start.constraints.push([previous, node]);
                 previous = node;
             }
@@ -271,9 +272,9 @@ impl MeshPlan {
         let phase = PI * random.signed();
         for i in 0..self.free {
             let radius = table.radius_at((i as f64 + 0.5) / self.free as f64);
-            let jitter = DVec2::new(random.signed(), random.signed()) * 0.1 * self.size.at(radius);
+            let jitter = Vector2::new(random.signed(), random.signed()) * 0.1 * self.size.at(radius);
             let angle = phase + golden * i as f64;
-            start.points.push(radius * DVec2::from_angle(angle) + jitter);
+            start.points.push(radius * on_unit_circle(angle) + jitter);
             start.freedom.push(Freedom::Free);
         }
         if self.is_large() {

@@ -2,7 +2,7 @@
 
 use super::Mesh;
 use super::topology::Sides;
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// A chain of boundary edges.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,14 +50,14 @@ fn follow(mesh: &Mesh, sides: &Sides, start: usize, seen: &mut [bool]) -> Bounda
         backwards.extend(nodes);
         nodes = backwards;
     }
-    let points: Vec<DVec3> = nodes.iter().map(|&n| mesh.point(n)).collect();
-    let mut length: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    let points: Vec<Vector3<f64>> = nodes.iter().map(|&n| mesh.point(n)).collect();
+    let mut length: f64 = points.windows(2).map(|p| (p[0] - p[1]).norm()).sum();
     if let (true, [from, .., to]) = (closed, points.as_slice()) {
-        length += from.distance(*to);
+        length += (from - to).norm();
     }
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    BoundaryLoop { nodes, closed, outer: false, length, extent: low.distance(high) }
+    let low = points.iter().fold(Vector3::repeat(f64::INFINITY), |low, p| low.inf(p));
+    let high = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+    BoundaryLoop { nodes, closed, outer: false, length, extent: (low - high).norm() }
 }
 
 /// Appends node after node from the far end `node` of boundary edge `start`; true if the walk returned to `start`.

@@ -11,7 +11,7 @@ use super::distmesh::follow_plan;
 use super::flips::Flips;
 use super::layout::{Freedom, Layout, MeshPlan};
 use super::quality::smallest_angle_of;
-use glam::DVec2;
+use nalgebra::Vector2;
 
 /// [deg] triangles with a smaller angle are worked on
 const TARGET: f64 = 33.0;
@@ -42,7 +42,7 @@ pub(super) fn polish(plan: &MeshPlan, start: &mut Layout, mut flips: Flips) -> R
 }
 
 /// Nodes of triangles below the target, ascending.
-fn nodes_of_sharp(points: &[DVec2], triangles: &[[u32; 3]]) -> Vec<u32> {
+fn nodes_of_sharp(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> Vec<u32> {
     let sharp = triangles.iter().filter(|t| smallest_angle_of(t.map(|n| points[n as usize])) < TARGET);
     let mut nodes: Vec<u32> = sharp.flatten().copied().collect();
     nodes.sort_unstable();
@@ -53,19 +53,19 @@ fn nodes_of_sharp(points: &[DVec2], triangles: &[[u32; 3]]) -> Vec<u32> {
 /// Searches along eight directions (a ray's two on a seam) with halving steps; true if the node moved.
 fn improve(plan: &MeshPlan, start: &mut Layout, triangles: &[[u32; 3]], star: &[u32], node: u32) -> bool {
     let here = start.points[node as usize];
-    let diagonal = DVec2::new(std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2);
+    let diagonal = Vector2::new(std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2);
     let directions = match start.freedom[node as usize] {
         Freedom::Fixed => return false,
         Freedom::Ray(direction) => vec![direction],
-        Freedom::Free => vec![DVec2::X, DVec2::Y, diagonal, diagonal.perp()],
+        Freedom::Free => vec![Vector2::x(), Vector2::y(), diagonal, Vector2::new(-diagonal.y, diagonal.x)],
     };
-    let worst = |at: DVec2| {
+    let worst = |at: Vector2<f64>| {
         let corner = |n: u32| if n == node { at } else { start.points[n as usize] };
         star.iter().map(|&t| smallest_angle_of(triangles[t as usize].map(corner))).fold(f64::INFINITY, f64::min)
     };
     let first = worst(here);
     let (mut best, mut angle) = (here, first);
-    let h = plan.size.at(here.length());
+    let h = plan.size.at(here.norm());
     let mut reach = SEARCH[0] * h;
     for _ in 0..MOVES {
         if reach <= SEARCH[1] * h {

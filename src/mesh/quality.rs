@@ -1,7 +1,7 @@
 //! Measures of a mesh: angles, lengths, areas, radius ratios.
 
 use super::{Mesh, MeshError, Topology};
-use glam::{DVec2, DVec3};
+use nalgebra::{Vector2, Vector3};
 use std::fmt::Write as _;
 
 /// Width of a bar of the angle histogram [deg].
@@ -66,7 +66,7 @@ impl Quality {
             euler_characteristic: topology.euler_characteristic(),
         };
         for &[a, b] in &mesh.edges {
-            let length = mesh.point(a).distance(mesh.point(b));
+            let length = (mesh.point(a) - mesh.point(b)).norm();
             // min and max pass over the NaN that stands for "none yet".
             (q.min_edge, q.max_edge) = (q.min_edge.min(length), q.max_edge.max(length));
             q.mean_edge += length / mesh.edges.len() as f64;
@@ -83,7 +83,7 @@ impl Quality {
         q
     }
 
-    fn add_triangle(&mut self, corners: [DVec3; 3], count: f64) {
+    fn add_triangle(&mut self, corners: [Vector3<f64>; 3], count: f64) {
         let angles = angles(corners);
         let smallest = angles.iter().copied().fold(f64::INFINITY, f64::min);
         for angle in angles {
@@ -91,7 +91,7 @@ impl Quality {
             self.angle_histogram[(angle as usize / BAR_DEGREES).min(BARS - 1)] += 1;
         }
         self.mean_min_angle += smallest / count;
-        let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+        let area = 0.5 * (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm();
         self.min_area = self.min_area.min(area);
         self.total_area += area;
         let ratio = radius_ratio(corners, area);
@@ -114,24 +114,24 @@ impl Quality {
 }
 
 /// Angles [deg] at the corners of a triangle.
-fn angles(corners: [DVec3; 3]) -> [f64; 3] {
+fn angles(corners: [Vector3<f64>; 3]) -> [f64; 3] {
     std::array::from_fn(|i| {
         let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
         // The arc tangent keeps its digits at small and large angles, the arc cosine does not.
-        u.cross(v).length().atan2(u.dot(v)).to_degrees()
+        u.cross(&v).norm().atan2(u.dot(&v)).to_degrees()
     })
 }
 
 /// 2 r_in / r_circum = 16 A^2 / (a b c (a + b + c)).
-fn radius_ratio(corners: [DVec3; 3], area: f64) -> f64 {
-    let [a, b, c]: [f64; 3] = std::array::from_fn(|i| corners[i].distance(corners[(i + 1) % 3]));
+fn radius_ratio(corners: [Vector3<f64>; 3], area: f64) -> f64 {
+    let [a, b, c]: [f64; 3] = std::array::from_fn(|i| (corners[i] - corners[(i + 1) % 3]).norm());
     16.0 * area * area / (a * b * c * (a + b + c))
 }
 
 /// Smallest angle [deg] of a plane triangle; negative if it is turned clockwise.
-pub(super) fn smallest_angle_of([a, b, c]: [DVec2; 3]) -> f64 {
-    let area = (b - a).perp_dot(c - a);
-    let angle = |u: DVec2, v: DVec2| area.atan2(u.dot(v)).to_degrees();
+pub(super) fn smallest_angle_of([a, b, c]: [Vector2<f64>; 3]) -> f64 {
+    let area = (b - a).perp(&(c - a));
+    let angle = |u: Vector2<f64>, v: Vector2<f64>| area.atan2(u.dot(&v)).to_degrees();
     angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c))
 }
 
@@ -141,12 +141,12 @@ pub(super) struct Sharpest {
     /// [deg] its smallest angle
     pub degrees: f64,
     /// [m] its centroid
-    pub at: DVec2,
+    pub at: Vector2<f64>,
 }
 
 /// Finds the sharpest triangle; an infinite angle if there is none.
-pub(super) fn smallest_angle(points: &[DVec2], triangles: &[[u32; 3]]) -> Sharpest {
-    let mut worst = Sharpest { degrees: f64::INFINITY, at: DVec2::ZERO };
+pub(super) fn smallest_angle(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> Sharpest {
+    let mut worst = Sharpest { degrees: f64::INFINITY, at: Vector2::zeros() };
     for triangle in triangles {
         let corners = triangle.map(|n| points[n as usize]);
         let degrees = smallest_angle_of(corners);

@@ -1,6 +1,7 @@
 //! Signed distance and size function of a ring, the two inputs of Persson & Strang (2004), section 2.
 
-use glam::DVec2;
+use crate::model::unit_vector::unit_vector;
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 /// A ring around the origin, or a disc.
@@ -20,37 +21,43 @@ impl Ring {
 
     /// [m] signed distance to the boundary, negative inside (Persson & Strang 2004, section 2.1: the intersection of
     /// a circle and the outside of another is the larger of both distances).
-    pub fn signed_distance(&self, p: DVec2) -> f64 {
-        let r = p.length();
+    pub fn signed_distance(&self, p: Vector2<f64>) -> f64 {
+        let r = p.norm();
         if self.has_hole() { (r - self.outer).max(self.inner - r) } else { r - self.outer }
     }
 
     /// The point at least `depth` [m] inside that is nearest to `p`; half way between the loops if the ring is thinner.
-    pub fn pushed_inside(&self, p: DVec2, depth: f64) -> DVec2 {
+    pub fn pushed_inside(&self, p: Vector2<f64>, depth: f64) -> Vector2<f64> {
         if self.signed_distance(p) <= -depth {
             return p;
         }
         let middle = 0.5 * (self.inner + self.outer);
         let highest = if self.has_hole() { (self.outer - depth).max(middle) } else { (self.outer - depth).max(0.0) };
         let lowest = if self.has_hole() { (self.inner + depth).min(middle) } else { 0.0 };
-        p.try_normalize().unwrap_or(DVec2::X) * p.length().clamp(lowest, highest)
+        unit_vector(p).unwrap_or(Vector2::x()) * p.norm().clamp(lowest, highest)
     }
+}
+
+/// (cos, sin) of an angle [rad].
+pub(super) fn on_unit_circle(angle: f64) -> Vector2<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Vector2::new(cos, sin)
 }
 
 /// `p` turned around the origin until it is at least `depth` [m] from each of `seams` evenly spread rays, the first
 /// along +x; to the middle between two rays where they are closer together than that.
-pub(super) fn turned_off_seams(p: DVec2, seams: usize, depth: f64) -> DVec2 {
+pub(super) fn turned_off_seams(p: Vector2<f64>, seams: usize, depth: f64) -> Vector2<f64> {
     if seams == 0 {
         return p;
     }
-    let radius = p.length();
+    let radius = p.norm();
     let sector = TAU / seams as f64;
-    let angle = p.to_angle().rem_euclid(TAU);
+    let angle = p.y.atan2(p.x).rem_euclid(TAU);
     let first = (angle / sector).floor() * sector;
     let least = (depth / radius).min(1.0).asin().min(0.5 * sector);
     let within = angle - first;
     let wanted = within.clamp(least, sector - least);
-    if wanted == within { p } else { radius * DVec2::from_angle(first + wanted) }
+    if wanted == within { p } else { radius * on_unit_circle(first + wanted) }
 }
 
 /// Wanted edge length by radius: between its values at the loops it is linear, times a tent that is 1 at the loops

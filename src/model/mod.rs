@@ -13,4 +13,5 @@ pub mod state;
 pub mod stop;
 pub mod stride;
 pub mod system;
+pub mod unit_vector;
 pub mod workers;

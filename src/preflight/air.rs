@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use crate::model::unit_vector::unit_vector;
+use nalgebra::Vector3;
 
 use crate::format_number::figures;
 use crate::mesh::components::components;
@@ -31,13 +32,13 @@ pub struct InPlane {
 /// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, for all rows
 /// of the wind table. A sheet starts to move if one triangle can push it out of the plane.
 pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
-    let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| DVec3::from_array(*w)));
-    let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(DVec3::ZERO, |v| DVec3::from_array(*v));
+    let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| Vector3::from(*w)));
+    let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(Vector3::zeros(), |v| Vector3::from(*v));
     let in_plane = |corners: &[u32; 3]| {
-        let v = corners.iter().map(|node| vector(&spec.velocity, *node)).sum::<DVec3>() / 3.0;
+        let v = corners.iter().map(|node| vector(&spec.velocity, *node)).sum::<Vector3<f64>>() / 3.0;
         let x = corners.map(|node| vector(&spec.mesh.nodes, node));
         let displaced = corners.map(|node| vector(&spec.mesh.nodes, node) + vector(&spec.displacement, node));
-        let mut blown = winds.iter().map(|wind| *wind - v).filter(|u| *u != DVec3::ZERO).peekable();
+        let mut blown = winds.iter().map(|wind| *wind - v).filter(|u| *u != Vector3::zeros()).peekable();
         blown.peek().is_some() && blown.all(|u| along(x, u) && along(displaced, u))
     };
     let sheets = Sheets::new(spec);
@@ -78,23 +79,23 @@ impl<'a> Sheets<'a> {
 }
 
 /// Whether a wind lies in the plane of a triangle.
-fn along([a, b, c]: [DVec3; 3], wind: DVec3) -> bool {
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    normal.dot(wind).abs() <= IN_PLANE * wind.length()
+fn along([a, b, c]: [Vector3<f64>; 3], wind: Vector3<f64>) -> bool {
+    let normal = unit_vector((b - a).cross(&(c - a))).unwrap_or_default();
+    normal.dot(&wind).abs() <= IN_PLANE * wind.norm()
 }
 
 /// Winds whose directions span all directions of the table: one to three, or a single zero for calm air.
-fn directions(winds: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
-    let mut kept: Vec<DVec3> = Vec::new();
-    let mut basis: Vec<DVec3> = Vec::new();
+fn directions(winds: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let mut kept: Vec<Vector3<f64>> = Vec::new();
+    let mut basis: Vec<Vector3<f64>> = Vec::new();
     for wind in winds {
-        let rest = basis.iter().fold(wind, |rest, e| rest - e.dot(rest) * *e);
-        if rest.length() > ANOTHER * wind.length() && basis.len() < 3 {
-            basis.push(rest.normalize_or_zero());
+        let rest = basis.iter().fold(wind, |rest, e| rest - e.dot(&rest) * *e);
+        if rest.norm() > ANOTHER * wind.norm() && basis.len() < 3 {
+            basis.push(unit_vector(rest).unwrap_or_default());
             kept.push(wind);
         }
     }
-    if kept.is_empty() { vec![DVec3::ZERO] } else { kept }
+    if kept.is_empty() { vec![Vector3::zeros()] } else { kept }
 }
 
 impl fmt::Display for InPlane {

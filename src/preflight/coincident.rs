@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use super::parts::joined;
 use crate::format_number::figures;
@@ -18,7 +18,7 @@ const WITHIN: f64 = 1e-6;
 const LOOKS: usize = 64;
 
 /// Direction of the search, along which neither regular nets nor flat sheets have many nodes at the same place.
-const LINE: DVec3 = DVec3::new(0.571_896_1, 0.656_281_9, 0.492_167_3);
+const LINE: Vector3<f64> = Vector3::new(0.571_896_1, 0.656_281_9, 0.492_167_3);
 
 /// Coincident nodes that are not joined.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,11 +36,11 @@ pub struct Coincident {
 ///
 /// Nodes are sorted along a fixed direction, and each is compared with those that follow: O(n log n).
 pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
-    let nodes: Vec<DVec3> = spec.mesh.nodes.iter().map(|x| DVec3::from_array(*x)).collect();
-    let low = nodes.iter().copied().reduce(DVec3::min)?;
-    let high = nodes.iter().copied().reduce(DVec3::max)?;
-    let within = WITHIN * (high - low).max_element();
-    let mut order: Vec<(f64, u32)> = nodes.iter().map(|x| (*x - low).dot(LINE)).zip(0..).collect();
+    let nodes: Vec<Vector3<f64>> = spec.mesh.nodes.iter().map(|x| Vector3::from(*x)).collect();
+    let low = nodes.iter().copied().reduce(|low, x| low.inf(&x))?;
+    let high = nodes.iter().copied().reduce(|high, x| high.sup(&x))?;
+    let within = WITHIN * (high - low).max();
+    let mut order: Vec<(f64, u32)> = nodes.iter().map(|x| (*x - low).dot(&LINE)).zip(0..).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let held = |node: u32| spec.fixed.get(node as usize) == Some(&[true; 3]);
     let mut pairs = BTreeSet::new();
@@ -48,7 +48,7 @@ pub fn coincident(spec: &NetworkSpec) -> Option<Coincident> {
         // The component along a unit vector is no longer than the distance.
         let close = order.iter().skip(i + 1).take(LOOKS).take_while(|(other, _)| other - along <= within);
         for &(_, b) in close {
-            let apart = nodes[a as usize].distance(nodes[b as usize]);
+            let apart = (nodes[a as usize] - nodes[b as usize]).norm();
             if apart <= within && !(held(a) && held(b)) {
                 pairs.insert([a.min(b), a.max(b)]);
             }
@@ -88,6 +88,6 @@ mod tests {
 
     #[test]
     fn the_line_is_a_unit_vector() {
-        assert!((LINE.length() - 1.0).abs() < 1e-6 && LINE.length() <= 1.0, "{}", LINE.length());
+        assert!((LINE.norm() - 1.0).abs() < 1e-6 && LINE.norm() <= 1.0, "{}", LINE.norm());
     }
 }

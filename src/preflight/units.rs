@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use crate::format_number::figures;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
@@ -59,13 +59,13 @@ pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
     let cloth = !spec.mesh.triangles.is_empty();
     let extent = extent(&spec.mesh.nodes);
     let mass: f64 = spec.mass.iter().sum();
-    let gravity = spec.gravity.map_or(0.0, |g| DVec3::from_array(g).length());
+    let gravity = spec.gravity.map_or(0.0, |g| Vector3::from(g).norm());
     let mut doubts = Vec::new();
     doubts.extend((cloth && extent > EXTENT).then_some(Doubt::Extent(extent)));
     doubts.extend((cloth && mass > MASS).then_some(Doubt::Mass(mass)));
     doubts.extend((gravity > GRAVITY).then_some(Doubt::Gravity(gravity)));
     doubts.extend(step.filter(|step| *step >= STEP && extent > 0.0).and_then(|step| {
-        let fastest = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v).length()).fold(0.0, f64::max);
+        let fastest = |list: &[[f64; 3]]| list.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
         let wind = spec.air.as_ref().map_or(0.0, |air| fastest(&air.wind.value));
         let ways = [
             (0.5 * gravity * step * step, "what falls freely"),
@@ -88,9 +88,9 @@ pub fn pendulum(spec: &PendulumSpec, step: Option<f64>) -> Vec<Doubt> {
 
 /// [m] Largest side of the box around some points.
 fn extent(points: &[[f64; 3]]) -> f64 {
-    let points = || points.iter().map(|x| DVec3::from_array(*x));
-    let [low, high] = [points().reduce(DVec3::min), points().reduce(DVec3::max)];
-    low.zip(high).map_or(0.0, |(low, high)| (high - low).max_element())
+    let points = || points.iter().map(|x| Vector3::from(*x));
+    let [low, high] = [points().reduce(|low, x| low.inf(&x)), points().reduce(|high, x| high.sup(&x))];
+    low.zip(high).map_or(0.0, |(low, high)| (high - low).max())
 }
 
 impl fmt::Display for Doubt {

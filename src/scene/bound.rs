@@ -8,7 +8,7 @@ use super::network::{Network, by_node, node_state};
 use crate::force::{TangentForm, TangentSink};
 use crate::model::state::StateRef;
 use crate::model::system::Weights;
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Buffer of one block per node, reused between passes.
 #[derive(Clone, Debug, Default)]
@@ -49,8 +49,8 @@ impl Network {
 }
 
 /// M^-1/2 A M^-1/2.
-fn scaled([xx, yy, zz, xy, yz, zx]: &Block, inverse: DVec3) -> Block {
-    let DVec3 { x, y, z } = inverse;
+fn scaled([xx, yy, zz, xy, yz, zx]: &Block, inverse: Vector3<f64>) -> Block {
+    let [x, y, z] = inverse.into();
     if x == y && y == z {
         return [xx, yy, zz, xy, yz, zx].map(|a| x * a);
     }
@@ -97,24 +97,31 @@ impl Diagonal<'_> {
 }
 
 /// The symmetric part of `times A`.
-fn symmetric(times: f64, DMat3 { x_axis: x, y_axis: y, z_axis: z }: &DMat3) -> Block {
+fn symmetric(times: f64, a: &Matrix3<f64>) -> Block {
     let half = 0.5 * times;
-    [times * x.x, times * y.y, times * z.z, half * (x.y + y.x), half * (y.z + z.y), half * (z.x + x.z)]
+    [
+        times * a.m11,
+        times * a.m22,
+        times * a.m33,
+        half * (a.m21 + a.m12),
+        half * (a.m32 + a.m23),
+        half * (a.m13 + a.m31),
+    ]
 }
 
 impl TangentSink for Diagonal<'_> {
-    fn node(&mut self, i: u32, block: DMat3) {
+    fn node(&mut self, i: u32, block: Matrix3<f64>) {
         self.add(i, &symmetric(1.0, &block));
     }
 
-    fn edge(&mut self, nodes: [u32; 2], block: DMat3) {
+    fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>) {
         let block = symmetric(self.moving(nodes), &block);
         for i in nodes {
             self.add(i, &block);
         }
     }
 
-    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         let moving = self.moving(nodes);
         for (p, &i) in nodes.iter().enumerate() {
             self.add(i, &symmetric(moving, &blocks[p][p]));
@@ -125,18 +132,19 @@ impl TangentSink for Diagonal<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Rotation3;
 
-    fn block(a: &DMat3) -> Block {
-        [a.x_axis.x, a.y_axis.y, a.z_axis.z, a.x_axis.y, a.y_axis.z, a.z_axis.x]
+    fn block(a: &Matrix3<f64>) -> Block {
+        [a.m11, a.m22, a.m33, a.m21, a.m32, a.m13]
     }
 
-    fn turned(roots: [f64; 3], rotation: DMat3) -> Block {
-        block(&(rotation * DMat3::from_diagonal(DVec3::from_array(roots)) * rotation.transpose()))
+    fn turned(roots: [f64; 3], rotation: Matrix3<f64>) -> Block {
+        block(&(rotation * Matrix3::from_diagonal(&Vector3::from(roots)) * rotation.transpose()))
     }
 
     #[test]
     fn the_largest_root_of_known_matrices() {
-        let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let rotation = *Rotation3::new(Vector3::new(1.0, 2.0, 3.0).normalize() * 0.7).matrix();
         for roots in [[3.0, 2.0, 1.0], [5.0, 5.0, -2.0], [0.0, 0.0, 0.0], [-1.0, -4.0, -4.0], [7.0, 7.0, 7.0]] {
             let a = turned(roots, rotation);
             assert!((largest_root(&a) - roots[0]).abs() < 1e-12, "{roots:?}: {}", largest_root(&a));
@@ -151,8 +159,8 @@ mod tests {
         {
             for turn in 0..100 {
                 let angle = f64::from(turn);
-                let axis = DVec3::new(angle.sin(), 2.0 + angle.cos(), (2.0 * angle).sin()).normalize();
-                let rotation = DMat3::from_axis_angle(axis, 0.7 * angle);
+                let axis = Vector3::new(angle.sin(), 2.0 + angle.cos(), (2.0 * angle).sin()).normalize();
+                let rotation = *Rotation3::new(axis * 0.7 * angle).matrix();
                 let a = turned(roots, rotation);
                 let apart = roots[0] > roots[1] && roots[1] > roots[2];
                 let close = if apart { 1e-12 } else { 0.4 * MARGIN * (1.0 + roots[0].abs()) };
@@ -174,10 +182,10 @@ mod tests {
     /// M^-1/2 A M^-1/2 has the roots of M^-1 A, whatever the masses.
     #[test]
     fn blocks_are_scaled_by_masses() {
-        let a = DMat3::from_cols_array(&[4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 5.0]);
-        for inverse in [DVec3::splat(0.7), DVec3::new(0.7, 0.2, 1.3), DVec3::new(0.0, 0.2, 1.3)] {
-            let root = DVec3::new(inverse.x.sqrt(), inverse.y.sqrt(), inverse.z.sqrt());
-            let expected = block(&(DMat3::from_diagonal(root) * a * DMat3::from_diagonal(root)));
+        let a = Matrix3::new(4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 5.0);
+        for inverse in [Vector3::repeat(0.7), Vector3::new(0.7, 0.2, 1.3), Vector3::new(0.0, 0.2, 1.3)] {
+            let root = inverse.map(f64::sqrt);
+            let expected = block(&(Matrix3::from_diagonal(&root) * a * Matrix3::from_diagonal(&root)));
             for (found, expected) in scaled(&block(&a), inverse).into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-14, "{found} for {expected}");
             }

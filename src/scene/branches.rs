@@ -8,7 +8,8 @@
 use super::network::{Network, SpringBatch, by_node};
 use crate::force::law::slack::clamped;
 use crate::model::state::StateRef;
-use glam::DVec3;
+use crate::model::unit_vector::unit_vector;
+use nalgebra::Vector3;
 
 /// Number of intervals of a step for the areas.
 const PARTS: u32 = 16;
@@ -24,8 +25,8 @@ struct Gap([f64; 4]);
 /// Positions and velocities of all nodes at one end of a step.
 #[derive(Clone, Copy)]
 struct End<'a> {
-    x: &'a [DVec3],
-    v: &'a [DVec3],
+    x: &'a [Vector3<f64>],
+    v: &'a [Vector3<f64>],
 }
 
 /// A spring with a one-sided law.
@@ -43,8 +44,8 @@ impl Line {
     fn gap_at(&self, end: End<'_>) -> [f64; 2] {
         let [a, b] = self.nodes.map(|node| node as usize);
         let (d, v) = (end.x[b] - end.x[a], end.v[b] - end.v[a]);
-        let length = d.length();
-        [length - self.limit, if length > 0.0 { d.dot(v) / length } else { 0.0 }]
+        let length = d.norm();
+        [length - self.limit, if length > 0.0 { d.dot(&v) / length } else { 0.0 }]
     }
 
     fn gap(&self, h: f64, ends: [End<'_>; 2]) -> Gap {
@@ -155,9 +156,10 @@ impl Network {
             let smaller = above.min(below);
             let made = h * k * smaller;
             let [a, b] = line.nodes.map(|node| 3 * node as usize);
-            let along = (ends[1].x[line.nodes[1] as usize] - ends[1].x[line.nodes[0] as usize]).normalize_or_zero();
+            let along =
+                unit_vector(ends[1].x[line.nodes[1] as usize] - ends[1].x[line.nodes[0] as usize]).unwrap_or_default();
             let pull = (if above <= below { made } else { -made }) * along;
-            for (i, pull) in pull.to_array().into_iter().enumerate() {
+            for (i, pull) in pull.iter().enumerate() {
                 impulse[a + i] += pull;
                 impulse[b + i] -= pull;
             }

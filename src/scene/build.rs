@@ -15,8 +15,9 @@ use crate::force::law::series::{Table, Tabled, scalar};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
+use crate::model::unit_vector::unit_vector;
 use crate::startup::{Phase, timed};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Builds a network; the mesh is kept for pictures.
@@ -40,9 +41,9 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let numbering = timed(Phase::Numbering, || Numbering::reverse_cuthill_mckee(spec.mesh.nodes.len(), links));
     let at = |i: usize| numbering.user[i] as usize;
     let n = spec.mesh.nodes.len();
-    let reference: Vec<DVec3> = (0..n).map(|i| DVec3::from_array(spec.mesh.nodes[at(i)])).collect();
-    let displaced = |i: usize| spec.displacement.get(at(i)).map_or(DVec3::ZERO, |&u| DVec3::from_array(u));
-    let start: Arc<[DVec3]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
+    let reference: Vec<Vector3<f64>> = (0..n).map(|i| Vector3::from(spec.mesh.nodes[at(i)])).collect();
+    let displaced = |i: usize| spec.displacement.get(at(i)).map_or(Vector3::zeros(), |&u| Vector3::from(u));
+    let start: Arc<[Vector3<f64>]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
     let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
     let mut builder = Builder {
@@ -66,7 +67,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         std::array::from_fn(|i| if spec.fixed[node][i] { 0.0 } else { spec.velocity[node][i] })
     };
     let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity_of(at(i))).collect() };
-    let gravity = spec.gravity.map(DVec3::from_array);
+    let gravity = spec.gravity.map(Vector3::from);
     let wind = spec.air.iter().flat_map(|air| &air.wind.t);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
     let mut corners: Vec<f64> = wind.chain(factors.flatten().flat_map(|s| &s.t)).copied().collect();
@@ -153,10 +154,10 @@ impl Builder<'_> {
         SpringBatch { data, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, axial, in_filter }
     }
 
-    fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[DVec3]>) {
+    fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        self.terms.push(Box::new(Gravity::new(DVec3::from_array(g), mass, start)));
+        self.terms.push(Box::new(Gravity::new(Vector3::from(g), mass, start)));
     }
 
     fn air(&mut self) {
@@ -175,14 +176,14 @@ impl Builder<'_> {
         Some(table)
     }
 
-    fn loads(&mut self, start: &[DVec3]) {
+    fn loads(&mut self, start: &[Vector3<f64>]) {
         for load in &self.spec.pressures {
             let triangles = self.triangles(load.triangles.iter().copied());
             let (pressure, factor) = (load.pressure, self.factor(load.factor.as_ref()));
             self.terms.push(match load.kind {
                 PressureKind::Follower => Box::new(FollowerPressure::new(FollowerData { triangles, pressure, factor })),
                 PressureKind::Dead(direction) => {
-                    let direction = direction.map(DVec3::from_array);
+                    let direction = direction.map(Vector3::from);
                     Box::new(DeadPressure { triangles: &triangles, pressure, direction, factor }.lump(start))
                 }
             });
@@ -196,7 +197,7 @@ impl Builder<'_> {
         }
     }
 
-    fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[DVec3]) {
+    fn rayleigh(&mut self, mass: &Arc<[f64]>, reference: &[Vector3<f64>]) {
         let Some(rayleigh) = self.spec.rayleigh else { return };
         if rayleigh.mass != 0.0 {
             self.terms.push(Box::new(RayleighMass { factor: rayleigh.mass, mass: mass.clone() }));
@@ -208,8 +209,10 @@ impl Builder<'_> {
             let data = &batch.data;
             let coefficient: Vec<f64> =
                 (0..data.nodes.len()).map(|i| rayleigh.stiffness * data.stiffness.at(i)).collect();
-            let direction =
-                data.nodes.iter().map(|&[a, b]| (reference[b as usize] - reference[a as usize]).normalize_or_zero());
+            let direction = data
+                .nodes
+                .iter()
+                .map(|&[a, b]| unit_vector(reference[b as usize] - reference[a as usize]).unwrap_or_default());
             self.terms.push(Box::new(RayleighStiffness::new(RayleighData {
                 nodes: data.nodes.clone(),
                 coefficient: Coefficient::from_values(&coefficient),

@@ -4,7 +4,7 @@ use super::network::{Network, by_node};
 use crate::model::forces::{Role, Tally};
 use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// A force on the nodes that a program computes itself. Slices have shape `[n_nodes][3]` in the user's numbering.
@@ -93,7 +93,7 @@ impl ExternalForces {
 impl Network {
     /// Adds the forces from outside to the sums of a pass: all forces, and the external ones [N] `[n_nodes]`. Returns
     /// their power.
-    pub(super) fn add_external(&self, at: StateRef<'_>, sums: [&mut [DVec3]; 2]) -> Tally {
+    pub(super) fn add_external(&self, at: StateRef<'_>, sums: [&mut [Vector3<f64>]; 2]) -> Tally {
         let Some(external) = &self.external else { return Tally::default() };
         let sources = external.sources.read().unwrap_or_else(PoisonError::into_inner);
         let mut buffers = external.buffers.lock().unwrap_or_else(PoisonError::into_inner);
@@ -114,11 +114,11 @@ impl Network {
                 Source::Law(law) => law.add(at.t, x, v, sum),
             }
         }
-        let forces = || self.numbering.user.iter().map(|&user| DVec3::from_array(sum[user as usize]));
+        let forces = || self.numbering.user.iter().map(|&user| Vector3::from(sum[user as usize]));
         for to in sums {
             to.iter_mut().zip(forces()).for_each(|(to, f)| *to += f);
         }
-        let power = forces().zip(by_node(at.v)).map(|(f, v)| f.dot(*v)).sum();
+        let power = forces().zip(by_node(at.v)).map(|(f, v)| f.dot(&v)).sum();
         Tally { power, ..Tally::default() }
     }
 }

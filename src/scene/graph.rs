@@ -7,7 +7,7 @@ use crate::force::law::one_sided::OneSided;
 use crate::model::forces::Role;
 use crate::model::state::StateRef;
 use crate::model::system::{SpringGraph, StepFilter, Viscosity};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Every node's neighbours along springs.
@@ -52,8 +52,8 @@ impl SpringGraph for Network {
     }
 
     fn weight(&self) -> Vec<f64> {
-        let g = self.gravity.unwrap_or(DVec3::ZERO);
-        self.mass.iter().flat_map(|&m| (m * g).to_array()).collect()
+        let g = self.gravity.unwrap_or(Vector3::zeros());
+        self.mass.iter().flat_map(|&m| (m * g).data.0[0]).collect()
     }
 
     fn viscosity(&self) -> Viscosity {

@@ -18,7 +18,7 @@ use crate::model::state::{State, StateRef};
 use crate::model::stride::{self, Passed};
 use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
 use crate::model::workers::Workers;
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::sync::{Arc, OnceLock};
 
 /// A scene of springs, masses and what acts on them.
@@ -29,9 +29,9 @@ pub struct Network {
     fixed_dofs: Vec<u32>,
     pub(super) mass: Arc<[f64]>,
     pub(super) inverse_mass: Vec<f64>,
-    pub(super) start: Arc<[DVec3]>,
+    pub(super) start: Arc<[Vector3<f64>]>,
     velocity: Vec<[f64; 3]>,
-    pub(super) gravity: Option<DVec3>,
+    pub(super) gravity: Option<Vector3<f64>>,
     corners: Vec<f64>,
     tables: Vec<Arc<dyn Tabled>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
@@ -72,9 +72,9 @@ pub(super) struct Parts {
     pub numbering: Numbering,
     pub fixed: Vec<[bool; 3]>,
     pub mass: Arc<[f64]>,
-    pub start: Arc<[DVec3]>,
+    pub start: Arc<[Vector3<f64>]>,
     pub velocity: Vec<[f64; 3]>,
-    pub gravity: Option<DVec3>,
+    pub gravity: Option<Vector3<f64>>,
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
@@ -86,7 +86,7 @@ pub(super) struct Parts {
     pub mesh: Mesh,
 }
 
-pub(super) fn by_node(dofs: &[f64]) -> &[DVec3] {
+pub(super) fn by_node(dofs: &[f64]) -> &[Vector3<f64>] {
     bytemuck::cast_slice(dofs)
 }
 
@@ -145,7 +145,7 @@ impl Network {
     }
 
     /// `f =` the forces [N] of one of [`System::terms`] alone; returns its energy [J] or power [W]. 0 beyond the last.
-    pub fn pass_of(&self, part: usize, at: NodeState<'_>, f: &mut [DVec3]) -> Tally {
+    pub fn pass_of(&self, part: usize, at: NodeState<'_>, f: &mut [Vector3<f64>]) -> Tally {
         let mut tally = [Tally::default()];
         self.sum_of(self.term_of(part).as_slice(), at, f, &mut tally);
         tally[0]
@@ -156,7 +156,7 @@ impl Network {
         &self,
         parts: &[(&dyn ForceTerm, usize)],
         at: NodeState<'_>,
-        f: &mut [DVec3],
+        f: &mut [Vector3<f64>],
         tallies: &mut [Tally],
     ) {
         self.sweep.pass((&Chosen(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
@@ -170,7 +170,7 @@ impl Network {
     }
 
     /// A pass over all terms, with the forces at fixed degrees of freedom turned into reactions.
-    fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [DVec3]; SUMS], &mut [Tally])) {
+    fn pass_into(&self, out: &mut Forces, pass: impl FnOnce([&mut [Vector3<f64>]; SUMS], &mut [Tally])) {
         let Forces { total, external, dissipative, reactions, tallies } = out;
         pass([&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum)), tallies);
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
@@ -237,7 +237,7 @@ impl System for Network {
     }
 
     fn initial_state(&self) -> State {
-        let x = self.start.iter().flat_map(|p| p.to_array()).collect();
+        let x = self.start.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         let v = match self.velocity.as_slice() {
             [] => vec![0.0; self.n_dof()],
             v => v.as_flattened().to_vec(),

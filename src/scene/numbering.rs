@@ -2,7 +2,7 @@
 //! close in memory whatever the numbering of the mesh.
 
 use crate::mesh::adjacency::Adjacency;
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// A renumbering and its inverse.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,9 +37,9 @@ impl Numbering {
     }
 
     /// Copies vectors of nodes to the user's order. Writes are sequential, as the destination is often not in cache.
-    pub fn to_user(&self, internal: &[DVec3], user: &mut [[f64; 3]]) {
+    pub fn to_user(&self, internal: &[Vector3<f64>], user: &mut [[f64; 3]]) {
         for (to, &from) in user.iter_mut().zip(&self.internal) {
-            *to = internal[from as usize].to_array();
+            *to = internal[from as usize].into();
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -70,10 +70,10 @@ impl Scene for Network {
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect {
         let node = dof / 3;
         let mut strongest = (0.0, None);
-        let mut f = vec![DVec3::ZERO; self.fixed.len()];
+        let mut f = vec![Vector3::zeros(); self.fixed.len()];
         for (part, info) in self.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some()) {
             self.pass_of(part, node_state(at), &mut f);
-            let size = f[node].length();
+            let size = f[node].norm();
             // A force that is not finite counts as the strongest.
             let size = if size.is_finite() { size } else { f64::INFINITY };
             if size > strongest.0 {
@@ -103,7 +103,7 @@ impl Scene for Network {
         for batch in &self.springs {
             let here = batch.data.nodes.iter().zip(&batch.edges).enumerate().filter(|(_, (n, _))| n.contains(&node));
             for (i, (nodes, edge)) in here {
-                let inverse = |node: u32| by_node(&self.inverse_mass)[node as usize].max_element();
+                let inverse = |node: u32| by_node(&self.inverse_mass)[node as usize].max();
                 let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
                 if fastest.is_none_or(|(most, _)| square > most) {
                     fastest = Some((square, *edge));
@@ -145,7 +145,7 @@ impl Scene for Network {
 }
 
 impl Network {
-    fn most_strained_at(&self, node: u32, x: &[DVec3]) -> Option<u32> {
+    fn most_strained_at(&self, node: u32, x: &[Vector3<f64>]) -> Option<u32> {
         let mut worst: Option<(f64, u32)> = None;
         for batch in &self.springs {
             for (i, nodes) in batch.data.nodes.iter().enumerate().filter(|(_, n)| n.contains(&node)) {
@@ -162,22 +162,22 @@ impl Network {
 
 /// Multiplies emitted blocks by a vector instead of storing them: y += A p.
 struct Product<'a> {
-    p: &'a [DVec3],
-    y: &'a mut [DVec3],
+    p: &'a [Vector3<f64>],
+    y: &'a mut [Vector3<f64>],
 }
 
 impl TangentSink for Product<'_> {
-    fn node(&mut self, i: u32, block: DMat3) {
+    fn node(&mut self, i: u32, block: Matrix3<f64>) {
         self.y[i as usize] += block * self.p[i as usize];
     }
 
-    fn edge(&mut self, [a, b]: [u32; 2], block: DMat3) {
+    fn edge(&mut self, [a, b]: [u32; 2], block: Matrix3<f64>) {
         let d = block * (self.p[a as usize] - self.p[b as usize]);
         self.y[a as usize] += d;
         self.y[b as usize] -= d;
     }
 
-    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[DMat3; 3]; 3]) {
+    fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
         for (&i, row) in nodes.iter().zip(blocks) {
             for (&j, block) in nodes.iter().zip(row) {
                 self.y[i as usize] += *block * self.p[j as usize];

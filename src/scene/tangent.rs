@@ -7,7 +7,7 @@ use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{System, Weights};
 use crate::startup::{Phase, timed};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 impl Network {
     fn pattern_of(&self, symmetric: bool) -> Result<Assembler, PatternError> {
@@ -75,11 +75,11 @@ impl TangentSystem for Network {
     fn force_scale(&self, forces: &Forces) -> f64 {
         let (mut internal, mut external) = (0.0, 0.0);
         for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
-            let free = DVec3::select(inverse.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
-            let weight = self.gravity.map_or(DVec3::ZERO, |g| self.mass[i] * g);
-            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight) * free;
-            external += load.length_squared();
-            internal += (*total - load).length_squared();
+            let free = inverse.map(|inverse| f64::from(inverse > 0.0));
+            let weight = self.gravity.map_or(Vector3::zeros(), |g| self.mass[i] * g);
+            let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);
+            external += load.norm_squared();
+            internal += (*total - load).norm_squared();
         }
         f64::max(internal, external).sqrt()
     }

@@ -16,32 +16,39 @@
 use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::Adjacency;
-use glam::{Mat3A, Vec3A, Vec4, Vec4Swizzles};
+use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::sync::Arc;
+use wide::f32x4;
 
 /// Entries of a 3x3 block.
 pub(super) const BLOCK: u32 = 9;
 
-/// Loads four numbers of a block at once. If they are loaded one by one, compilers combine them in twice the
-/// instructions in some places.
+/// A vector of a node in one register; its fourth number has no meaning.
 #[inline(always)]
-fn four(numbers: &[f32]) -> Vec4 {
-    numbers.first_chunk::<4>().map_or(Vec4::ZERO, |four| bytemuck::pod_read_unaligned(bytemuck::bytes_of(four)))
+pub(super) fn packed(v: Vector3<f32>) -> f32x4 {
+    f32x4::new([v.x, v.y, v.z, 0.0])
 }
 
-/// A 3x3 block by columns, without padding: the product of a large scene is limited by memory.
-#[derive(Clone, Copy)]
-pub(super) struct Block(pub [f32; 9]);
+/// The vector of a node.
+#[inline(always)]
+pub(super) fn unpacked(v: f32x4) -> Vector3<f32> {
+    let [x, y, z, _] = v.to_array();
+    Vector3::new(x, y, z)
+}
 
-impl Block {
-    #[inline(always)]
-    pub fn matrix(&self) -> Mat3A {
-        // The last column is loaded from one entry earlier, to stay within the block.
-        let columns = [four(&self.0), four(&self.0[3..]), four(&self.0[5..]).yzww()];
-        let [x, y, z] = columns.map(Vec3A::from_vec4);
-        Mat3A::from_cols(x, y, z)
-    }
+/// The columns of a 3x3 block, of its nine numbers and one more: each is read with the number behind it.
+#[inline(always)]
+pub(super) fn columns(block: &[f32]) -> [f32x4; 3] {
+    let column = |numbers: &[f32]| numbers.first_chunk().map_or(f32x4::ZERO, |four| f32x4::new(*four));
+    [column(block), column(&block[3..]), column(&block[6..])]
+}
+
+/// A matrix by columns times a vector.
+#[inline(always)]
+pub(super) fn times([x, y, z]: [f32x4; 3], v: f32x4) -> f32x4 {
+    let [a, b, c, _] = v.to_array();
+    x * a + y * b + z * c
 }
 
 /// A symmetric 3x3 block: the lower triangle by columns.
@@ -50,26 +57,30 @@ pub(super) struct SymmetricBlock(pub [f32; 6]);
 
 impl SymmetricBlock {
     /// The lower triangle of a symmetric matrix.
-    pub fn of(m: &Mat3A) -> Self {
-        let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
-        SymmetricBlock([x.x, x.y, x.z, y.y, y.z, z.z])
+    pub fn of(m: &Matrix3<f32>) -> Self {
+        SymmetricBlock([m.m11, m.m21, m.m31, m.m22, m.m32, m.m33])
     }
 
     #[inline(always)]
-    pub fn matrix(&self) -> Mat3A {
-        let columns = [four(&self.0), four(&self.0[1..]).xzww(), four(&self.0[2..]).xzww()];
-        let [x, y, z] = columns.map(Vec3A::from_vec4);
-        Mat3A::from_cols(x, y, z)
+    pub fn matrix(&self) -> Matrix3<f32> {
+        let [xx, yx, zx, yy, zy, zz] = self.0;
+        Matrix3::new(xx, yx, zx, yx, yy, zy, zx, zy, zz)
+    }
+
+    #[inline(always)]
+    pub fn columns(&self) -> [f32x4; 3] {
+        let [xx, yx, zx, yy, zy, zz] = self.0;
+        [[xx, yx, zx, 0.0], [yx, yy, zy, 0.0], [zx, zy, zz, 0.0]].map(f32x4::new)
     }
 
     /// Adds the lower triangle of a symmetric matrix.
-    pub fn add(&mut self, m: &Mat3A) {
+    pub fn add(&mut self, m: &Matrix3<f32>) {
         self.0.iter_mut().zip(SymmetricBlock::of(m).0).for_each(|(entry, other)| *entry += other);
     }
 
-    pub fn diagonal(&self) -> Vec3A {
+    pub fn diagonal(&self) -> Vector3<f32> {
         let [x, _, _, y, _, z] = self.0;
-        Vec3A::new(x, y, z)
+        Vector3::new(x, y, z)
     }
 }
 
@@ -81,11 +92,12 @@ pub(super) struct NodeBlocks {
     start: Vec<u32>,
     /// row of every block of L, as a local index
     pub(super) row: Vec<u32>,
-    pub(super) below: Vec<Block>,
+    /// every block of L by columns, and one number behind the last, as [`columns`] reads it `[9 n_blocks + 1]`
+    pub(super) below: Vec<f32>,
     /// J = E^-1 (D - P) E^-T; I + J is positive definite
     pub(super) surplus: Vec<SymmetricBlock>,
     /// E^-1 of W scaled by its diagonal
-    pub(super) inverse_root: Vec<Mat3A>,
+    pub(super) inverse_root: Vec<Matrix3<f32>>,
     /// index among the entries of L of every stored value in the columns of the subdomain's nodes, then of its
     /// separator's, or [`ELSEWHERE`]
     pub(super) entry: Vec<u32>,
@@ -120,8 +132,8 @@ impl NodeBlocks {
             .flat_map(|u| pattern.column(u as usize).iter().map(move |&r| (u, r)))
             .map(|(u, r)| entry_of(u, r).unwrap_or(ELSEWHERE))
             .collect();
-        let below = vec![Block([0.0; 9]); row.len()];
-        let (surplus, inverse_root) = (vec![SymmetricBlock::default(); places], vec![Mat3A::IDENTITY; places]);
+        let below = vec![0.0; BLOCK as usize * row.len() + 1];
+        let (surplus, inverse_root) = (vec![SymmetricBlock::default(); places], vec![Matrix3::identity(); places]);
         NodeBlocks { pattern, subdomain, start, row, below, surplus, inverse_root, entry }
     }
 
@@ -130,19 +142,28 @@ impl NodeBlocks {
         self.start.len() - 1
     }
 
+    /// A block of L.
+    pub(super) fn block(&self, k: usize) -> Matrix3<f32> {
+        Matrix3::from_column_slice(&self.below[BLOCK as usize * k..][..BLOCK as usize])
+    }
+
+    pub(super) fn set_block(&mut self, k: usize, block: &Matrix3<f32>) {
+        self.below[BLOCK as usize * k..][..BLOCK as usize].copy_from_slice(block.as_slice());
+    }
+
     pub(super) fn column(&self, g: usize) -> Range<usize> {
         self.start[g] as usize..self.start[g + 1] as usize
     }
 
     /// The 3-vector of a node from a function of its unknowns; 0 at fixed components.
     #[inline(always)]
-    pub(super) fn node_vector(&self, local: usize, of: impl Fn(usize) -> f32) -> Vec3A {
+    pub(super) fn node_vector(&self, local: usize, of: impl Fn(usize) -> f32) -> Vector3<f32> {
         let node = self.subdomain.node(local);
         let (first, end) = (self.pattern.node_start[node] as usize, self.pattern.node_start[node + 1] as usize);
         if end - first == 3 {
-            return Vec3A::new(of(first), of(first + 1), of(first + 2));
+            return Vector3::new(of(first), of(first + 1), of(first + 2));
         }
-        let mut places = Vec3A::ZERO;
+        let mut places = Vector3::zeros();
         (first..end).for_each(|u| places[self.direction(u)] = of(u));
         places
     }

@@ -7,15 +7,16 @@
 //! (I + L^T)^-1      backwards:  the separator, then the halves, which read it
 //! ```
 
-use super::bsr::NodeBlocks;
+use super::bsr::{NodeBlocks, packed, unpacked};
 use super::eisenstat::{Curvature, Sweep};
 use super::twisted_factorization::Subdomain;
 use crate::assembly::Pattern;
 use crate::mesh::random::Lcg;
 use crate::model::workers::Workers;
-use glam::{DVec3, Vec3A};
+use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
+use wide::f32x4;
 
 /// Nodes in each range that [`PartitionedSystem::runs_within`] checks: an error at a few nodes would not show in a sum
 /// over the scene.
@@ -24,11 +25,11 @@ const RUN: usize = 256;
 /// A subdomain of W with its part of all vectors; t and q also hold the separator beside it.
 pub(super) struct SubdomainSystem {
     pub(super) blocks: NodeBlocks,
-    x: Vec<Vec3A>,
-    pub(super) r: Vec<Vec3A>,
-    pub(super) p: Vec<Vec3A>,
-    t: Vec<Vec3A>,
-    pub(super) q: Vec<Vec3A>,
+    x: Vec<f32x4>,
+    pub(super) r: Vec<f32x4>,
+    pub(super) p: Vec<f32x4>,
+    t: Vec<f32x4>,
+    pub(super) q: Vec<f32x4>,
     reductions: Reductions,
 }
 
@@ -44,7 +45,7 @@ struct Reductions {
 
 impl SubdomainSystem {
     fn new(blocks: NodeBlocks) -> Self {
-        let (own, all) = ([Vec3A::ZERO].repeat(blocks.nodes()), [Vec3A::ZERO].repeat(blocks.subdomain.n_local()));
+        let (own, all) = (vec![f32x4::ZERO; blocks.nodes()], vec![f32x4::ZERO; blocks.subdomain.n_local()]);
         SubdomainSystem {
             x: own.clone(),
             r: own.clone(),
@@ -57,8 +58,8 @@ impl SubdomainSystem {
     }
 
     fn begin(&mut self) {
-        self.x.fill(Vec3A::ZERO);
-        self.p.fill(Vec3A::ZERO);
+        self.x.fill(f32x4::ZERO);
+        self.p.fill(f32x4::ZERO);
     }
 
     /// Copies t of the separator.
@@ -95,13 +96,13 @@ impl SubdomainSystem {
     fn gather(&mut self, b: impl Fn(usize) -> f32) {
         let own = self.blocks.nodes();
         self.blocks.gather(b, &mut self.q);
-        self.q[own..].fill(Vec3A::ZERO);
+        self.q[own..].fill(f32x4::ZERO);
     }
 
     fn back(&mut self, beta: f32) {
         let sweep = Sweep { p: &mut self.p, t: &mut self.t, q: &mut self.q };
         self.blocks.back(&self.r, beta, sweep);
-        self.q[self.blocks.nodes()..].fill(Vec3A::ZERO);
+        self.q[self.blocks.nodes()..].fill(f32x4::ZERO);
     }
 
     fn forth(&mut self) {
@@ -110,13 +111,13 @@ impl SubdomainSystem {
 
     /// x += alpha p, r -= alpha q
     fn advance(&mut self, alpha: f32) {
-        let mut sum = DVec3::ZERO;
+        let mut sum = Vector3::zeros();
         for (((x, r), p), q) in self.x.iter_mut().zip(&mut self.r).zip(&self.p).zip(&self.q) {
-            *x += alpha * *p;
-            *r -= alpha * *q;
-            sum += (*r * *r).as_dvec3();
+            *x += *p * alpha;
+            *r -= *q * alpha;
+            sum += unpacked(*r * *r).cast::<f64>();
         }
-        self.reductions.square = sum.element_sum();
+        self.reductions.square = sum.sum();
     }
 }
 
@@ -248,7 +249,7 @@ impl PartitionedSystem {
     pub fn set_trial_right_hand_side(&mut self) -> f64 {
         let mut random = Lcg::default();
         for part in self.halves.iter_mut().chain([&mut self.separator]) {
-            part.r.fill_with(|| Vec3A::new(random.next(), random.next(), random.next()));
+            part.r.fill_with(|| packed(Vector3::from_fn(|_, _| random.next())));
             part.reductions.square = squared(&part.r);
         }
         self.sum(|found| found.square)
@@ -278,10 +279,10 @@ fn join<T: Send>(workers: &Workers, one: T, other: T, work: impl Fn(T) + Sync) {
     }
 }
 
-fn product(a: &[Vec3A], b: &[Vec3A]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum()
+fn product(a: &[f32x4], b: &[f32x4]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from(unpacked(*a).dot(&unpacked(*b)))).sum()
 }
 
-fn squared(v: &[Vec3A]) -> f64 {
-    v.iter().fold(DVec3::ZERO, |sum, v| sum + (*v * *v).as_dvec3()).element_sum()
+fn squared(v: &[f32x4]) -> f64 {
+    v.iter().fold(Vector3::zeros(), |sum, v| sum + unpacked(*v * *v).cast::<f64>()).sum()
 }

@@ -13,8 +13,8 @@
 //! (Manteuffel, Math. Comp. 34, 1980). If even the pivot without fill is not positive definite, P_g = D_g. Eisenstat's
 //! product (`eisenstat`) costs the same with any pivots, and M is positive definite if they are.
 
-use super::bsr::{BLOCK, Block, ELSEWHERE, NodeBlocks, SymmetricBlock};
-use glam::{DMat3, DVec3, Mat3A, Vec3A};
+use super::bsr::{ELSEWHERE, NodeBlocks, SymmetricBlock};
+use nalgebra::{Matrix3, Vector3};
 
 /// [-] omega. On taut nets of 703 to a million nodes 0.9, 0.98 and 1 took as many iterations within an eighth.
 pub(super) const RELAXATION: f64 = 0.95;
@@ -34,7 +34,7 @@ impl NodeBlocks {
     /// all are small enough.
     pub fn begin(&mut self, values: &[f64], scale: &[f64]) -> bool {
         // Until a node is eliminated, these hold what earlier nodes subtract from its pivot, and the fill.
-        self.inverse_root.fill(Mat3A::ZERO);
+        self.inverse_root.fill(Matrix3::zeros());
         self.surplus.fill(SymmetricBlock::default());
         let columns = self.unknowns().into_iter().flatten();
         let NodeBlocks { pattern, below, entry, .. } = self;
@@ -70,7 +70,7 @@ impl NodeBlocks {
     /// diagonal blocks are positive definite.
     pub fn eliminate(&mut self, values: &[f64], scale: &[f64], omega: f64) -> bool {
         (0..self.nodes()).all(|g| {
-            let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.as_dmat3());
+            let taken = [self.inverse_root[g], self.surplus[g].matrix()].map(|block| block.cast::<f64>());
             let Some(pivot) = Pivot::new(&self.diagonal(g, values, scale), taken, omega) else { return false };
             self.inverse_root[g] = pivot.inverse_root;
             self.surplus[g] = pivot.surplus;
@@ -80,13 +80,13 @@ impl NodeBlocks {
     }
 
     /// The lower triangle of a node's diagonal block, scaled.
-    fn diagonal(&self, g: usize, values: &[f64], scale: &[f64]) -> DMat3 {
+    fn diagonal(&self, g: usize, values: &[f64], scale: &[f64]) -> Matrix3<f64> {
         let (pattern, unknowns) = (&self.pattern, self.unknowns_of(g));
-        let mut diagonal = DMat3::IDENTITY;
+        let mut diagonal = Matrix3::identity();
         for u in unknowns.clone() {
             let first = pattern.col_ptr[u] as usize;
             for (r, value) in (u..unknowns.end).zip(&values[first..]) {
-                diagonal.col_mut(self.direction(u))[self.direction(r)] = value * scale[u] * scale[r];
+                diagonal[(self.direction(r), self.direction(u))] = value * scale[u] * scale[r];
             }
         }
         diagonal
@@ -95,17 +95,17 @@ impl NodeBlocks {
     /// Scales a node's column from the right and subtracts its elimination from the pivots of its neighbours.
     fn eliminate_node(&mut self, g: usize, scale: &[f64]) {
         let right = self.inverse_root[g].transpose();
-        let mut all = Mat3A::ZERO;
+        let mut all = Matrix3::zeros();
         for k in self.column(g) {
-            let block = self.below[k].matrix() * right;
-            self.below[k] = Block(block.to_cols_array());
+            let block = self.block(k) * right;
+            self.set_block(k, &block);
             let inverse = self.scale_of(self.row[k] as usize, scale);
-            let translation = Vec3A::select(inverse.cmpgt(Vec3A::ZERO), inverse.recip(), Vec3A::ZERO);
+            let translation = inverse.map(|inverse| if inverse > 0.0 { inverse.recip() } else { 0.0 });
             all += scale_columns(block.transpose(), translation);
         }
         for k in self.column(g) {
             let row = self.row[k] as usize;
-            let block = self.below[k].matrix();
+            let block = self.block(k);
             let own = block * block.transpose();
             let fill = block * scale_columns(all, self.scale_of(row, scale)) - own;
             self.inverse_root[row] += own;
@@ -114,7 +114,7 @@ impl NodeBlocks {
     }
 
     /// Scales of a node's three components, 0 at fixed ones.
-    fn scale_of(&self, place: usize, scale: &[f64]) -> Vec3A {
+    fn scale_of(&self, place: usize, scale: &[f64]) -> Vector3<f32> {
         self.node_vector(place, |u| scale[u] as f32)
     }
 
@@ -122,15 +122,15 @@ impl NodeBlocks {
     pub fn scale_rows(&mut self) -> bool {
         let mut small = true;
         for g in 0..self.nodes() {
-            let own = (self.surplus[g].diagonal() + 1.0) * (LARGEST * LARGEST);
+            let own = self.surplus[g].diagonal().add_scalar(1.0) * (LARGEST * LARGEST);
             for k in self.column(g) {
                 let row = self.row[k] as usize;
-                let block = self.inverse_root[row] * self.below[k].matrix();
-                self.below[k] = Block(block.to_cols_array());
-                let other = self.surplus[row].diagonal() + 1.0;
-                for (column, own) in [block.x_axis, block.y_axis, block.z_axis].into_iter().zip(own.to_array()) {
+                let block = self.inverse_root[row] * self.block(k);
+                self.set_block(k, &block);
+                let other = self.surplus[row].diagonal().add_scalar(1.0);
+                for (column, own) in block.column_iter().zip(&own) {
                     // False for NaN.
-                    small &= (column * column).cmple(other * own).all();
+                    small &= column.component_mul(&column) <= other * *own;
                 }
             }
         }
@@ -140,22 +140,22 @@ impl NodeBlocks {
 
 /// Stores a scaled value of W. Returns whether it is as small as in a positive definite matrix.
 #[inline(always)]
-fn put(below: &mut [Block], entry: u32, scaled: f64) -> bool {
+fn put(below: &mut [f32], entry: u32, scaled: f64) -> bool {
     let small = scaled.abs() <= f64::from(LARGEST);
     if small {
-        below[(entry / BLOCK) as usize].0[(entry % BLOCK) as usize] = scaled as f32;
+        below[entry as usize] = scaled as f32;
     }
     small
 }
 
-fn scale_columns(m: Mat3A, by: Vec3A) -> Mat3A {
-    Mat3A::from_cols(m.x_axis * by.x, m.y_axis * by.y, m.z_axis * by.z)
+fn scale_columns(m: Matrix3<f32>, by: Vector3<f32>) -> Matrix3<f32> {
+    Matrix3::from_columns(&[m.column(0) * by.x, m.column(1) * by.y, m.column(2) * by.z])
 }
 
 /// A pivot P = E E^T of a block D = E (I + J) E^T.
 struct Pivot {
     /// E^-1
-    inverse_root: Mat3A,
+    inverse_root: Matrix3<f32>,
     /// J
     surplus: SymmetricBlock,
 }
@@ -163,47 +163,42 @@ struct Pivot {
 impl Pivot {
     /// From the lower triangle of D, what eliminations have subtracted, and their fill. `None` if no pivot is positive
     /// definite.
-    fn new(lower: &DMat3, [taken, fill]: [DMat3; 2], omega: f64) -> Option<Self> {
-        let [x, y, z] = [lower.x_axis, lower.y_axis, lower.z_axis];
-        let block = DMat3::from_cols(x, DVec3::new(x.y, y.y, y.z), DVec3::new(x.z, y.z, z.z));
+    fn new(lower: &Matrix3<f64>, [taken, fill]: [Matrix3<f64>; 2], omega: f64) -> Option<Self> {
+        let mut block = *lower;
+        block.fill_upper_triangle_with_lower_triangle();
         let pivot = less_fill(&(block * (1.0 + SHIFT) - taken), &(fill * omega));
         Pivot::of(&pivot, &block).or_else(|| Pivot::of(&block, &block))
     }
 
     /// `None` if the pivot is not positive definite.
-    fn of(pivot: &DMat3, block: &DMat3) -> Option<Self> {
-        let inverse_root = single(&inverse_root(pivot)?);
+    fn of(pivot: &Matrix3<f64>, block: &Matrix3<f64>) -> Option<Self> {
+        let inverse_root: Matrix3<f32> = inverse_root(pivot)?.cast();
         // Uses the rounded root: rounding then changes M, not W.
-        let root = inverse_root.as_dmat3();
-        let surplus = root * *block * root.transpose() - DMat3::IDENTITY;
-        Some(Pivot { inverse_root, surplus: SymmetricBlock::of(&single(&surplus)) })
+        let root = inverse_root.cast::<f64>();
+        let surplus = root * *block * root.transpose() - Matrix3::identity();
+        Some(Pivot { inverse_root, surplus: SymmetricBlock::of(&surplus.cast()) })
     }
 }
 
 /// A pivot less its share of the fill, halved until enough of the pivot is left.
-fn less_fill(pivot: &DMat3, fill: &DMat3) -> DMat3 {
+fn less_fill(pivot: &Matrix3<f64>, fill: &Matrix3<f64>) -> Matrix3<f64> {
     let most = *pivot * (1.0 - LEAST_LEFT);
     let shares = (0..=HALVINGS).map(|i| *fill * 0.5_f64.powi(i));
     shares.into_iter().find(|share| inverse_root(&(most - *share)).is_some()).map_or(*pivot, |share| *pivot - share)
 }
 
-fn single(m: &DMat3) -> Mat3A {
-    Mat3A::from_cols(m.x_axis.as_vec3a(), m.y_axis.as_vec3a(), m.z_axis.as_vec3a())
-}
-
 /// E^-1 of a block E E^T; reads the lower triangle. `None` if it is not positive definite.
-fn inverse_root(block: &DMat3) -> Option<DMat3> {
-    let [x, y, z] = [block.x_axis, block.y_axis, block.z_axis];
+fn inverse_root(block: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let root = |pivot: f64| (pivot > 0.0).then(|| pivot.sqrt());
-    let a = root(x.x)?;
-    let (b, c) = (x.y / a, x.z / a);
-    let d = root(y.y - b * b)?;
-    let e = (y.z - c * b) / d;
-    let f = root(z.z - c * c - e * e)?;
+    let a = root(block.m11)?;
+    let (b, c) = (block.m21 / a, block.m31 / a);
+    let d = root(block.m22 - b * b)?;
+    let e = (block.m32 - c * b) / d;
+    let f = root(block.m33 - c * c - e * e)?;
     let (ia, id, i_f) = (1.0 / a, 1.0 / d, 1.0 / f);
     let below = -b * ia * id;
     let corner = -(c * ia + e * below) * i_f;
-    Some(DMat3::from_cols(DVec3::new(ia, below, corner), DVec3::new(0.0, id, -e * id * i_f), DVec3::new(0.0, 0.0, i_f)))
+    Some(Matrix3::new(ia, 0.0, 0.0, below, id, 0.0, corner, -e * id * i_f, i_f))
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use canopy_fem::model::spec::*;
 use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
+use nalgebra::{Rotation3, Vector3};
 use scenes::scenes;
 
 const STATES: u64 = 12;
@@ -294,8 +295,8 @@ fn conservative_power_is_minus_the_rate_of_energy(name: &str, scene: &Network, s
 fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     let (mut forces, start) = (scene.new_forces(), scene.initial_state());
     scene.evaluate(sample.at(), &mut forces);
-    let mut f = vec![glam::DVec3::ZERO; scene.n_dof() / 3];
-    f.iter_mut().zip(forces.total.chunks(3)).for_each(|(f, t)| *f = glam::DVec3::from_slice(t));
+    let mut f = vec![Vector3::zeros(); scene.n_dof() / 3];
+    f.iter_mut().zip(forces.total.chunks(3)).for_each(|(f, t)| *f = Vector3::from_column_slice(t));
     for (&dof, r) in
         (0..scene.n_dof()).filter(|&i| scene.inverse_mass()[i] == 0.0).collect::<Vec<_>>().iter().zip(&forces.reactions)
     {
@@ -304,7 +305,7 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
     let work: f64 = f
         .iter()
         .zip(sample.x.chunks(3).zip(start.x.chunks(3)))
-        .map(|(f, (x, o))| f.dot(glam::DVec3::from_slice(x) - glam::DVec3::from_slice(o)))
+        .map(|(f, (x, o))| f.dot(&(Vector3::from_column_slice(x) - Vector3::from_column_slice(o))))
         .sum();
     let energy: f64 = forces.tallies.iter().map(|t| t.energy).sum();
     assert!((energy + work).abs() < 1e-12 * (1.0 + work.abs()), "{name}: {energy} {work}");
@@ -361,6 +362,6 @@ fn the_stiffness_of_nodes_is_that_of_their_springs() {
 
 /// A net turned as a whole about an axis that is none of it.
 fn turned(x: &[f64]) -> Vec<f64> {
-    let turn = glam::DQuat::from_scaled_axis(glam::DVec3::new(0.4, -0.7, 0.2));
-    x.chunks(3).flat_map(|p| (turn * glam::DVec3::from_slice(p)).to_array()).collect()
+    let turn = Rotation3::new(Vector3::new(0.4, -0.7, 0.2));
+    x.chunks(3).flat_map(|p| <[f64; 3]>::from(turn * Vector3::from_column_slice(p))).collect()
 }

@@ -17,7 +17,7 @@ use canopy_fem::model::forces::Forces;
 use canopy_fem::model::state::State;
 use canopy_fem::scene::Scene;
 use canopy_fem::simulation::build_scene;
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// [1/s] accounts are compared 16 times, at the same times whatever the step is
 const ROWS: f64 = 16.0;
@@ -140,7 +140,7 @@ fn reference(refinement: i32) -> Vec<Account> {
 /// [W] of the external forces and into dashpots and Rayleigh damping.
 fn power(scene: &dyn Scene, at: &State) -> [f64; 2] {
     let (x, v) = positions(scene, at);
-    let vectors = |list: Vec<[f64; 3]>| list.into_iter().map(DVec3::from_array).collect();
+    let vectors = |list: Vec<[f64; 3]>| list.into_iter().map(Vector3::from).collect();
     let moving = Moving { t: at.t, x: vectors(x), v: vectors(v) };
     [external(&moving), dissipated(&moving)]
 }

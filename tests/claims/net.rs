@@ -14,7 +14,7 @@ use crate::signal::Signal;
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::case::Case;
 use canopy_fem::simulation::build_scene;
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -24,8 +24,8 @@ const K: f64 = 50.0;
 const M: f64 = 0.2;
 /// nodes a side of the rhombus
 const SIDE: usize = 12;
-const BONDS: [DVec3; 3] =
-    [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.5, HALF_ROOT3, 0.0), DVec3::new(-0.5, HALF_ROOT3, 0.0)];
+const BONDS: [Vector3<f64>; 3] =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.5, HALF_ROOT3, 0.0), Vector3::new(-0.5, HALF_ROOT3, 0.0)];
 const HALF_ROOT3: f64 = 0.866_025_403_784_438_6;
 
 /// How a net is started and run.
@@ -37,7 +37,7 @@ struct Start<'a> {
 
 /// A rhombus of SIDE x SIDE nodes, free in all directions, with a pull `tension` in every spring.
 fn net(tension: f64, start: &Start<'_>) -> Case {
-    let nodes: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| place(i).to_array()).collect();
+    let nodes: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| place(i).into()).collect();
     let mut springs = Vec::new();
     for (i, j) in (0..SIDE * SIDE).map(|n| (n % SIDE, n / SIDE)) {
         let node = |i: usize, j: usize| i + SIDE * j;
@@ -62,7 +62,7 @@ fn still(tension: f64) -> Case {
     net(tension, &Start { displacement: &[[0.0; 3]; SIDE * SIDE], step: 1.0, steps: 1 })
 }
 
-fn place(node: usize) -> DVec3 {
+fn place(node: usize) -> Vector3<f64> {
     A * ((node % SIDE) as f64 * BONDS[0] + (node / SIDE) as f64 * BONDS[1])
 }
 
@@ -72,36 +72,36 @@ fn inside(node: usize) -> bool {
 }
 
 /// [1/s^2] D(q).
-fn dynamical(q: DVec3, tension: f64) -> DMat3 {
-    let bond = |n: &DVec3| {
-        let along = DMat3::from_cols(*n * n.x, *n * n.y, *n * n.z);
+fn dynamical(q: Vector3<f64>, tension: f64) -> Matrix3<f64> {
+    let bond = |n: &Vector3<f64>| {
+        let along = Matrix3::from_columns(&[*n * n.x, *n * n.y, *n * n.z]);
         // 1 - cos without its cancellation at long waves.
-        let turn = 2.0 * (0.5 * A * q.dot(*n)).sin().powi(2);
-        turn * (K * along + tension / A * (DMat3::IDENTITY - along))
+        let turn = 2.0 * (0.5 * A * q.dot(n)).sin().powi(2);
+        turn * (K * along + tension / A * (Matrix3::identity() - along))
     };
-    BONDS.iter().map(bond).fold(DMat3::ZERO, |sum, b| sum + b) * (2.0 / M)
+    BONDS.iter().map(bond).fold(Matrix3::zeros(), |sum, b| sum + b) * (2.0 / M)
 }
 
 /// [1/s^2] M^-1 K e cos(q (x - x_c) + phase) at every node over the same cosine's amplitude.
-fn answer(linear: &Linearised, q: DVec3, e: DVec3, phase: f64) -> Vec<DVec3> {
-    let u: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| (e * wave(q, i, phase)).to_array()).collect();
-    linear.times(&u).iter().map(|f| DVec3::from_array(*f) / M).collect()
+fn answer(linear: &Linearised, q: Vector3<f64>, e: Vector3<f64>, phase: f64) -> Vec<Vector3<f64>> {
+    let u: Vec<[f64; 3]> = (0..SIDE * SIDE).map(|i| (e * wave(q, i, phase)).into()).collect();
+    linear.times(&u).iter().map(|f| Vector3::from(*f) / M).collect()
 }
 
-fn wave(q: DVec3, node: usize, phase: f64) -> f64 {
-    (q.dot(place(node) - place(CENTRE)) + phase).cos()
+fn wave(q: Vector3<f64>, node: usize, phase: f64) -> f64 {
+    (q.dot(&(place(node) - place(CENTRE))) + phase).cos()
 }
 
 const CENTRE: usize = SIDE / 2 * (SIDE + 1);
 
 /// Largest difference of the tangent and D(q), inside, over k/m.
-fn difference(linear: &Linearised, q: DVec3, tension: f64) -> f64 {
+fn difference(linear: &Linearised, q: Vector3<f64>, tension: f64) -> f64 {
     let mut worst = 0.0_f64;
-    for e in [DVec3::X, DVec3::Y, DVec3::Z] {
+    for e in [Vector3::x(), Vector3::y(), Vector3::z()] {
         for phase in [0.0, 0.5 * PI] {
             let expected = dynamical(q, tension) * e;
             for (node, found) in answer(linear, q, e, phase).iter().enumerate().filter(|(node, _)| inside(*node)) {
-                worst = worst.max((found - expected * wave(q, node, phase)).length());
+                worst = worst.max((found - expected * wave(q, node, phase)).norm());
             }
         }
     }
@@ -113,7 +113,7 @@ pub fn claims() -> Vec<Claim> {
     for tension in [0.0, 0.2 * K * A, -0.1 * K * A] {
         let linear = Linearised::of(&still(tension));
         for (x, y) in [(0.3, 0.1), (2.0, -1.3), (3.9, 0.4), (0.0, TAU / (2.0 * HALF_ROOT3))] {
-            let q = DVec3::new(x, y, 0.0) / A;
+            let q = Vector3::new(x, y, 0.0) / A;
             // Rounding of the phases, up to 40, and of n, 1e-16 each.
             let what = format!(
                 "tangent on waves of q a = ({x:.2}, {y:.2}), T = {:.1} k a: off D(q), over k/m",
@@ -129,9 +129,9 @@ pub fn claims() -> Vec<Claim> {
 }
 
 /// [m/s] Speed of a long wave by the tangent; `e` along or across `direction`.
-fn speed(linear: &Linearised, direction: DVec3, e: DVec3) -> f64 {
+fn speed(linear: &Linearised, direction: Vector3<f64>, e: Vector3<f64>) -> f64 {
     let q = LONG * direction / A;
-    (answer(linear, q, e, 0.0)[CENTRE].dot(e)).sqrt() / q.length()
+    (answer(linear, q, e, 0.0)[CENTRE].dot(&e)).sqrt() / q.norm()
 }
 
 /// [-] q a of a long wave.
@@ -142,7 +142,7 @@ fn long_waves(linear: &Linearised) -> Vec<Claim> {
     let unit = A * (K / M).sqrt();
     for degrees in [0.0, 17.0, 30.0_f64] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let (along, across) = (DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0));
+        let (along, across) = (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0));
         let [p, s] = [along, across].map(|e| speed(linear, along, e) / unit);
         // The next term of cos is (q a)^2/12 of the first in w^2: 4e-6 in w, times at most 1.
         let at = format!("long waves at {degrees} degrees");
@@ -155,8 +155,8 @@ fn long_waves(linear: &Linearised) -> Vec<Claim> {
 
 fn fastest(linear: &Linearised) -> Vec<Claim> {
     let unit = K / M;
-    let q = DVec3::new(0.0, TAU / (2.0 * HALF_ROOT3 * A), 0.0);
-    let square = answer(linear, q, DVec3::Y, 0.0)[CENTRE].y / unit;
+    let q = Vector3::new(0.0, TAU / (2.0 * HALF_ROOT3 * A), 0.0);
+    let square = answer(linear, q, Vector3::y(), 0.0)[CENTRE].y / unit;
     let modes = linear.modes("xy");
     let top = modes.squares.len() - 1;
     let w = modes.squares[top].sqrt();
@@ -189,11 +189,11 @@ fn fastest(linear: &Linearised) -> Vec<Claim> {
         let displacement: Vec<[f64; 3]> = shape.iter().map(|u| u.map(|x| 1e-9 * A * x / size.sqrt())).collect();
         let case = net(0.0, &Start { displacement: &displacement, step: h, steps });
         let run = Signal::of(&case, |seen| {
-            let project = |values: &[[f64; 3]], rest: &dyn Fn(usize) -> DVec3| -> f64 {
-                let moved = |i: usize| DVec3::from_array(values[i]) - rest(i);
-                (0..SIDE * SIDE).map(|i| moved(i).dot(DVec3::from_array(shape[i]))).sum()
+            let project = |values: &[[f64; 3]], rest: &dyn Fn(usize) -> Vector3<f64>| -> f64 {
+                let moved = |i: usize| Vector3::from(values[i]) - rest(i);
+                (0..SIDE * SIDE).map(|i| moved(i).dot(&Vector3::from(shape[i]))).sum()
             };
-            (project(seen.positions, &place), project(seen.velocities, &|_| DVec3::ZERO))
+            (project(seen.positions, &place), project(seen.velocities, &|_| Vector3::zeros()))
         });
         // Positions of 5 m are rounded to 1e-15 m, beside an amplitude of 3e-10 m shared by 144 nodes.
         let what = format!("Verlet at {share:.2} times 2/w: x(n+1) + x(n-1) over 2 x(n) = 1 - (w h)^2/2");

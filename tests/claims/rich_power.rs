@@ -10,31 +10,31 @@ use crate::rich_net::{
     ALPHA, AXIAL_DASHPOT, BETA, CLOTH, MASS, NODES, PRESSURE, PRESSURE_TABLE, PULL, PULL_TABLE, PULLED, RELATIVE_TIME,
     SPRINGS, TRIANGLES, WIND, rule,
 };
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// Where the nodes are and how they move, in the user's numbering.
 pub struct Moving {
     /// [s]
     pub t: f64,
     /// [m]
-    pub x: Vec<DVec3>,
+    pub x: Vec<Vector3<f64>>,
     /// [m/s]
-    pub v: Vec<DVec3>,
+    pub v: Vec<Vector3<f64>>,
 }
 
 /// [W] of the wind and the loads.
 pub fn external(at: &Moving) -> f64 {
-    let wind = DVec3::from_array(interpolated(&WIND, at.t));
+    let wind = Vector3::from(interpolated(&WIND, at.t));
     let [load] = interpolated(&PULL_TABLE, at.t);
     let [factor] = interpolated(&PRESSURE_TABLE, at.t);
     let [a, b, thickness] = CLOTH;
     let surface = TRIANGLES.map(|[i, j, k]| {
-        let s = 0.5 * (at.x[j] - at.x[i]).cross(at.x[k] - at.x[i]);
+        let s = 0.5 * (at.x[j] - at.x[i]).cross(&(at.x[k] - at.x[i]));
         let v = (at.v[i] + at.v[j] + at.v[k]) / 3.0;
-        let through = s.normalize().dot(wind - v);
-        (thickness * (a * through + b * through * through.abs()) + factor * PRESSURE) * s.dot(v)
+        let through = s.normalize().dot(&(wind - v));
+        (thickness * (a * through + b * through * through.abs()) + factor * PRESSURE) * s.dot(&v)
     });
-    surface.iter().sum::<f64>() + load * DVec3::from_array(PULL).dot(at.v[PULLED])
+    surface.iter().sum::<f64>() + load * Vector3::from(PULL).dot(&at.v[PULLED])
 }
 
 /// [W] taken by dashpots and Rayleigh damping.
@@ -42,14 +42,14 @@ pub fn dissipated(at: &Moving) -> f64 {
     let springs = SPRINGS.iter().enumerate().map(|(i, &[a, b])| {
         let dv = at.v[b] - at.v[a];
         let dashpot = if i.is_multiple_of(2) {
-            AXIAL_DASHPOT * (at.x[b] - at.x[a]).normalize().dot(dv).powi(2)
+            AXIAL_DASHPOT * (at.x[b] - at.x[a]).normalize().dot(&dv).powi(2)
         } else {
-            rule(i).stiffness * RELATIVE_TIME * dv.length_squared()
+            rule(i).stiffness * RELATIVE_TIME * dv.norm_squared()
         };
-        let given = (DVec3::from_array(NODES[b]) - DVec3::from_array(NODES[a])).normalize();
-        dashpot + BETA * rule(i).stiffness * given.dot(dv).powi(2)
+        let given = (Vector3::from(NODES[b]) - Vector3::from(NODES[a])).normalize();
+        dashpot + BETA * rule(i).stiffness * given.dot(&dv).powi(2)
     });
-    springs.sum::<f64>() + ALPHA * at.v.iter().zip(MASS).map(|(v, m)| m * v.length_squared()).sum::<f64>()
+    springs.sum::<f64>() + ALPHA * at.v.iter().zip(MASS).map(|(v, m)| m * v.norm_squared()).sum::<f64>()
 }
 
 /// Rows `[t, values…]`, linear between them and constant outside.

@@ -1,6 +1,6 @@
 //! The energy a scene starts with: where it is no number, nothing that follows can be.
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use super::geometry::Geometry;
 use crate::case::diagnostics::Faults;
@@ -12,8 +12,8 @@ const ALLOWED: &str = "a start whose energy is within the range of a double";
 
 /// Notes a fault for a kinetic or elastic energy at the start that overflows.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    let speeds = spec.velocity.iter().map(|v| DVec3::from_array(*v));
-    let kinetic = speeds.zip(&spec.mass).map(|(v, m)| 0.5 * m * v.length_squared());
+    let speeds = spec.velocity.iter().map(|v| Vector3::from(*v));
+    let kinetic = speeds.zip(&spec.mass).map(|(v, m)| 0.5 * m * v.norm_squared());
     if let Some(node) = first_overflow(kinetic) {
         let [x, y, z] = spec.velocity.get(node).copied().unwrap_or_default().map(|v| figures(v, 4));
         let value = format!("node {node} at ({x}, {y}, {z}) m/s");

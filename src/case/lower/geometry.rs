@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -34,9 +34,9 @@ impl Geometry {
     fn new(source: &MeshSource, imported: Imported) -> Result<Self, MeshError> {
         let Imported { mesh, notes } = imported;
         let topology = Topology::new(&mesh)?;
-        let at = |node: u32| mesh.nodes.get(node as usize).map_or(DVec3::NAN, |p| DVec3::from_array(*p));
-        let length = mesh.edges.iter().map(|&[a, b]| at(a).distance(at(b))).collect();
-        let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length());
+        let at = |node: u32| mesh.nodes.get(node as usize).map_or(Vector3::repeat(f64::NAN), |p| Vector3::from(*p));
+        let length = mesh.edges.iter().map(|&[a, b]| (at(a) - at(b)).norm()).collect();
+        let area = mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (at(b) - at(a)).cross(&(at(c) - at(a))).norm());
         let area = area.collect();
         Ok(Self { source: source.clone(), notes, mesh, topology, length, area })
     }
@@ -55,10 +55,10 @@ impl Geometry {
         let place = |node: u32| {
             let x = self.mesh.nodes.get(node as usize)?;
             let u = displacement.get(node as usize)?;
-            Some(DVec3::from_array(*x) + DVec3::from_array(*u))
+            Some(Vector3::from(*x) + Vector3::from(*u))
         };
         let &[a, b] = self.mesh.edges.get(edge as usize)?;
-        Some(place(a)?.distance(place(b)?))
+        Some((place(a)? - place(b)?).norm())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Given pressures and forces.
 
-use glam::DVec3;
+use crate::model::unit_vector::unit_vector;
+use nalgebra::Vector3;
 
 use super::geometry::{Geometry, Needs, triangles};
 use super::numbers::series;
@@ -73,12 +74,12 @@ fn pressure_kind(at: &Pointer, load: &Load, faults: &mut Faults<'_>) -> Option<P
         (PressureKindKey::Dead, None) => Some(PressureKind::Dead(None)),
         (PressureKindKey::Dead, Some(direction)) => {
             // Scaled before it is normalised: the squares of large components would overflow.
-            let vector = DVec3::from_array(direction);
-            let unit = (vector / vector.abs().max_element()).try_normalize();
+            let vector = Vector3::from(direction);
+            let unit = unit_vector(vector / vector.amax());
             if unit.is_none() {
                 faults.add(&at.key("direction"), "a vector that is not zero; its length does not matter");
             }
-            unit.map(|unit| PressureKind::Dead(Some(unit.to_array())))
+            unit.map(|unit| PressureKind::Dead(Some(unit.into())))
         }
         (PressureKindKey::Follower, Some(_)) if !faults.readable(&at.key("kind")) => None,
         (PressureKindKey::Follower, Some(_)) => {

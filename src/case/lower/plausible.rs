@@ -1,6 +1,6 @@
 //! Doubtful input: what runs, but is seldom meant. Every warning is a sentence with its numbers.
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use super::geometry::Geometry;
 use crate::case::diagnostics::Faults;
@@ -29,10 +29,10 @@ const GRAMS: f64 = 1e3;
 /// Warns about a network that runs but is seldom meant.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     if let Some(air) = &spec.air {
-        let fastest = air.wind.value.iter().map(|v| DVec3::from_array(*v).length()).fold(0.0, f64::max);
+        let fastest = air.wind.value.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
         speed(&at.key("aero").key("wind"), "the wind", fastest, faults);
     }
-    let speeds = spec.velocity.iter().map(|v| DVec3::from_array(*v).length());
+    let speeds = spec.velocity.iter().map(|v| Vector3::from(*v).norm());
     if let Some((node, fastest)) = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) {
         speed(&at.key("initial").key("velocity"), &format!("node {node}"), fastest, faults);
     }
@@ -49,10 +49,10 @@ pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults
         PorousLaw::Permeable(_) => (SEA_LEVEL, false),
         PorousLaw::PressureCoefficient(law) => (law.air_density, true),
     };
-    let winds = || wind.value.iter().map(|w| DVec3::from_array(*w));
+    let winds = || wind.value.iter().map(|w| Vector3::from(*w));
     let first = winds().next().unwrap_or_default();
-    let against = spec.velocity.iter().map(|v| (first - DVec3::from_array(*v)).length());
-    let speed = winds().map(DVec3::length).chain(against).fold(0.0, f64::max);
+    let against = spec.velocity.iter().map(|v| (first - Vector3::from(*v)).norm());
+    let speed = winds().map(|w| w.norm()).chain(against).fold(0.0, f64::max);
     let stream = Stream { linear: *linear, quadratic: *quadratic, density, speed, coefficient };
     if let Some(excess) = excess_pressure(stream) {
         faults.warn(WarningCode::AirPressure, format!("{at}: {excess}"));

@@ -1,6 +1,6 @@
 //! Selections of nodes, edges and triangles: from words to ascending numbers. A selection of nothing is a fault.
 
-use glam::DVec3;
+use nalgebra::Vector3;
 
 use super::geometry::Geometry;
 use super::numbers::positive;
@@ -46,8 +46,8 @@ pub(super) fn nodes(
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let topology = &geometry.topology;
-    let inside = |test: &dyn Fn(DVec3) -> bool| {
-        let hits = geometry.mesh.nodes.iter().zip(0_u32..).filter(|(p, _)| test(DVec3::from_array(**p)));
+    let inside = |test: &dyn Fn(Vector3<f64>) -> bool| {
+        let hits = geometry.mesh.nodes.iter().zip(0_u32..).filter(|(p, _)| test(Vector3::from(**p)));
         hits.map(|(_, i)| i).collect::<Vec<_>>()
     };
     let found = match selection {
@@ -59,19 +59,20 @@ pub(super) fn nodes(
         NodeSelection::Outer => topology.outer_nodes().to_vec(),
         NodeSelection::Inner => topology.inner_nodes().to_vec(),
         NodeSelection::Box([low, high]) => {
-            let (low, high) = (DVec3::from_array(*low), DVec3::from_array(*high));
-            if !low.cmple(high).all() {
+            let (low, high) = (Vector3::from(*low), Vector3::from(*high));
+            let rises = low <= high;
+            if !rises {
                 faults.add(&at.key("box"), "the lowest corner first, then the highest: no coordinate may fall");
                 return None;
             }
-            inside(&|p| low.cmple(p).all() && p.cmple(high).all())
+            inside(&|p| low <= p && p <= high)
         }
         NodeSelection::Sphere(ball) => {
             if !positive(&at.key("sphere").key("radius"), ball.radius, faults) {
                 return None;
             }
-            let center = DVec3::from_array(ball.center);
-            inside(&|p| p.distance(center) <= ball.radius)
+            let center = Vector3::from(ball.center);
+            inside(&|p| (p - center).norm() <= ball.radius)
         }
     };
     if found.is_empty() {
@@ -91,10 +92,9 @@ pub(super) fn nodes(
 
 /// Where the nodes are, for a box or sphere that missed them.
 fn extent(nodes: &[[f64; 3]]) -> String {
-    let Some(first) = nodes.first().map(|p| DVec3::from_array(*p)) else { return String::new() };
-    let (low, high) =
-        nodes.iter().map(|p| DVec3::from_array(*p)).fold((first, first), |(l, h), p| (l.min(p), h.max(p)));
-    format!("; they lie between {:?} and {:?}", low.to_array(), high.to_array())
+    let Some(first) = nodes.first().map(|p| Vector3::from(*p)) else { return String::new() };
+    let (low, high) = nodes.iter().map(|p| Vector3::from(*p)).fold((first, first), |(l, h), p| (l.inf(&p), h.sup(&p)));
+    format!("; they lie between {:?} and {:?}", low.data.0[0], high.data.0[0])
 }
 
 /// Which edges a rule selects, one flag an edge.

@@ -2,7 +2,7 @@
 //! buffer`), and the elements that begin there.
 
 use crate::force::kernel::local_buffer::{RECORD, Records, record, set_record};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// A block of the scene.
@@ -54,7 +54,7 @@ impl<const N: usize> Elements<'_, N> {
         &self,
         signs: [f64; N],
         f: &mut Records,
-        mut element: impl FnMut(usize, [u16; N]) -> (DVec3, f64),
+        mut element: impl FnMut(usize, [u16; N]) -> (Vector3<f64>, f64),
     ) -> f64 {
         let mut sum = 0.0;
         for (&nodes, number) in self.nodes.iter().zip(self.range()) {
@@ -70,14 +70,14 @@ impl<const N: usize> Elements<'_, N> {
 
 /// The vector whose record begins at a place.
 #[inline(always)]
-pub(in crate::force) fn vector(records: &Records, at: u16) -> DVec3 {
+pub(in crate::force) fn vector(records: &Records, at: u16) -> Vector3<f64> {
     let [x, y, z, _] = record(records, at);
-    DVec3::new(x, y, z)
+    Vector3::new(x, y, z)
 }
 
 /// Adds a force [N] to the record that begins at a place.
 #[inline(always)]
-pub(in crate::force) fn add(f: &mut Records, at: u16, force: DVec3) {
+pub(in crate::force) fn add(f: &mut Records, at: u16, force: Vector3<f64>) {
     let [x, y, z, _] = record(f, at);
     set_record(f, at, [x + force.x, y + force.y, z + force.z, 0.0]);
 }

@@ -4,7 +4,7 @@
 //! number, so that no access needs a check; memory that no block uses is never touched.
 
 use crate::model::quad::{Pass, Quad, VectorUnit, run};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// A vector and a number that means nothing.
 pub type PaddedVec3 = [f64; RECORD];
@@ -75,7 +75,7 @@ pub(in crate::force) fn rows_of(records: &Records, n: usize) -> &[PaddedVec3] {
 }
 
 /// Copies a nodal vector into as many records.
-pub(in crate::force) fn copy_rows(from: &[DVec3], to: &mut [PaddedVec3]) {
+pub(in crate::force) fn copy_rows(from: &[Vector3<f64>], to: &mut [PaddedVec3]) {
     run(CopyRows { from: bytemuck::cast_slice(from), to });
 }
 
@@ -111,12 +111,12 @@ impl Pass for CopyRows<'_> {
 }
 
 /// Adds records to as many nodes.
-pub(in crate::force) fn add_rows(records: &[PaddedVec3], to: &mut [DVec3]) {
+pub(in crate::force) fn add_rows(records: &[PaddedVec3], to: &mut [Vector3<f64>]) {
     run(Give::<true> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
 /// Overwrites as many nodes with records.
-pub(in crate::force) fn store_rows(records: &[PaddedVec3], to: &mut [DVec3]) {
+pub(in crate::force) fn store_rows(records: &[PaddedVec3], to: &mut [Vector3<f64>]) {
     run(Give::<false> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
@@ -205,19 +205,19 @@ mod tests {
     #[test]
     fn rows_are_copied_and_added_for_every_length() {
         for n in 0..23 {
-            let nodes: Vec<DVec3> = (0..n).map(|i| DVec3::new(1.0, 10.0, 100.0) * f64::from(i + 1)).collect();
+            let nodes: Vec<Vector3<f64>> = (0..n).map(|i| Vector3::new(1.0, 10.0, 100.0) * f64::from(i + 1)).collect();
             let mut window = LocalBuffer::new(3);
             let records = rows(window.records(), nodes.len());
             copy_rows(&nodes, records);
-            let mut sums = vec![DVec3::splat(0.5); nodes.len()];
+            let mut sums = vec![Vector3::repeat(0.5); nodes.len()];
             add_rows(records, &mut sums);
-            let mut stored = vec![DVec3::NAN; nodes.len()];
+            let mut stored = vec![Vector3::repeat(f64::NAN); nodes.len()];
             store_rows(records, &mut stored);
             assert_eq!(stored, nodes);
             for (i, (sum, node)) in sums.iter().zip(&nodes).enumerate() {
-                assert_eq!(*sum, *node + 0.5);
+                assert_eq!(*sum, node.add_scalar(0.5));
                 let [x, y, z, _] = record(window.records(), (i * RECORD) as u16);
-                assert_eq!(DVec3::new(x, y, z), *node);
+                assert_eq!(Vector3::new(x, y, z), *node);
             }
         }
     }

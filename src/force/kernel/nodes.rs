@@ -3,7 +3,7 @@
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of};
 use crate::model::quad::{self, Pass, Quad, VectorUnit};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// A force on single nodes: a pure function of a node's number, position and velocity.
 pub(in crate::force) trait NodeLaw {
@@ -67,6 +67,6 @@ impl<L: NodeLaw> Pass for Nodes<'_, '_, L> {
 }
 
 /// A vector and 0.
-pub(in crate::force) fn padded(vector: DVec3) -> PaddedVec3 {
+pub(in crate::force) fn padded(vector: Vector3<f64>) -> PaddedVec3 {
     [vector.x, vector.y, vector.z, 0.0]
 }

@@ -21,7 +21,7 @@ use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The air on a batch of triangles.
@@ -44,9 +44,9 @@ struct Flow {
     area: AreaVector,
     /// [m^2]
     a: f64,
-    n: DVec3,
+    n: Vector3<f64>,
     /// wind relative to it
-    u: DVec3,
+    u: Vector3<f64>,
     dp: f64,
     /// d(dp)/d(v_n)
     slope: f64,
@@ -54,12 +54,12 @@ struct Flow {
 
 impl AirData {
     #[inline]
-    fn flow(&self, at: NodeState<'_>, wind: DVec3, nodes: [u32; 3]) -> Flow {
+    fn flow(&self, at: NodeState<'_>, wind: Vector3<f64>, nodes: [u32; 3]) -> Flow {
         let area = AreaVector::new(at.x, nodes);
-        let a = area.s.length();
-        let n = if a > 0.0 { area.s * a.recip() } else { DVec3::ZERO };
+        let a = area.s.norm();
+        let n = if a > 0.0 { area.s * a.recip() } else { Vector3::zeros() };
         let u = wind - mean(at.v, nodes);
-        let vn = n.dot(u);
+        let vn = n.dot(&u);
         let dp = self.linear * vn + self.quadratic * vn * vn.abs();
         Flow { area, a, n, u, dp, slope: self.linear + 2.0 * self.quadratic * vn.abs() }
     }
@@ -73,14 +73,14 @@ impl FaceKernel for AirData {
     }
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
-        let wind = DVec3::from_array(self.wind.at(block.t));
+        let wind = Vector3::from(self.wind.at(block.t));
         Tally { energy: 0.0, power: block.push(&AirLaw { data: self, wind }, f) }
     }
 }
 
 struct AirLaw<'a> {
     data: &'a AirData,
-    wind: DVec3,
+    wind: Vector3<f64>,
 }
 
 impl PressureLaw for AirLaw<'_> {
@@ -116,7 +116,7 @@ impl ForceTerm for Air {
     /// part worth keeping.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let wind = DVec3::from_array(data.wind.at(at.t));
+        let wind = Vector3::from(data.wind.at(at.t));
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
             if form.symmetric {
@@ -125,12 +125,12 @@ impl ForceTerm for Air {
                 continue;
             }
             if flow.a == 0.0 {
-                sink.triangle(nodes, &[[DMat3::ZERO; 3]; 3]);
+                sink.triangle(nodes, &[[Matrix3::zeros(); 3]; 3]);
                 continue;
             }
             let (s, n) = (flow.area.s, flow.n);
-            let tangential = flow.u - n.dot(flow.u) * n;
-            let ds = DMat3::from_diagonal(DVec3::splat(flow.dp)) + outer(s, tangential) * (flow.slope / flow.a);
+            let tangential = flow.u - n.dot(&flow.u) * n;
+            let ds = Matrix3::from_diagonal_element(flow.dp) + outer(s, tangential) * (flow.slope / flow.a);
             let dv = outer(s, n) * (w.c * flow.slope / 9.0);
             let row = [0, 1, 2].map(|j| ds * flow.area.derivative(j) * (-w.k / 3.0) + dv);
             sink.triangle(nodes, &[row; 3]);

@@ -10,7 +10,8 @@ use crate::force::kernel::element_block::vector;
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use crate::model::unit_vector::unit_vector;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// What a law says of a bar at one length.
@@ -57,9 +58,9 @@ pub struct BarData {
 
 impl BarData {
     /// The force [N] and its direction at bar `i` with this vector [m] from its first to its second end.
-    fn bar(&self, i: usize, d: DVec3) -> (BarForce, DVec3, f64) {
-        let length = d.length();
-        (self.law.at(length, self.rest_length[i]), d.normalize_or_zero(), length)
+    fn bar(&self, i: usize, d: Vector3<f64>) -> (BarForce, Vector3<f64>, f64) {
+        let length = d.norm();
+        (self.law.at(length, self.rest_length[i]), unit_vector(d).unwrap_or_default(), length)
     }
 
     fn emit(&self, at: NodeState<'_>, k: f64, sink: &mut dyn TangentSink, change: impl Fn(f64) -> f64) {
@@ -68,7 +69,7 @@ impl BarData {
             let (force, n, length) = self.bar(i, b - a);
             let along = outer(n, n);
             let across = if length > 0.0 { change(force.tension / length) } else { 0.0 };
-            sink.edge(nodes, (along * change(force.stiffness) + (DMat3::IDENTITY - along) * across) * k);
+            sink.edge(nodes, (along * change(force.stiffness) + (Matrix3::identity() - along) * across) * k);
         }
     }
 }

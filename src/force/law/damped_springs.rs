@@ -20,7 +20,7 @@ use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
 use crate::model::spec::DashpotKind;
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
 const SPRINGS: TermInfo = TermInfo::of("springs", Role::Elastic);
@@ -158,7 +158,7 @@ impl Summand for DampedSprings {
 struct AxialState {
     stretch: Stretch,
     /// [m/s] vb - va
-    dv: DVec3,
+    dv: Vector3<f64>,
     /// [m/s] n . dv
     rate: f64,
     damping: Damping,
@@ -168,7 +168,7 @@ struct AxialState {
 fn axial_state(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> AxialState {
     let [a, b] = springs.nodes[i].map(|node| node as usize);
     let (stretch, dv, k) = (springs.stretch(at.x, i), at.v[b] - at.v[a], springs.stiffness.at(i));
-    let (e, rate) = (stretch.elongation, stretch.n.dot(dv));
+    let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
     let elastic = tension(springs.slack, k, e);
     let damping = match clamped(springs.slack) {
         None => dashpot::axial(&Plain, elastic, [k, c], [e, rate]),
@@ -183,7 +183,7 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
 }
 
 impl AxialState {
-    fn tangent(&self, w: Weights) -> DMat3 {
+    fn tangent(&self, w: Weights) -> Matrix3<f64> {
         let (n, d) = (self.stretch.n, self.damping);
         let block = self.stretch.block(d.force, d.slope) * w.k + self.velocity_tangent(w);
         if self.stretch.length > 0.0 {
@@ -194,7 +194,7 @@ impl AxialState {
     }
 
     /// c n n^T.
-    fn velocity_tangent(&self, w: Weights) -> DMat3 {
+    fn velocity_tangent(&self, w: Weights) -> Matrix3<f64> {
         outer(self.stretch.n, self.stretch.n) * (w.c * self.damping.c)
     }
 }
@@ -224,7 +224,7 @@ impl ForceTerm for DampedSprings {
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
                 let c = coefficient.at(i);
                 block += match kind {
-                    DashpotKind::Relative => DMat3::from_diagonal(DVec3::splat(w.c * c)),
+                    DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
                     DashpotKind::Axial if form.symmetric => axial_state(springs, at, i, c).velocity_tangent(w),
                     DashpotKind::Axial => axial_state(springs, at, i, c).tangent(w),
                 };

@@ -11,7 +11,7 @@ use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// Uniform gravity.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct Gravity {
 impl Gravity {
     /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the
     /// energy counts.
-    pub fn new(g: DVec3, mass: impl Iterator<Item = f64>, origin: &[DVec3]) -> Self {
+    pub fn new(g: Vector3<f64>, mass: impl Iterator<Item = f64>, origin: &[Vector3<f64>]) -> Self {
         let weight = mass.map(|m| padded(m * g)).collect();
         Gravity { weight, origin: origin.iter().map(|x| padded(*x)).collect() }
     }

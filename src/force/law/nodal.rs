@@ -12,7 +12,7 @@ use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Forces that are given node by node.
@@ -42,23 +42,23 @@ pub struct DeadPressure<'a> {
     /// [Pa] pressure
     pub pressure: f64,
     /// unit direction; `None` = every triangle's own normal at the start
-    pub direction: Option<DVec3>,
+    pub direction: Option<Vector3<f64>>,
     /// optional factor over time
     pub factor: Option<Arc<Table<1>>>,
 }
 
 impl DeadPressure<'_> {
     /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m].
-    pub fn lump(self, x: &[DVec3]) -> NodalForces {
-        let mut sum = vec![DVec3::ZERO; x.len()];
+    pub fn lump(self, x: &[Vector3<f64>]) -> NodalForces {
+        let mut sum = vec![Vector3::zeros(); x.len()];
         for &nodes in self.triangles {
             let s = AreaVector::new(x, nodes).s;
-            let force = self.pressure / 3.0 * self.direction.map_or(s, |d| s.length() * d);
+            let force = self.pressure / 3.0 * self.direction.map_or(s, |d| s.norm() * d);
             for i in nodes {
                 sum[i as usize] += force;
             }
         }
-        let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != DVec3::ZERO).collect();
+        let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
         let force = nodes.iter().map(|&i| padded(sum[i as usize])).collect();
         NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
     }

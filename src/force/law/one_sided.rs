@@ -9,7 +9,7 @@
 use crate::force::kernel::neighbours::{Neighbours, Slot};
 use crate::force::law::slack::{Clamped, clamped};
 use crate::force::law::spring::{Coefficient, SpringData};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// [-] Rounding of a squared length, as a share of it.
@@ -27,7 +27,7 @@ pub struct OneSided {
     /// all springs, by stiffness; 0 where one is left out
     neighbours: Neighbours,
     /// [N] what their pull differs from that of the force pass
-    correction: Vec<DVec3>,
+    correction: Vec<Vector3<f64>>,
     /// the nodes that have a correction
     corrected: Vec<u32>,
 }
@@ -57,24 +57,24 @@ impl OneSided {
         }
         let inside = vec![true; slots.len()];
         let corrected = Vec::with_capacity(2 * slots.len());
-        Some(OneSided { batches, slots, inside, neighbours, correction: vec![DVec3::ZERO; n], corrected })
+        Some(OneSided { batches, slots, inside, neighbours, correction: vec![Vector3::zeros(); n], corrected })
     }
 
     /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
     /// and what their pull differs from that of a force pass at `x`. Returns whether they are others than before.
-    pub fn select(&mut self, x: &[DVec3], v: &[DVec3], h: f64) -> bool {
+    pub fn select(&mut self, x: &[Vector3<f64>], v: &[Vector3<f64>], h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
-        corrected.drain(..).for_each(|node| correction[node as usize] = DVec3::ZERO);
+        corrected.drain(..).for_each(|node| correction[node as usize] = Vector3::zeros());
         let mut changed = false;
         let mut springs = slots.iter().zip(inside);
         for (data, law) in batches {
             for ((i, &[a, b]), (slots, inside)) in data.nodes.iter().enumerate().zip(springs.by_ref()) {
-                let along = |of: &[DVec3]| of[b as usize] - of[a as usize];
+                let along = |of: &[Vector3<f64>]| of[b as usize] - of[a as usize];
                 let (d, limit) = (along(x), data.rest_length[i] + law.threshold);
                 let square = limit.max(0.0).powi(2);
                 // What is taut by rounding alone carries nothing.
-                let taut = d.length_squared() > square * (1.0 + TAUT);
-                let caught = !taut && (d + h * along(v)).length_squared() > square;
+                let taut = d.norm_squared() > square * (1.0 + TAUT);
+                let caught = !taut && (d + h * along(v)).norm_squared() > square;
                 if (taut || caught) != *inside {
                     *inside = taut || caught;
                     changed = true;

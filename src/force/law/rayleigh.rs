@@ -11,7 +11,7 @@ use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
-use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The mass-proportional part.
@@ -59,7 +59,7 @@ impl ForceTerm for RayleighMass {
 
     fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         for (i, m) in self.mass.iter().enumerate() {
-            sink.node(i as u32, DMat3::from_diagonal(DVec3::splat(w.c * self.factor * m)));
+            sink.node(i as u32, Matrix3::from_diagonal_element(w.c * self.factor * m));
         }
     }
 }
@@ -75,7 +75,7 @@ pub struct RayleighData {
     /// [N s/m] beta k
     pub coefficient: Coefficient,
     /// unit vector of every spring on the mesh as given
-    pub direction: Arc<[DVec3]>,
+    pub direction: Arc<[Vector3<f64>]>,
 }
 
 impl Kernel<2> for RayleighData {
@@ -88,7 +88,7 @@ impl Kernel<2> for RayleighData {
     fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
         let power = block.each([1.0, -1.0], f, |i, [a, b]| {
             let n = self.direction[i];
-            let rate = n.dot(vector(block.v, b) - vector(block.v, a));
+            let rate = n.dot(&(vector(block.v, b) - vector(block.v, a)));
             let c = self.coefficient.at(i);
             (c * rate * n, -c * rate * rate)
         });

@@ -14,8 +14,8 @@ use crate::force::law::tension::Carrying;
 use crate::force::outer;
 use crate::model::quad;
 use crate::model::spec::Slack;
-use glam::{DMat3, DVec3};
 use multiversion::multiversion;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// Plain arrays of a batch of springs.
@@ -34,16 +34,16 @@ pub struct SpringData {
 impl SpringData {
     /// Vector from a to b, length, and elongation of spring `i`.
     #[inline]
-    pub(crate) fn stretch(&self, x: &[DVec3], i: usize) -> Stretch {
+    pub(crate) fn stretch(&self, x: &[Vector3<f64>], i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
         self.stretch_of(x[b as usize] - x[a as usize], i)
     }
 
     /// The same with its nodes `d` [m] apart.
     #[inline]
-    pub(crate) fn stretch_of(&self, d: DVec3, i: usize) -> Stretch {
-        let length = d.length();
-        let n = if length > 0.0 { d * length.recip() } else { DVec3::ZERO };
+    pub(crate) fn stretch_of(&self, d: Vector3<f64>, i: usize) -> Stretch {
+        let length = d.norm();
+        let n = if length > 0.0 { d * length.recip() } else { Vector3::zeros() };
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
@@ -52,7 +52,7 @@ impl SpringData {
     ///
     /// # Panics
     /// When a place lies beyond `to.tension` or `to.strain`.
-    pub fn carried(&self, x: &[DVec3], to: Carried<'_>) {
+    pub fn carried(&self, x: &[Vector3<f64>], to: Carried<'_>) {
         let data = self;
         match clamped(self.slack) {
             None => quad::run(Carrying { data, law: Plain, x, to }),
@@ -61,33 +61,33 @@ impl SpringData {
     }
 
     /// [m] elongation of spring `i`, without its direction.
-    fn elongation(&self, x: &[DVec3], i: usize) -> f64 {
+    fn elongation(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         let [a, b] = self.nodes[i];
-        (x[b as usize] - x[a as usize]).length() - self.rest_length[i]
+        (x[b as usize] - x[a as usize]).norm() - self.rest_length[i]
     }
 
     /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
-    pub fn largest_stretch(&self, x: &[DVec3]) -> f64 {
+    pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
         largest(Stretched { ends: &self.nodes, rest_length: &self.rest_length, at: InScene(bytemuck::cast_slice(x)) })
     }
 
     /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].
-    pub fn turns_over(&self, from: &[DVec3], to: &[DVec3]) -> bool {
+    pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
         turns_over(self, from, to)
     }
 
     /// [-] strain (l - l0)/l0 of spring `i`.
-    pub fn strain(&self, x: &[DVec3], i: usize) -> f64 {
+    pub fn strain(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         self.elongation(x, i) / self.rest_length[i]
     }
 }
 
 /// Without roots and divisions: a fraction of a force pass.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn turns_over(data: &SpringData, from: &[DVec3], to: &[DVec3]) -> bool {
-    let along = |x: &[DVec3], [a, b]: [u32; 2]| x[b as usize] - x[a as usize];
+fn turns_over(data: &SpringData, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
+    let along = |x: &[Vector3<f64>], [a, b]: [u32; 2]| x[b as usize] - x[a as usize];
     data.nodes.chunks(64).any(|chunk| {
-        chunk.iter().fold(false, |turned, &nodes| turned | (along(from, nodes).dot(along(to, nodes)) <= 0.0))
+        chunk.iter().fold(false, |turned, &nodes| turned | (along(from, nodes).dot(&along(to, nodes)) <= 0.0))
     })
 }
 
@@ -95,7 +95,7 @@ fn turns_over(data: &SpringData, from: &[DVec3], to: &[DVec3]) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     /// unit vector from a to b, zero for coincident nodes
-    pub n: DVec3,
+    pub n: Vector3<f64>,
     /// [m]
     pub length: f64,
     /// [m] l - l0
@@ -104,11 +104,11 @@ pub(crate) struct Stretch {
 
 impl Stretch {
     /// `(t/l)(I - n n^T) + s n n^T`, zero for coincident nodes.
-    pub(crate) fn block(&self, t: f64, s: f64) -> DMat3 {
+    pub(crate) fn block(&self, t: f64, s: f64) -> Matrix3<f64> {
         if self.length == 0.0 {
-            return DMat3::ZERO;
+            return Matrix3::zeros();
         }
         let g = t / self.length;
-        DMat3::from_diagonal(DVec3::splat(g)) + outer(self.n, self.n) * (s - g)
+        Matrix3::from_diagonal_element(g) + outer(self.n, self.n) * (s - g)
     }
 }

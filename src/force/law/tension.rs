@@ -5,7 +5,7 @@ use crate::force::law::slack::TensionLaw;
 use crate::force::law::spring::SpringData;
 use crate::force::law::stretch::{InScene, Positions};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// Where the values of springs belong.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(in crate::force) struct Carrying<'a, L> {
     pub data: &'a SpringData,
     pub law: L,
     /// [m]
-    pub x: &'a [DVec3],
+    pub x: &'a [Vector3<f64>],
     pub to: Carried<'a>,
 }
 
@@ -93,7 +93,7 @@ mod tests {
     /// Each spring's values are k-law and strain of its own length, at its own place; of batches that fill no four too.
     #[test]
     fn springs_carry_their_own() {
-        let x: Vec<DVec3> = (0..9).map(|i| DVec3::new(f64::from(i * i), 0.5 * f64::from(i), -0.25)).collect();
+        let x: Vec<Vector3<f64>> = (0..9).map(|i| Vector3::new(f64::from(i * i), 0.5 * f64::from(i), -0.25)).collect();
         let slacks =
             [Slack::None, Slack::TensionOnly, Slack::DeadZone { eps: 0.5 }, Slack::CompressionLimit { eps: 1.0 }];
         for (n, slack) in (0..=9usize).flat_map(|n| slacks.map(|slack| (n, slack))) {
@@ -112,7 +112,7 @@ mod tests {
                     let spring = 11 - place;
                     let expected = if spring < n {
                         let [a, b] = data.nodes[spring].map(|node| x[node as usize]);
-                        let e = (b - a).length() - data.rest_length[spring];
+                        let e = (b - a).norm() - data.rest_length[spring];
                         (tension(slack, stiffness[spring], e).force, e / data.rest_length[spring])
                     } else {
                         (7.0, 8.0)

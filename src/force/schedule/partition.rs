@@ -10,7 +10,7 @@ use crate::force::kernel::local_buffer::{PaddedVec3, RECORD, add_rows};
 use crate::force::schedule::tuning::{LEAST_NODES, MOST_NODES, NODE_BLOCKS_WANTED};
 use crate::model::workers::Workers;
 use bytemuck::cast_slice_mut;
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Records in a local buffer at most: as many as 16 bits can address.
@@ -144,7 +144,12 @@ impl Partition {
     }
 
     /// Adds what blocks give to nodes beyond their node blocks to those that begin with `first`, block after block.
-    pub(in crate::force) fn add_halo(&self, blocks: Range<usize>, halo: Halo<'_>, (first, out): (usize, &mut [DVec3])) {
+    pub(in crate::force) fn add_halo(
+        &self,
+        blocks: Range<usize>,
+        halo: Halo<'_>,
+        (first, out): (usize, &mut [Vector3<f64>]),
+    ) {
         let end = first + out.len();
         for plan in self.blocks[blocks].iter().filter(|plan| plan.reach.start < end && first < plan.reach.end) {
             let nodes = &self.halo[plan.halo.clone()];
@@ -155,7 +160,7 @@ impl Partition {
                 Some(run) => add_rows(sums, &mut out[(run + from).saturating_sub(first)..][..sums.len()]),
                 None => {
                     for (&node, sum) in nodes[from..to].iter().zip(sums) {
-                        out[node as usize - first] += DVec3::new(sum[0], sum[1], sum[2]);
+                        out[node as usize - first] += Vector3::new(sum[0], sum[1], sum[2]);
                     }
                 }
             }
@@ -168,7 +173,7 @@ impl Partition {
         workers: &Workers,
         blocks: Range<usize>,
         halo: Halo<'_>,
-        (first, out): (usize, &mut [DVec3]),
+        (first, out): (usize, &mut [Vector3<f64>]),
     ) {
         workers.each(cast_slice_mut(out), |dofs, out| {
             self.add_halo(blocks.clone(), halo, (first + dofs.start / 3, cast_slice_mut(out)));

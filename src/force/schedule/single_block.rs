@@ -12,7 +12,7 @@ use crate::model::forces::Tally;
 use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work, Working};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
-use glam::DVec3;
+use nalgebra::Vector3;
 
 impl Sweep {
     /// Whether all nodes and elements are in one block.
@@ -26,7 +26,7 @@ impl Sweep {
         (terms, moving): (&T, Moving<'_>),
         StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
         threads: &Threads,
-        out: [&mut [DVec3]; SUMS],
+        out: [&mut [Vector3<f64>]; SUMS],
         passed: &mut [Passed],
     ) {
         let n = mass.len();

@@ -23,7 +23,7 @@ use crate::model::forces::Tally;
 use crate::model::stride::{LONGEST, Passed};
 use crate::model::workers::{ALONE, Workers};
 use bytemuck::cast_slice;
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Where a pass is to find nodes.
@@ -133,7 +133,7 @@ impl Sweep {
         (terms, moving): (&T, Moving<'_>),
         boundary: StepBoundary<'_>,
         threads: &Threads,
-        out: [&mut [DVec3]; SUMS],
+        out: [&mut [Vector3<f64>]; SUMS],
         (tallies, passed): (&mut [Tally], &mut [Passed]),
     ) {
         if self.is_single_block() && passed.len() > 1 {
@@ -174,7 +174,7 @@ impl Sweep {
     fn steps<T: Terms + ?Sized>(
         &self,
         (steps, moving): (Steps<'_, T>, Moving<'_>),
-        out: [&mut [DVec3]; SUMS],
+        out: [&mut [Vector3<f64>]; SUMS],
         workspace: &mut Workspace,
     ) {
         let partition = &self.partition;

@@ -11,7 +11,7 @@ use crate::model::stride::{NodeSums, Nodes, StepStart, Work, Working};
 use crate::model::system::KickDriftBlock;
 use crate::model::workers::Workers;
 use bytemuck::{cast_slice, cast_slice_mut};
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// The steps' scheme, and what it needs of nodes.
@@ -54,7 +54,7 @@ impl StepBoundary<'_> {
         let WorkspaceView { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
         let (dofs, passes) = (3 * first..3 * first + x.len(), scheme.passes());
         let another = level + 1 < levels;
-        let forces = out.each_ref().map(|sum| cast_slice::<DVec3, f64>(sum));
+        let forces = out.each_ref().map(|sum| cast_slice::<Vector3<f64>, f64>(sum));
         let works = forces.iter().any(|sum| !sum.is_empty());
         let begun = if works && level + 1 == passes {
             let Point { state, forces: Forces { external, dissipative, .. } } = from;

@@ -16,7 +16,7 @@ use crate::force::schedule::threads::{LocalBuffers, SUMS, Threads};
 use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
 use crate::model::forces::Tally;
 use crate::model::workers::Workers;
-use glam::DVec3;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -106,7 +106,7 @@ impl Sweep {
         &self,
         (terms, at): (&T, NodeState<'_>),
         threads: &Threads,
-        out: [&mut [DVec3]; SUMS],
+        out: [&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
     ) {
         let parts = || (0..terms.count()).flat_map(|i| terms.term(i).parts).flatten();
@@ -146,7 +146,7 @@ impl Sweep {
     pub(in crate::force) fn workspace(
         &self,
         needs: WorkspaceSize,
-        out: &[&mut [DVec3]; SUMS],
+        out: &[&mut [Vector3<f64>]; SUMS],
     ) -> Pooled<'_, Workspace> {
         let mut workspace = self.workspace.take();
         workspace.fit(&self.partition, needs, out);
@@ -229,7 +229,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         &self,
         (number, kept): (usize, &mut [PaddedVec3]),
         local_buffers: &mut LocalBuffers,
-        out: &[&mut [DVec3]; SUMS],
+        out: &[&mut [Vector3<f64>]; SUMS],
         tallies: &mut [Tally],
     ) -> f64 {
         let plan = &self.partition.blocks()[number];
@@ -254,7 +254,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
     }
 
     /// Copies a nodal vector into a block's local buffer.
-    fn load(&self, plan: &Plan, from: &[DVec3], to: &mut Records) {
+    fn load(&self, plan: &Plan, from: &[Vector3<f64>], to: &mut Records) {
         let first = self.first;
         let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
         copy_rows(&from[plan.own.start - first..plan.own.end - first], own);

@@ -7,7 +7,7 @@ use crate::force::schedule::threads::SUMS;
 use crate::force::schedule::wavefront::Wavefronts;
 use crate::model::forces::Tally;
 use crate::model::stride::NodeSums;
-use glam::DVec3;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Kept from pass to pass.
@@ -27,7 +27,7 @@ pub(in crate::force) struct Workspace {
     /// forces of the terms of position only, block after block, where they are kept
     kept: Vec<PaddedVec3>,
     /// by node, where they are kept
-    aside: [Vec<DVec3>; ASIDE],
+    aside: [Vec<Vector3<f64>>; ASIDE],
     pub wavefronts: Wavefronts,
 }
 
@@ -57,20 +57,20 @@ pub(in crate::force) const ASIDE: usize = 2;
 /// Some node blocks and where their sums go, those of all levels.
 pub(in crate::force) struct WorkspaceView<'a> {
     pub node_blocks: Range<usize>,
-    pub out: [&'a mut [DVec3]; SUMS],
+    pub out: [&'a mut [Vector3<f64>]; SUMS],
     pub halo: [&'a mut [PaddedVec3]; SUMS],
     pub tallies: &'a mut [Tally],
     pub stretches: &'a mut [f64],
     pub nodes: &'a mut [NodeSums],
     /// empty where nothing is kept
     pub kept: &'a mut [PaddedVec3],
-    pub aside: [&'a mut [DVec3]; ASIDE],
+    pub aside: [&'a mut [Vector3<f64>]; ASIDE],
     pub levels: usize,
 }
 
 impl Workspace {
     /// Makes room for passes into sums of these sizes, with wavefronts at their beginning.
-    pub fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [DVec3]; SUMS]) {
+    pub fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [Vector3<f64>]; SUMS]) {
         let WorkspaceSize { terms, levels, threads, keeps, aside } = needs;
         for (halo, _) in self.halo.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
             halo.resize(partition.halo().len(), PaddedVec3::default());
@@ -85,7 +85,7 @@ impl Workspace {
             self.kept.resize(partition.records_of(0..blocks).len(), PaddedVec3::default());
         }
         for (vector, _) in self.aside.iter_mut().zip(aside).filter(|(_, kept)| *kept) {
-            vector.resize(partition.nodes_of(partition.node_blocks()).len(), DVec3::ZERO);
+            vector.resize(partition.nodes_of(partition.node_blocks()).len(), Vector3::zeros());
         }
     }
 
@@ -93,7 +93,7 @@ impl Workspace {
     pub fn parts<'a>(
         &'a mut self,
         partition: &Partition,
-        out: [&'a mut [DVec3]; SUMS],
+        out: [&'a mut [Vector3<f64>]; SUMS],
     ) -> (WorkspaceView<'a>, &'a mut Wavefronts) {
         let Workspace { halo, tallies, stretches, nodes, kept, aside, wavefronts, levels, .. } = self;
         let (halo, node_blocks) = (halo.each_mut().map(Vec::as_mut_slice), partition.node_blocks());

@@ -3,10 +3,12 @@
 use super::*;
 use crate::assembly::Pattern;
 use crate::model::workers::Workers;
+use crate::solve::bsr::unpacked;
 use crate::solve::partitioned_cg::{PartitionedSystem, SubdomainSystem};
 use crate::solve::twisted_factorization::subdomains;
 use std::ops::Range;
 use std::sync::Arc;
+use wide::f32x4;
 
 /// What node g may move along, of a row of nodes of which some are partly held.
 fn free(g: usize) -> &'static [u32] {
@@ -93,12 +95,12 @@ fn by_node<T: Copy + Default>(system: &PartitionedSystem, of: impl Fn(&Subdomain
 }
 
 /// Row, column and value of every block of L.
-fn below(system: &PartitionedSystem) -> Vec<(usize, usize, DMat3)> {
+fn below(system: &PartitionedSystem) -> Vec<(usize, usize, Matrix3<f64>)> {
     let mut found = Vec::new();
     for blocks in all(system).map(|part| &part.blocks) {
         for (g, k) in (0..blocks.nodes()).flat_map(|g| blocks.column(g).map(move |k| (g, k))) {
             let (row, column) = (blocks.subdomain.node(blocks.row[k] as usize), blocks.subdomain.node(g));
-            found.push((row, column, blocks.below[k].matrix().as_dmat3()));
+            found.push((row, column, blocks.block(k).cast::<f64>()));
         }
     }
     found
@@ -114,13 +116,14 @@ fn the_blocks_are_those_of_w() {
             let values = values(&pattern, seed);
             assert!(system.set_values(&values, RELAXATION), "seed {seed}");
             let surplus = by_node(&system, |part| &part.blocks.surplus);
-            lost += surplus.iter().filter(|surplus| surplus.diagonal().max_element() > 0.1).count();
+            lost += surplus.iter().filter(|surplus| surplus.diagonal().max() > 0.1).count();
             let inverse = by_node(&system, |part| &part.blocks.inverse_root);
-            let root: Vec<DMat3> = inverse.iter().map(|inverse| inverse.as_dmat3().inverse()).collect();
+            let root: Vec<Matrix3<f64>> =
+                inverse.iter().map(|inverse| inverse.cast::<f64>().try_inverse().unwrap()).collect();
             let (w, _) = scaled(&system, &values);
-            let own = |g: usize| (g, g, DMat3::IDENTITY + surplus[g].matrix().as_dmat3());
+            let own = |g: usize| (g, g, Matrix3::identity() + surplus[g].matrix().cast::<f64>());
             let blocks: Vec<_> = below(&system).into_iter().chain((0..NODES).map(own)).collect();
-            let stored = (0..NODES).map(|g| (g..NODES).filter(|&s| w[s][g] != DMat3::ZERO).count()).sum::<usize>();
+            let stored = (0..NODES).map(|g| (g..NODES).filter(|&s| w[s][g] != Matrix3::zeros()).count()).sum::<usize>();
             assert_eq!(blocks.len(), stored, "each block once");
             for (row, column, block) in blocks {
                 let off = root[row] * block * root[column].transpose() - w[row][column];
@@ -134,25 +137,25 @@ fn the_blocks_are_those_of_w() {
     }
 }
 
-fn most(m: DMat3) -> f64 {
-    m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+fn most(m: Matrix3<f64>) -> f64 {
+    m.amax()
 }
 
 /// W scaled by its diagonal, block by block, with the identity in idle places; and Y^-1, 0 in idle places.
-fn scaled(system: &PartitionedSystem, values: &[f64]) -> (Vec<Vec<DMat3>>, Vec<DMat3>) {
+fn scaled(system: &PartitionedSystem, values: &[f64]) -> (Vec<Vec<Matrix3<f64>>>, Vec<Matrix3<f64>>) {
     let pattern = &system.separator.blocks.pattern;
     let place = |u: usize| (pattern.dof[u] as usize / 3, pattern.dof[u] as usize % 3);
-    let (mut w, mut scale) = (vec![vec![DMat3::ZERO; NODES]; NODES], vec![DMat3::ZERO; NODES]);
+    let (mut w, mut scale) = (vec![vec![Matrix3::zeros(); NODES]; NODES], vec![Matrix3::zeros(); NODES]);
     for (g, row) in w.iter_mut().enumerate() {
-        row[g] = DMat3::IDENTITY;
+        row[g] = Matrix3::identity();
     }
     for u in 0..pattern.n() {
         let (g, column) = place(u);
-        scale[g].col_mut(column)[column] = system.scale[u];
+        scale[g][(column, column)] = system.scale[u];
         for (&r, value) in pattern.column(u).iter().zip(&values[pattern.col_ptr[u] as usize..]) {
             let (other, row) = place(r as usize);
-            w[other][g].col_mut(column)[row] = value * system.scale[u] * system.scale[r as usize];
-            w[g][other].col_mut(row)[column] = w[other][g].col(column)[row];
+            w[other][g][(row, column)] = value * system.scale[u] * system.scale[r as usize];
+            w[g][other][(column, row)] = w[other][g][(row, column)];
         }
     }
     (w, scale)
@@ -171,12 +174,12 @@ fn the_pivots_are_those_of_the_equation() {
             let (w, scale) = scaled(&system, &values);
             let found = by_node(&system, |part| &part.blocks.inverse_root);
             let weight = |g: usize| {
-                let entry = |c: usize| if scale[g].col(c)[c] > 0.0 { scale[g].col(c)[c].recip() } else { 0.0 };
-                DMat3::from_diagonal(DVec3::new(entry(0), entry(1), entry(2)))
+                let entry = |c: usize| if scale[g][(c, c)] > 0.0 { scale[g][(c, c)].recip() } else { 0.0 };
+                Matrix3::from_diagonal(&Vector3::new(entry(0), entry(1), entry(2)))
             };
-            let mut inverse = [DMat3::ZERO; NODES];
+            let mut inverse = [Matrix3::zeros(); NODES];
             for (turn, &g) in order.iter().enumerate() {
-                let (mut taken, mut fill) = (DMat3::ZERO, DMat3::ZERO);
+                let (mut taken, mut fill) = (Matrix3::zeros(), Matrix3::zeros());
                 for (earlier, &j) in order[..turn].iter().enumerate() {
                     let row = w[g][j] * inverse[j];
                     taken += row * w[g][j].transpose();
@@ -187,10 +190,10 @@ fn the_pivots_are_those_of_the_equation() {
                 let bare = w[g][g] * (1.0 + SHIFT) - taken;
                 let pivot = less_fill(&bare, &((fill + fill.transpose()) * (0.5 * RELAXATION)));
                 filled += u32::from(pivot != bare);
-                let root = found[g].as_dmat3().inverse();
+                let root = found[g].cast::<f64>().try_inverse().unwrap();
                 let off = most(root * root.transpose() - pivot);
                 assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {separator:?}, node {g}: {off:e} off");
-                inverse[g] = pivot.inverse();
+                inverse[g] = pivot.try_inverse().unwrap();
             }
         }
         assert!(filled > 50, "{filled} pivots with fill");
@@ -200,11 +203,11 @@ fn the_pivots_are_those_of_the_equation() {
 /// Fill is taken as far as it leaves enough, then halved, then left out.
 #[test]
 fn pivots_keep_enough() {
-    let one = DMat3::IDENTITY;
+    let one = Matrix3::identity();
     let most = 1.0 - LEAST_LEFT;
     for (fill, share) in [(0.9 * most, 1.0), (-5.0, 1.0), (1.5 * most, 0.5), (7.0 * most, 0.125), (9.0 * most, 0.0)] {
         let found = less_fill(&one, &(one * fill));
-        assert!((found.x_axis.x - (1.0 - share * fill)).abs() < 1e-12, "{fill}: {found}");
+        assert!((found.m11 - (1.0 - share * fill)).abs() < 1e-12, "{fill}: {found}");
     }
 }
 
@@ -216,69 +219,69 @@ fn the_operations_are_those_of_their_factors() {
         assert!(system.set_values(&values(&pattern, 1), RELAXATION));
         let mut order = order(&system);
         let below = below(&system);
-        let forward = |v: &mut [DVec3], order: &[usize]| {
+        let forward = |v: &mut [Vector3<f64>], order: &[usize]| {
             for &g in order {
                 let column: Vec<_> = below.iter().filter(|(_, column, _)| *column == g).collect();
                 column.into_iter().for_each(|(row, _, block)| v[*row] -= *block * v[g]);
             }
         };
-        let backward = |v: &mut [DVec3], order: &[usize]| {
+        let backward = |v: &mut [Vector3<f64>], order: &[usize]| {
             for &g in order.iter().rev() {
-                let row: DVec3 = below.iter().filter(|b| b.1 == g).map(|b| b.2.transpose() * v[b.0]).sum();
+                let row: Vector3<f64> = below.iter().filter(|b| b.1 == g).map(|b| b.2.transpose() * v[b.0]).sum();
                 v[g] -= row;
             }
         };
         let b: Vec<f64> = (0..pattern.n()).map(|u| (u as f64).cos()).collect();
         let [s, square] = system.set_right_hand_side(&b);
         let root = by_node(&system, |part| &part.blocks.inverse_root);
-        let mut r = vec![DVec3::ZERO; NODES];
+        let mut r = vec![Vector3::zeros(); NODES];
         (0..pattern.n())
             .for_each(|u| r[pattern.dof[u] as usize / 3][pattern.dof[u] as usize % 3] = b[u] * system.scale[u]);
-        r.iter_mut().zip(&root).for_each(|(r, root)| *r = root.as_dmat3() * *r / s);
+        r.iter_mut().zip(&root).for_each(|(r, root)| *r = root.cast::<f64>() * *r / s);
         forward(&mut r, &order);
-        let near = |what: &str, found: &[Vec3A], expected: &[DVec3]| {
+        let near = |what: &str, found: &[f32x4], expected: &[Vector3<f64>]| {
             for (g, (found, expected)) in found.iter().zip(expected).enumerate() {
-                let off = (found.as_dvec3() - *expected).length();
-                assert!(off < 1e-5 * (1.0 + expected.length()), "{what}, {separator:?}, node {g}: {off:e} off");
+                let off = (unpacked(*found).cast::<f64>() - *expected).norm();
+                assert!(off < 1e-5 * (1.0 + expected.norm()), "{what}, {separator:?}, node {g}: {off:e} off");
             }
         };
         near("r", &by_node(&system, |part| &part.r), &r);
-        let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
+        let squares: f64 = r.iter().map(|r| r.norm_squared()).sum();
         assert!((square - squares).abs() < 1e-5 * squares);
 
         system.begin();
         system.product(0.0);
         let curvature = system.product(0.5);
-        let p: Vec<DVec3> = r.iter().map(|r| *r * 1.5).collect();
+        let p: Vec<Vector3<f64>> = r.iter().map(|r| *r * 1.5).collect();
         near("p <- r + beta p", &by_node(&system, |part| &part.p), &p);
         let mut u = p.clone();
         backward(&mut u, &order);
         let surplus = by_node(&system, |part| &part.blocks.surplus);
-        let mut q: Vec<DVec3> = (0..NODES).map(|g| u[g] + surplus[g].matrix().as_dmat3() * u[g]).collect();
+        let mut q: Vec<Vector3<f64>> = (0..NODES).map(|g| u[g] + surplus[g].matrix().cast::<f64>() * u[g]).collect();
         for (row, column, block) in &below {
             q[*row] += *block * u[*column];
             q[*column] += block.transpose() * u[*row];
         }
         forward(&mut q, &order);
         near("q", &by_node(&system, |part| &part.q), &q);
-        let along: f64 = p.iter().zip(&q).map(|(p, q)| p.dot(*q)).sum();
-        let squares: f64 = p.iter().map(|p| p.length_squared()).sum();
+        let along: f64 = p.iter().zip(&q).map(|(p, q)| p.dot(q)).sum();
+        let squares: f64 = p.iter().map(|p| p.norm_squared()).sum();
         assert!((curvature.along - along).abs() < 1e-5 * along && (curvature.squares - squares).abs() < 1e-5 * squares);
 
         let left = system.advance(0.25);
-        let r: Vec<DVec3> = r.iter().zip(&q).map(|(r, q)| *r - *q * 0.25).collect();
+        let r: Vec<Vector3<f64>> = r.iter().zip(&q).map(|(r, q)| *r - *q * 0.25).collect();
         near("r -= alpha q", &by_node(&system, |part| &part.r), &r);
-        let squares: f64 = r.iter().map(|r| r.length_squared()).sum();
+        let squares: f64 = r.iter().map(|r| r.norm_squared()).sum();
         assert!((left - squares).abs() < 1e-5 * squares);
-        let mut x: Vec<DVec3> = p.iter().map(|p| *p * 0.25).collect();
+        let mut x: Vec<Vector3<f64>> = p.iter().map(|p| *p * 0.25).collect();
         backward(&mut x, &order);
         let mut found = vec![f64::NAN; pattern.n()];
         system.finish(s, &mut found);
         for (u, found) in found.into_iter().enumerate() {
             let g = pattern.dof[u] as usize / 3;
-            let own = (root[g].as_dmat3().transpose() * x[g])[pattern.dof[u] as usize % 3] * system.scale[u] * s;
+            let own = (root[g].cast::<f64>().transpose() * x[g])[pattern.dof[u] as usize % 3] * system.scale[u] * s;
             assert!(
-                (found - own).abs() < 1e-5 * x[g].length() * system.scale[u] * s + 1e-12,
+                (found - own).abs() < 1e-5 * x[g].norm() * system.scale[u] * s + 1e-12,
                 "{separator:?}: {found} at {u}, not {own}"
             );
         }
@@ -298,7 +301,10 @@ fn overflow_is_told_and_forgotten() {
             let mut bad = good.clone();
             bad[pattern.col_ptr[u] as usize] = 1e-90;
             assert!(!system.set_values(&bad, RELAXATION) && system.set_values(&good, RELAXATION), "unknown {u}");
-            assert!(below(&system).iter().all(|(.., block)| block.is_finite()), "unknown {u}");
+            assert!(
+                below(&system).iter().all(|(.., block)| block.iter().all(|entry| entry.is_finite())),
+                "unknown {u}"
+            );
         }
     }
 }

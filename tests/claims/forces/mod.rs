@@ -10,7 +10,7 @@ mod surface;
 use crate::claim::Claim;
 use crate::common::run::{case_of, follow};
 use canopy_fem::drive::Status;
-use glam::DVec3;
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 /// [s]
@@ -21,24 +21,23 @@ const MASS: f64 = 1.0;
 const ROUNDING: f64 = 2e-14;
 
 /// [N] Forces on all nodes at the start of each of the first `steps` steps.
-fn forces(mut network: Value, steps: u32) -> Vec<Vec<DVec3>> {
+fn forces(mut network: Value, steps: u32) -> Vec<Vec<Vector3<f64>>> {
     network["mass"] = json!({"nodal": MASS});
     let time = json!({"end": H * f64::from(steps), "method": "explicit-euler", "step": H});
-    let mut velocities: Vec<Vec<DVec3>> = Vec::new();
+    let mut velocities: Vec<Vec<Vector3<f64>>> = Vec::new();
     let case = case_of(&json!({"name": "force", "system": {"network": network}, "time": time}), &[]);
-    let outcome =
-        follow(&case, |seen| velocities.push(seen.velocities.iter().map(|&v| DVec3::from_array(v)).collect()));
+    let outcome = follow(&case, |seen| velocities.push(seen.velocities.iter().map(|&v| Vector3::from(v)).collect()));
     assert_eq!(outcome.status, Status::Completed, "{network}");
-    let force = |(v0, v1): (&DVec3, &DVec3)| (v1 - v0) * (MASS / H);
+    let force = |(v0, v1): (&Vector3<f64>, &Vector3<f64>)| (v1 - v0) * (MASS / H);
     velocities.windows(2).map(|w| w[0].iter().zip(&w[1]).map(force).collect()).collect()
 }
 
 /// A row: how far a force is off the closed form, as a share of it; of 1 N where it is zero.
-fn agrees(what: &str, found: DVec3, expected: DVec3) -> Claim {
-    let size = expected.length();
+fn agrees(what: &str, found: Vector3<f64>, expected: Vector3<f64>) -> Claim {
+    let size = expected.norm();
     let scale = if size > 0.0 { size } else { 1.0 };
     let what = format!("{what}: {size:.4} N, force off");
-    Claim::below(what, (found - expected).length() / scale, ROUNDING)
+    Claim::below(what, (found - expected).norm() / scale, ROUNDING)
 }
 
 pub fn claims() -> Vec<Claim> {

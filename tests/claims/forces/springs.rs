@@ -3,7 +3,7 @@
 
 use super::{H, agrees, forces};
 use crate::claim::Claim;
-use glam::DVec3;
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 /// [m]
@@ -12,38 +12,38 @@ const LENGTH: f64 = 7.0;
 const K: f64 = 40.0;
 /// [m] of dead zones and compression limits
 const EPS: f64 = 0.25;
-const SPEED: DVec3 = DVec3::new(1.3, -0.7, 2.1);
+const SPEED: Vector3<f64> = Vector3::new(1.3, -0.7, 2.1);
 
-fn n() -> DVec3 {
-    DVec3::new(2.0, 3.0, 6.0) / LENGTH
+fn n() -> Vector3<f64> {
+    Vector3::new(2.0, 3.0, 6.0) / LENGTH
 }
 
 /// Where the free end is beyond its place in the mesh, and its speed.
 #[derive(Clone, Copy)]
 struct Start {
-    displacement: DVec3,
-    velocity: DVec3,
+    displacement: Vector3<f64>,
+    velocity: Vector3<f64>,
 }
 
 impl Start {
     fn still(elongation: f64) -> Self {
-        Start { displacement: elongation * n(), velocity: DVec3::ZERO }
+        Start { displacement: elongation * n(), velocity: Vector3::zeros() }
     }
 
-    fn moving(elongation: f64, velocity: DVec3) -> Self {
+    fn moving(elongation: f64, velocity: Vector3<f64>) -> Self {
         Start { displacement: elongation * n(), velocity }
     }
 }
 
 /// [N] On the free end. `more` are further keys of the spring's rule or, under `network`, of the scene.
-fn on_end(more: &Value, start: Start) -> DVec3 {
+fn on_end(more: &Value, start: Start) -> Vector3<f64> {
     let mut rule = json!({"on": "all", "stiffness": K});
     let mut network = json!({
         "mesh": {"explicit": {"nodes": [[0, 0, 0], [2, 3, 6]], "springs": [[0, 1]]}},
         "supports": [{"on": {"ids": [0]}, "fix": "xyz"}],
         "initial": {
-            "displacement": [[0, 0, 0], start.displacement.to_array()],
-            "velocity": [[0, 0, 0], start.velocity.to_array()]
+            "displacement": [[0, 0, 0], start.displacement.as_slice()],
+            "velocity": [[0, 0, 0], start.velocity.as_slice()]
         }
     });
     for (key, value) in more.as_object().expect("keys of a rule") {
@@ -97,7 +97,7 @@ fn lengths_and_stiffnesses(claims: &mut Vec<Claim>) {
 
 fn dashpots(claims: &mut Vec<Claim>) {
     let c = 6.0;
-    let along = n().dot(SPEED) * n();
+    let along = n().dot(&SPEED) * n();
     for (key, value, coefficient) in [
         ("coefficient", json!({"coefficient": c}), c),
         ("time", json!({"time": 0.05}), K * 0.05),
@@ -129,14 +129,14 @@ fn dashpots(claims: &mut Vec<Claim>) {
 /// The end stands at (6, 2, 3), where the spring is 7 m long again: it has no tension, and another direction than in
 /// the mesh.
 fn rayleigh(claims: &mut Vec<Claim>) {
-    let turned = Start { displacement: DVec3::new(4.0, -1.0, -3.0), velocity: SPEED };
+    let turned = Start { displacement: Vector3::new(4.0, -1.0, -3.0), velocity: SPEED };
     let damped = |mass: f64, stiffness: f64| json!({"network": {"damping": {"rayleigh": {"mass": mass, "stiffness": stiffness}}}});
     // of a node of 1 kg
     claims.push(agrees("Rayleigh, -alpha m v", on_end(&damped(0.75, 0.0), turned), -0.75 * SPEED));
-    let k0 = -0.05 * K * n().dot(SPEED) * n();
+    let k0 = -0.05 * K * n().dot(&SPEED) * n();
     claims.push(agrees("Rayleigh, -beta K0 v with K0 of the mesh as given", on_end(&damped(0.0, 0.05), turned), k0));
     let gravity = json!({"network": {"gravity": [1.5, -2.0, -9.81]}});
-    claims.push(agrees("gravity, m g", on_end(&gravity, Start::still(0.0)), DVec3::new(1.5, -2.0, -9.81)));
+    claims.push(agrees("gravity, m g", on_end(&gravity, Start::still(0.0)), Vector3::new(1.5, -2.0, -9.81)));
 }
 
 pub fn claims() -> Vec<Claim> {

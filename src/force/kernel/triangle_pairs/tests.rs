@@ -5,7 +5,7 @@ use crate::force::kernel::element_block::{place, vector};
 use crate::force::kernel::fixtures::{NODES, elements, vectors};
 use crate::force::kernel::local_buffer::{LocalBuffer, rows};
 use crate::model::quad::{Portable, run};
-use glam::DVec3;
+use nalgebra::Vector3;
 
 /// Rows of squares, each two triangles that are turned alike.
 fn net(columns: usize, lines: usize) -> Vec<[u16; 3]> {
@@ -37,14 +37,14 @@ impl PressureLaw for Law {
 }
 
 /// Forces [N] of [`Law`] by node, and its power, written as one would: a triangle after the other.
-fn one_by_one(triangles: &[[u16; 3]], [x, v]: [&Records; 2]) -> (Vec<DVec3>, f64) {
-    let (mut forces, mut power) = (vec![DVec3::ZERO; NODES], 0.0);
+fn one_by_one(triangles: &[[u16; 3]], [x, v]: [&Records; 2]) -> (Vec<Vector3<f64>>, f64) {
+    let (mut forces, mut power) = (vec![Vector3::zeros(); NODES], 0.0);
     for nodes in triangles {
         let [a, b, c] = nodes.map(|i| vector(x, i));
-        let s = 0.5 * (b - a).cross(c - a);
+        let s = 0.5 * (b - a).cross(&(c - a));
         for &node in nodes {
             forces[node as usize / 4] += 2.0 / 3.0 * s;
-            power += 2.0 / 3.0 * s.dot(vector(v, node));
+            power += 2.0 / 3.0 * s.dot(&vector(v, node));
         }
     }
     (forces, power)

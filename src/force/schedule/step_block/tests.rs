@@ -200,7 +200,7 @@ fn start(present: [bool; 2]) -> Point {
     Point { state: State { t: 0.0, x: numbers(0.0), v: numbers(1.0) }, forces }
 }
 
-fn sums(forces: &mut Forces) -> [&mut [DVec3]; SUMS] {
+fn sums(forces: &mut Forces) -> [&mut [Vector3<f64>]; SUMS] {
     [&mut forces.total, &mut forces.external, &mut forces.dissipative].map(|sum| cast_slice_mut(sum))
 }
 

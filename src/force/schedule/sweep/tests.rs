@@ -59,33 +59,33 @@ impl Terms for Only<'_> {
 fn mixed(limits: Limits) -> (Mixed, Sweep) {
     let ends = |pair: &dyn Fn(u32) -> [u32; 2]| (1..NODES as u32).map(pair).collect();
     let (star, chain) = (relative_dashpots(ends(&|i| [i, 0])), links(ends(&|i| [i, i - 1])));
-    let weight = Gravity::new(DVec3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), &vec![DVec3::X; NODES]);
+    let weight = Gravity::new(Vector3::new(0.0, 0.5, -2.0), (0..NODES).map(|i| i as f64), &vec![Vector3::x(); NODES]);
     let mut terms = Mixed { star, chain, weight };
     let partition = Partition::within(limits, NODES, &mut [&mut terms.star, &mut terms.chain, &mut terms.weight]);
     (terms, Sweep::of(partition))
 }
 
-fn vectors(seed: u64) -> Vec<DVec3> {
+fn vectors(seed: u64) -> Vec<Vector3<f64>> {
     let mut random = random(seed);
-    std::iter::repeat_with(|| DVec3::new(random(), random(), random())).take(NODES).collect()
+    std::iter::repeat_with(|| Vector3::new(random(), random(), random())).take(NODES).collect()
 }
 
 /// What element after element gives, without blocks.
-fn one_by_one(at: NodeState<'_>) -> ([Vec<DVec3>; 3], [Tally; 3]) {
-    let mut sums = [0; 3].map(|_| vec![DVec3::ZERO; NODES]);
+fn one_by_one(at: NodeState<'_>) -> ([Vec<Vector3<f64>>; 3], [Tally; 3]) {
+    let mut sums = [0; 3].map(|_| vec![Vector3::zeros(); NODES]);
     let mut tallies = [Tally::default(); 3];
     for i in 0..NODES {
         if i > 0 {
             let dv = at.v[0] - at.v[i];
             sums[2][i] += 2.0 * dv;
             sums[2][0] -= 2.0 * dv;
-            tallies[0].power -= 2.0 * dv.length_squared();
+            tallies[0].power -= 2.0 * dv.norm_squared();
             sums[0][i] += 0.5 * at.x[i - 1];
             sums[0][i - 1] += 0.5 * at.x[i];
         }
-        let weight = i as f64 * DVec3::new(0.0, 0.5, -2.0);
+        let weight = i as f64 * Vector3::new(0.0, 0.5, -2.0);
         sums[1][i] += weight;
-        tallies[2].energy -= weight.dot(at.x[i] - DVec3::X);
+        tallies[2].energy -= weight.dot(&(at.x[i] - Vector3::x()));
     }
     let (others, total) = ([sums[1].clone(), sums[2].clone()], &mut sums[0]);
     others.iter().flatten().zip((0..NODES).cycle()).for_each(|(f, i)| total[i] += *f);
@@ -104,17 +104,17 @@ fn a_pass_adds_up_all_terms_whatever_the_tiles_and_threads() -> Result<(), Threa
         let mut bits = Vec::new();
         for threads in [1, 2, 3] {
             let threads = Threads::new(threads)?;
-            let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+            let mut sums = [0; 3].map(|_| vec![Vector3::repeat(f64::NAN); NODES]);
             let mut tallies = [Tally { energy: f64::NAN, power: f64::NAN }; 3];
             sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
             for (found, expected) in sums.iter().flatten().zip(expected.iter().flatten()) {
-                assert!((*found - *expected).length() < 1e-12 * (1.0 + expected.length()), "{found} {expected}");
+                assert!((*found - *expected).norm() < 1e-12 * (1.0 + expected.norm()), "{found} {expected}");
             }
             for (found, expected) in tallies.iter().zip(&amounts) {
                 assert!((found.energy - expected.energy).abs() < 1e-10, "{found:?} {expected:?}");
                 assert!((found.power - expected.power).abs() < 1e-10, "{found:?} {expected:?}");
             }
-            let all = sums.iter().flatten().flat_map(|f| f.to_array());
+            let all = sums.iter().flatten().flat_map(|f| [f.x, f.y, f.z]);
             bits.push(all.chain(tallies.map(|t| t.energy + t.power)).map(f64::to_bits).collect::<Vec<_>>());
         }
         assert!(bits[0] == bits[1] && bits[0] == bits[2], "node blocks of {node_block}");
@@ -130,18 +130,18 @@ fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildE
     for threads in [1, 2] {
         let threads = Threads::new(threads)?;
         let all = || {
-            let mut sums = [0; 3].map(|_| vec![DVec3::NAN; NODES]);
+            let mut sums = [0; 3].map(|_| vec![Vector3::repeat(f64::NAN); NODES]);
             let mut tallies = [Tally::default(); 3];
             sweep.pass((&terms, at), &threads, sums.each_mut().map(Vec::as_mut_slice), &mut tallies);
             (sums, tallies)
         };
         let before = all();
-        let (mut sum, mut tally) = (vec![DVec3::NAN; NODES], [Tally::default()]);
+        let (mut sum, mut tally) = (vec![Vector3::repeat(f64::NAN); NODES], [Tally::default()]);
         let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
         sweep.pass((&Only(&star), at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
         assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
         sweep.pass((&Only(&[]), at), &threads, [&mut sum, &mut [], &mut []], &mut []);
-        assert!(sum.iter().all(|f| *f == DVec3::ZERO));
+        assert!(sum.iter().all(|f| *f == Vector3::zeros()));
         assert_eq!(all(), before);
     }
     Ok(())
@@ -154,11 +154,11 @@ fn a_batch_can_be_cut_again() {
     let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
     let partition = Partition::within(Limits { node_block: 64, records: 300 }, NODES, &mut [&mut terms.star]);
     let sweep = Sweep::of(partition);
-    let mut sum = vec![DVec3::NAN; NODES];
+    let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
     let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
     sweep.pass((&Only(&star), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     let (expected, _) = one_by_one(at);
-    assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).length() < 1e-12 * (1.0 + b.length())));
+    assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).norm() < 1e-12 * (1.0 + b.norm())));
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn weight_alone_needs_no_elements() {
     let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
     let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
     let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, summands));
-    let mut sum = vec![DVec3::NAN; NODES];
+    let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
     sweep.pass((&Only(&[(&terms.weight, 0)]), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
-    assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * DVec3::new(0.0, 0.5, -2.0)));
+    assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * Vector3::new(0.0, 0.5, -2.0)));
 }
