@@ -206,7 +206,7 @@ fn step(
     momentum: &mut [Vector2<f64>],
 ) -> f64 {
     let (ring, seams) = (plan.size.ring, plan.seams);
-    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(&m)).sum();
+    let uphill: f64 = forces.iter().zip(momentum.iter()).map(|(f, m)| f.dot(m)).sum();
     let memory = if uphill < 0.0 { 0.0 } else { MOMENTUM };
     let mut largest: f64 = 0.0;
     for node in 0..start.points.len() {

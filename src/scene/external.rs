@@ -118,7 +118,7 @@ impl Network {
         for to in sums {
             to.iter_mut().zip(forces()).for_each(|(to, f)| *to += f);
         }
-        let power = forces().zip(by_node(at.v)).map(|(f, v)| f.dot(&v)).sum();
+        let power = forces().zip(by_node(at.v)).map(|(f, v)| f.dot(v)).sum();
         Tally { power, ..Tally::default() }
     }
 }

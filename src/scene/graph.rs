@@ -53,7 +53,7 @@ impl SpringGraph for Network {
 
     fn weight(&self) -> Vec<f64> {
         let g = self.gravity.unwrap_or(Vector3::zeros());
-        self.mass.iter().flat_map(|&m| (m * g).data.0[0]).collect()
+        self.mass.iter().flat_map(|&m| <[f64; 3]>::from(m * g)).collect()
     }
 
     fn viscosity(&self) -> Viscosity {

@@ -94,7 +94,7 @@ pub(super) fn nodes(
 fn extent(nodes: &[[f64; 3]]) -> String {
     let Some(first) = nodes.first().map(|p| Vector3::from(*p)) else { return String::new() };
     let (low, high) = nodes.iter().map(|p| Vector3::from(*p)).fold((first, first), |(l, h), p| (l.inf(&p), h.sup(&p)));
-    format!("; they lie between {:?} and {:?}", low.data.0[0], high.data.0[0])
+    format!("; they lie between {:?} and {:?}", low.as_slice(), high.as_slice())
 }
 
 /// Which edges a rule selects, one flag an edge.
