@@ -31,7 +31,7 @@ pub trait TangentSystem: System {
     }
 
     /// Writes a symmetric approximation of W: symmetric tangents as they are (or made positive semidefinite if
-    /// `convex`), others by [`symmetric_tangent`](crate::force::ForceTerm::symmetric_tangent).
+    /// `convex`), others in their [symmetric form](crate::force::TangentForm).
     fn assemble_symmetric(&self, at: StateRef<'_>, weights: Weights, convex: bool, assembler: &mut Assembler) {
         let _ = (at, weights, convex, assembler);
     }

@@ -6,20 +6,32 @@
 //! * [`kernel`]: loops over elements of one shape. They find nodes in the local buffers of a block, and know no scene.
 //! * [`schedule`]: blocks, threads, and several steps at once.
 //!
+//! There are three kinds of elements, and one kernel for each:
+//!
+//! | elements | kernel | a law says |
+//! |---|---|---|
+//! | two nodes (bars) | [`law::damped_springs`] | tension and damping from length and rate: [`law::slack`], [`law::dashpot`] |
+//! | triangles | [`kernel::faces`] | the pressure from area vector and velocity: [`law::air`], [`law::follower_pressure`] |
+//! | nodes | `kernel/nodes` | the force from position and velocity: [`law::gravity`], [`law::nodal`] |
+//!
+//! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels ask for four elements side by side, and
+//! tangents for one.
+//!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
-//!    * two nodes, pulled along a difference: [`kernel::edges::EdgeKernel`] with an `AxialLaw`, see `relative_dashpot`;
+//!    * two nodes with an elastic law: a [`law::slack::TensionLaw`], or for any other law a [`kernel::batch::Kernel`], as
+//!      [`law::bar_law`];
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
-//!      `follower_pressure`;
-//!    * any other element: a [`kernel::batch::Kernel`], element by element, as `axial_dashpot`;
-//!    * nodes: [`kernel::batch::Summand`], as `nodal`.
-//! 2. Say in its [`TermInfo`] what it is: schemes, the ledger and diagnoses go by that, and by no name.
-//!    `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`); `on_triangles` lets a
-//!    failure name one. A term with elastic energy also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and
-//!    one whose K can be indefinite has a [`ForceTerm::convex_tangent`].
+//!      [`law::follower_pressure`];
+//!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of [`law::rayleigh`];
+//!    * nodes: a `NodeLaw`, as [`law::nodal`].
+//! 2. Say in the [`TermInfo`] of its [parts](ForceTerm::parts) what it is: schemes, the ledger and diagnoses go by that,
+//!    and by no name. `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`);
+//!    `on_triangles` lets a failure name one. A term with elastic energy also adds its stiffness at rest in
+//!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
 //! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it
 //!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner).
-//! 4. If it is new to the case file, its section goes to `case/schema` and `case/build`, and to `case/fingerprint`,
+//! 4. If it is new to the case file, its section goes to `case/schema` and `case/lower`, and to `case/fingerprint`,
 //!    which says what must be the same for a run to go on; the compiler asks for the last.
 //! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
 //!    states, what its [`TermInfo`] says with its forces, copies of it in several blocks with one alone, and steps made

@@ -15,7 +15,7 @@ const MOST_POINTS_OF_ALL: usize = 40_000;
 /// [px] widest and narrowest usual line. Earlier lines are wider, so that they show beneath later ones that coincide
 /// with them.
 const WIDTHS: [f64; 2] = [2.8, 1.4];
-/// Largest picture [px]; plotters counts drawing units in 32 bits.
+/// Largest picture [px].
 const LARGEST: u32 = 20_000;
 
 /// A rectangle of the picture.
