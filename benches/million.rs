@@ -1,5 +1,5 @@
 //! A velocity-Verlet step of a million nodes beside what the memory can do: a STREAM triad (McCalpin 1995) in the same
-//! run, one thread and two, all in turn. Steps one by one, and in strides, with the account that a run takes of each.
+//! run, one thread and two, all in turn. Steps one by one, and in blocks of steps, with the account that a run takes of each.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench million
@@ -13,7 +13,7 @@
 //! ```
 //! The roofline (Williams, Waterman & Patterson 2009) has operations over time above operations over bytes. Its slopes
 //! are the triads, its ceilings what steps reach whose scene stays in the caches. A root and a quotient count as one
-//! operation each. Steps of a stride cross memory together.
+//! operation each. Steps of a block cross memory together.
 
 mod fixture;
 
@@ -72,7 +72,7 @@ struct Reached {
     rate: f64,
     /// [1/s] operations in the caches
     ceiling: f64,
-    /// [1/B] and [1/s] of steps one by one and in a stride
+    /// [1/B] and [1/s] of steps one by one and in a block
     points: [(f64, f64); 2],
 }
 
@@ -82,7 +82,7 @@ fn in_caches() -> f64 {
     let mut steps = Steps::new(&scene, "velocity-verlet", 1e-5);
     let mut of_one = || {
         let mut made = 0;
-        let time = seconds(|| made = (0..20).map(|_| steps.stride()).sum());
+        let time = seconds(|| made = (0..20).map(|_| steps.advance_block()).sum());
         made as f64 * operations(&scene) / time
     };
     median((0..ROUNDS).map(|_| of_one()).collect())
@@ -111,7 +111,7 @@ fn roofline(reached: &[Reached]) -> Chart {
         x: Axis { range: Some((least, most)), ..Axis::log("operations a byte that crosses memory [1/B]") },
         y: Axis::log("operations a second [1/s]"),
         lines: lines.collect(),
-        notes: vec![note(alone, "steps one by one"), note(together, "in strides")],
+        notes: vec![note(alone, "steps one by one"), note(together, "in blocks of steps")],
         ..Chart::default()
     }
 }
@@ -132,19 +132,19 @@ fn main() {
             times[i].push(seconds(|| triad.run(&workers[i])));
             times[2 + i].push(seconds(|| steps[i].step()));
             let mut made = 0;
-            let stride = seconds(|| made = steps[i].stride());
-            times[4 + i].push(stride / made as f64);
+            let block = seconds(|| made = steps[i].advance_block());
+            times[4 + i].push(block / made as f64);
             longest = made;
         }
     }
-    let [triad_1, triad_2, step_1, step_2, stride_1, stride_2] = times.map(median);
+    let [triad_1, triad_2, step_1, step_2, block_1, block_2] = times.map(median);
     let (vector, of_springs) = ((24 * nodes) as f64, 12.0 * springs as f64);
     println!("{nodes} nodes, {springs} springs");
     for (threads, kind, triad, step) in [
         (1, "step", triad_1, step_1),
-        (1, "step of a stride", triad_1, stride_1),
+        (1, "step of a block", triad_1, block_1),
         (2, "step", triad_2, step_2),
-        (2, "step of a stride", triad_2, stride_2),
+        (2, "step of a block", triad_2, block_2),
     ] {
         let rate = (24 * n) as f64 / triad;
         let [two_passes, one_pass] = [11.0, 7.0].map(|vectors| (vectors * vector + of_springs) / rate);
@@ -159,21 +159,21 @@ fn main() {
         );
     }
     println!(
-        "two threads against one: triad {:.2}, step {:.2}, step of a stride {:.2} times as fast",
+        "two threads against one: triad {:.2}, step {:.2}, step of a block {:.2} times as fast",
         triad_1 / triad_2,
         step_1 / step_2,
-        stride_1 / stride_2
+        block_1 / block_2
     );
     draw(picture, || {
         let (operations, bytes, in_caches) = (operations(&one), 7.0 * vector + of_springs, in_caches());
         let point = |step: f64, crossings: f64| (operations / (bytes * crossings), operations / step);
-        let of = |threads, triad: f64, [step, stride]: [f64; 2]| Reached {
+        let of = |threads, triad: f64, [step, block]: [f64; 2]| Reached {
             threads,
             rate: (24 * n) as f64 / triad,
             // Every thread could have a scene of its own.
             ceiling: threads as f64 * in_caches,
-            points: [point(step, 1.0), point(stride, 1.0 / longest as f64)],
+            points: [point(step, 1.0), point(block, 1.0 / longest as f64)],
         };
-        roofline(&[of(1, triad_1, [step_1, stride_1]), of(2, triad_2, [step_2, stride_2])])
+        roofline(&[of(1, triad_1, [step_1, block_1]), of(2, triad_2, [step_2, block_2])])
     });
 }

@@ -15,8 +15,8 @@ use canopy_fem::integrate::registry::{Family, MethodChoice, methods};
 use canopy_fem::integrate::stepper::{Attempt, Stepper};
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
+use canopy_fem::model::step_block::StepSummary;
 use canopy_fem::model::stop::Stop;
-use canopy_fem::model::stride::Passed;
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 use canopy_fem::simulation::{RunSettings, Simulation};
@@ -90,20 +90,23 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
     dhat::HeapStats::get().total_blocks - before
 }
 
-/// Heap blocks allocated by five strides after one.
-fn stride_blocks(scene: &Network, method: &str) -> u64 {
+/// Heap blocks allocated by five blocks of steps after one.
+fn heap_blocks(scene: &Network, method: &str) -> u64 {
     let choice = MethodChoice::with_defaults(method).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
-    let mut passed = vec![Passed::default(); scene.longest_stride()];
+    let mut passed = vec![StepSummary::default(); scene.longest_block()];
     let mut advance = |n: u32| {
         for _ in 0..n {
             let t = from.state.t;
             passed.iter_mut().zip(1..).for_each(|(passed, step)| passed.t = t + f64::from(step) * h);
             let attempt = Attempt { from: &from, h, t_next: passed.last().map_or(t, |last| last.t) };
-            assert!(stepper.stride(attempt, &mut to, &mut passed, &mut counters), "{method} has strides");
+            assert!(
+                stepper.advance_block(attempt, &mut to, &mut passed, &mut counters),
+                "{method} has blocks of steps"
+            );
             std::mem::swap(&mut from, &mut to);
         }
     };
@@ -193,15 +196,15 @@ fn main() {
             assert_eq!(blocks(&calm, method.name, 50, newton), 0, "{} by conjugate gradients", method.name);
         }
     }
-    // So many nodes that each of two threads has a part of its own in a stride.
+    // So many nodes that each of two threads has a part of its own in a block.
     let two = || Threads::with_caller(2).expect("threads");
     let (shared, windy_sheet) = (sheet_for(260, two(), false), sheet_for(260, two(), true));
     for method in ["velocity-verlet", "euler-cromer"] {
-        assert_eq!(stride_blocks(&windy, method), 0, "strides of {method} with air");
-        assert_eq!(stride_blocks(&windy_sheet, method), 0, "strides of {method} with air on two threads");
-        assert_eq!(stride_blocks(&shared, method), 0, "strides of {method} on two threads");
-        assert_eq!(stride_blocks(&large, method), 0, "strides of {method}");
-        assert_eq!(stride_blocks(&sheet(20), method), 0, "strides of {method} in the windows of one tile");
+        assert_eq!(heap_blocks(&windy, method), 0, "blocks of steps of {method} with air");
+        assert_eq!(heap_blocks(&windy_sheet, method), 0, "blocks of steps of {method} with air on two threads");
+        assert_eq!(heap_blocks(&shared, method), 0, "blocks of steps of {method} on two threads");
+        assert_eq!(heap_blocks(&large, method), 0, "blocks of steps of {method}");
+        assert_eq!(heap_blocks(&sheet(20), method), 0, "blocks of steps of {method} in the local buffers of one block");
     }
     assert_eq!(external_blocks(10), external_blocks(60), "steps with an external force");
     // The measurement itself sees an allocation when there is one.

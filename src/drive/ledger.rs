@@ -11,7 +11,7 @@ use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
 use crate::model::forces::{Role, Tally};
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::step_block::StepSummary;
 use crate::model::system::System;
 
 /// [eps] of the energies that rounding may leave unexplained in the sums of one row.
@@ -83,7 +83,7 @@ impl Ledger {
     }
 
     /// The same for a step of a block.
-    pub fn passed(&mut self, system: &dyn System, end: &Passed) -> LedgerRow {
+    pub fn passed(&mut self, system: &dyn System, end: &StepSummary) -> LedgerRow {
         self.work.external += end.nodes.work.external;
         self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)

@@ -3,7 +3,7 @@
 pub use super::snapshot::{Occasion, Resumable};
 use crate::model::picture::Picture;
 pub use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::step_block::StepSummary;
 
 /// The energy account at one time. kinetic + elastic + gravity - external_work + dissipated + numerical
 /// keeps its value at t = 0.
@@ -95,7 +95,7 @@ pub struct AcceptedStep<'a> {
     /// state at its end; there where an observer wants it
     pub end: Option<&'a Point>,
     /// summary of the state at its end, where that state is not kept
-    pub summary: Option<&'a Passed>,
+    pub summary: Option<&'a StepSummary>,
     /// Newton iterations of the step, 0 for explicit schemes
     pub newton_iterations: u32,
     /// [-] final residual over its scale, 0 for explicit schemes

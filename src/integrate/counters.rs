@@ -3,7 +3,7 @@
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
-use crate::model::stride::Passed;
+use crate::model::step_block::StepSummary;
 use crate::model::system::{KickDriftBlock, System};
 
 /// What a run cost, in operations.
@@ -50,7 +50,7 @@ impl Counters {
         system: &S,
         to: &mut Point,
         block: KickDriftBlock<'_>,
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
     ) {
         self.force_evaluations += (block.scheme.passes() * passed.len().max(1)) as u64;
         system.advance(&mut to.state, &mut to.forces, block, passed);

@@ -8,7 +8,7 @@
 //! 2 (sqrt(1 + zeta^2) - zeta) with damping ratio zeta.
 
 use super::kick_drift::KickDrift;
-use crate::model::stride::KickDriftScheme;
+use crate::model::step_block::KickDriftScheme;
 
 /// Euler-Cromer.
 pub const EULER_CROMER: KickDrift =

@@ -2,7 +2,7 @@
 
 use super::{Counters, Integrator, StepError, StepInput, StepReport};
 use crate::model::point::Point;
-use crate::model::stride::{KickDriftScheme, Passed};
+use crate::model::step_block::{KickDriftScheme, StepSummary};
 use crate::model::system::{KickDriftBlock, System};
 
 /// Such a scheme; carries nothing.
@@ -27,15 +27,15 @@ impl Integrator<dyn System> for KickDrift {
         Ok(StepReport { forces_at_end: true, ..Default::default() })
     }
 
-    fn stride(
+    fn advance_block(
         &mut self,
         step: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
         debug_assert!(passed.last().is_none_or(|last| last.t == step.t_next));
-        let makes_blocks = step.system.longest_stride() >= 2 && !passed.is_empty();
+        let makes_blocks = step.system.longest_block() >= 2 && !passed.is_empty();
         if makes_blocks {
             self.advance(step, to, passed, counters);
         }
@@ -48,7 +48,7 @@ impl KickDrift {
         self,
         StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
         counters: &mut Counters,
     ) {
         to.state.t = t_next;

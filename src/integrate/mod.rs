@@ -59,7 +59,7 @@ pub use factor_cache::CachedFactor;
 
 use crate::assembly::PatternError;
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::step_block::StepSummary;
 use crate::solve::newton::NewtonFailure;
 use crate::solve::{LinearError, LinearStats};
 
@@ -188,11 +188,11 @@ pub trait Integrator<S: ?Sized>: Send {
     /// Makes several steps into `to`, of one size and an entry of `passed` each, which has its time; `step.t_next` is
     /// that of the last. Their bits are those of steps attempted and accepted one by one. `false`, and `to` means
     /// nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
-    fn stride(
+    fn advance_block(
         &mut self,
         step: StepInput<'_, S>,
         to: &mut Point,
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
         let _ = (step, to, passed, counters);

@@ -3,7 +3,7 @@
 use super::{Carried, Counters, ErrorOut, Integrator, PairInfo, StepError, StepInput, StepReport};
 use crate::assembly::{Abilities, TangentSystem};
 use crate::model::point::Point;
-use crate::model::stride::Passed;
+use crate::model::step_block::StepSummary;
 use crate::model::system::{SpringGraph, System};
 use crate::solve::LinearStats;
 
@@ -97,16 +97,16 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    /// See [`Integrator::stride`].
-    pub fn stride(
+    /// See [`Integrator::advance_block`].
+    pub fn advance_block(
         &mut self,
         Attempt { from, h, t_next }: Attempt<'_>,
         to: &mut Point,
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
         each!(&mut self.0, scheme, system => {
-            scheme.stride(StepInput { system: *system, from, h, t_next }, to, passed, counters)
+            scheme.advance_block(StepInput { system: *system, from, h, t_next }, to, passed, counters)
         })
     }
 

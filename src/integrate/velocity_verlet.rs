@@ -14,7 +14,7 @@
 //! velocity-dependent forces a* = a_{n+1}. Limit w h < 2 undamped.
 
 use super::kick_drift::KickDrift;
-use crate::model::stride::KickDriftScheme;
+use crate::model::step_block::KickDriftScheme;
 
 /// Velocity Verlet; a_n is the force of the point a step starts from.
 pub const VELOCITY_VERLET: KickDrift = KickDrift {

@@ -7,7 +7,7 @@
 use super::forces::{Forces, Role};
 use super::point::Point;
 use super::state::{State, StateRef};
-use super::stride::{KickDriftScheme, Passed, StepStart};
+use super::step_block::{KickDriftScheme, StepStart, StepSummary};
 use super::workers::{ALONE, Workers};
 use std::ops::Range;
 
@@ -61,7 +61,7 @@ pub trait System: Send + Sync {
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
 
     /// Steps of a block at most; fewer than two where steps are made one by one.
-    fn longest_stride(&self) -> usize {
+    fn longest_block(&self) -> usize {
         0
     }
 
@@ -69,8 +69,8 @@ pub trait System: Send + Sync {
     /// there. `passed` has an entry a step, of which it tells time and summary; it is empty for a single step, of which
     /// nothing but `out` is told. The time at the end is in `at` before. Bits are those of steps made one by one.
     ///
-    /// Systems whose [`System::longest_stride`] is below two make the single step alone.
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+    /// Systems whose [`System::longest_block`] is below two make the single step alone.
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [StepSummary]) {
         debug_assert!(passed.is_empty(), "this system makes steps one by one");
         single_step(self, at, out, block);
     }

@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::model::forces::{Forces, Role, Tally};
 use crate::model::motion::motion;
 use crate::model::state::{State, StateRef};
-use crate::model::stride::{self, Passed};
+use crate::model::step_block::{self, StepSummary};
 use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
@@ -269,14 +269,14 @@ impl System for Network {
         });
     }
 
-    fn longest_stride(&self) -> usize {
+    fn longest_block(&self) -> usize {
         if self.external.is_some() {
             return 0;
         }
-        self.sweep.longest_stride(if self.velocity_dependent() { 2 } else { 1 })
+        self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
     }
 
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [Passed]) {
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [StepSummary]) {
         if self.external.is_some() {
             return single_step(self, at, out, block);
         }
@@ -312,7 +312,7 @@ impl System for Network {
         self.sweep.by_node_blocks(&self.threads, |nodes| {
             let dofs = 3 * nodes.start..3 * nodes.end;
             let forces = forces.map(|f| &f[dofs.clone()]);
-            let [begun, ended] = stride::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);
+            let [begun, ended] = step_block::work::<3, 2>(forces, &x_n[dofs.clone()], &x_n1[dofs]);
             0.5 * (begun + ended)
         })
     }

@@ -7,7 +7,7 @@ use crate::model::forces::Forces;
 use crate::model::motion::motion;
 use crate::model::picture::Picture;
 use crate::model::state::StateRef;
-use crate::model::stride::strain_of;
+use crate::model::step_block::strain_of;
 
 impl Picture for Network {
     fn reference(&self) -> &[[f64; 3]] {

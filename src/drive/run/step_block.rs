@@ -1,4 +1,4 @@
-//! Blocks of steps: several steps in one go, where no observer wants the states on the way ([`crate::model::stride`]).
+//! Blocks of steps: several steps in one go, where no observer wants the states on the way ([`crate::model::step_block`]).
 //!
 //! Every step of a block enters the energy account and is watched as a single step is. Only the extent of the scene
 //! differs: it is known of the last state, and bounded in the states before. Where a step looks wrong, the whole block
@@ -8,13 +8,13 @@ use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, Upcoming
 use super::super::watch::{Watched, power_of};
 use super::{Run, RunError, StepPolicy};
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::model::stride::{LONGEST, Passed};
+use crate::model::step_block::{LONGEST, StepSummary};
 
 /// Buffers and state of the blocks of a run.
 #[derive(Default)]
 pub(super) struct StepBlocks {
     /// summaries of the steps of a block
-    summaries: Vec<Passed>,
+    summaries: Vec<StepSummary>,
     rows: [LedgerRow; LONGEST],
     /// steps up to this number are made one by one
     not_before: u64,
@@ -37,14 +37,14 @@ impl Run<'_> {
             return Ok(false);
         }
         let h = match &self.state.policy {
-            StepPolicy::Fixed(clock) if self.scene.longest_stride() > 1 => clock.tick(self.state.steps + 1).h,
+            StepPolicy::Fixed(clock) if self.scene.longest_block() > 1 => clock.tick(self.state.steps + 1).h,
             _ => {
                 self.state.blocks.not_before = u64::MAX;
                 return Ok(false);
             }
         };
         let mut blocks = std::mem::take(&mut self.state.blocks);
-        blocks.summaries.resize_with(LONGEST, Passed::default);
+        blocks.summaries.resize_with(LONGEST, StepSummary::default);
         let (coming, n) = self.coming(observers, &mut blocks.summaries);
         let coming = &coming[..n];
         let Some(last) = coming.last().filter(|_| n > 1) else {
@@ -53,7 +53,8 @@ impl Run<'_> {
         };
         let before = (self.state.ledger, self.state.watch, self.state.counters);
         let attempt = Attempt { from: &self.state.from, h, t_next: last.t };
-        let made = stepper.stride(attempt, &mut self.state.to, &mut blocks.summaries[..n], &mut self.state.counters);
+        let made =
+            stepper.advance_block(attempt, &mut self.state.to, &mut blocks.summaries[..n], &mut self.state.counters);
         if !made {
             blocks.not_before = u64::MAX;
         } else if !self.account_for(coming, &mut blocks) {
@@ -72,10 +73,14 @@ impl Run<'_> {
     /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
     /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be
     /// resumed before it. Says of each step what its summary is to hold.
-    fn coming(&self, observers: &[&mut dyn Observer], summaries: &mut [Passed]) -> ([UpcomingStep; LONGEST], usize) {
+    fn coming(
+        &self,
+        observers: &[&mut dyn Observer],
+        summaries: &mut [StepSummary],
+    ) -> ([UpcomingStep; LONGEST], usize) {
         let mut coming = [UpcomingStep::default(); LONGEST];
         let StepPolicy::Fixed(clock) = &self.state.policy else { return (coming, 0) };
-        let longest = self.scene.longest_stride().min(LONGEST);
+        let longest = self.scene.longest_block().min(LONGEST);
         let left = clock.count().saturating_sub(self.state.steps + 1).min(longest as u64) as usize;
         let mut from = self.state.from.state.t;
         for (made, (next, summary)) in coming[..left].iter_mut().zip(summaries).enumerate() {

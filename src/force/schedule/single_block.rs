@@ -9,7 +9,7 @@ use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{Sweep, Terms};
 use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
 use crate::model::forces::Tally;
-use crate::model::stride::{KickDriftScheme, NodeSums, Nodes, Passed, Work, Working};
+use crate::model::step_block::{KickDriftScheme, NodeSums, Nodes, StepSummary, Work, Working};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
 use nalgebra::Vector3;
@@ -27,7 +27,7 @@ impl Sweep {
         StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
-        passed: &mut [Passed],
+        passed: &mut [StepSummary],
     ) {
         let n = mass.len();
         let present = out.each_ref().map(|sum| !sum.is_empty());
@@ -88,7 +88,7 @@ struct Net<'a, T: ?Sized> {
 
 impl<T: Terms + ?Sized> Net<'_, T> {
     /// The forces where a step ends; with corrected velocities, if it predicts.
-    fn find(&mut self, scheme: KickDriftScheme, passed: &mut Passed) {
+    fn find(&mut self, scheme: KickDriftScheme, passed: &mut StepSummary) {
         passed.tallies.resize(self.terms.tallies(), Tally::default());
         let n = self.mass.len();
         if scheme.predicts {
@@ -113,7 +113,7 @@ impl<T: Terms + ?Sized> Net<'_, T> {
         passed.largest_stretch = self.terms.largest_stretch(&block, passed.stretch_wanted);
     }
 
-    fn add(&mut self, kind: PassKind, passed: &mut Passed) {
+    fn add(&mut self, kind: PassKind, passed: &mut StepSummary) {
         let n = self.mass.len();
         let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
         let sums = self.sums.each_mut().map(|sum| &mut **sum);

@@ -20,7 +20,7 @@ use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
 use crate::force::schedule::wavefront::Wavefront;
 use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
 use crate::model::forces::Tally;
-use crate::model::stride::{LONGEST, Passed};
+use crate::model::step_block::{LONGEST, StepSummary};
 use crate::model::workers::{ALONE, Workers};
 use bytemuck::cast_slice;
 use nalgebra::Vector3;
@@ -64,7 +64,7 @@ struct Steps<'a, T: ?Sized> {
     terms: &'a T,
     boundary: StepBoundary<'a>,
     /// empty for a single step of which no summary is made
-    passed: &'a [Passed],
+    passed: &'a [StepSummary],
     threads: &'a Threads,
 }
 
@@ -121,8 +121,8 @@ impl Span<'_> {
 }
 
 impl Sweep {
-    /// How many steps a stride may have that is worth while, with so many force passes each.
-    pub fn longest_stride(&self, passes: usize) -> usize {
+    /// How many steps a block may have that is worth while, with so many force passes each.
+    pub fn longest_block(&self, passes: usize) -> usize {
         if self.is_single_block() { LONGEST } else { LEVELS / passes }
     }
 
@@ -134,7 +134,7 @@ impl Sweep {
         boundary: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
-        (tallies, passed): (&mut [Tally], &mut [Passed]),
+        (tallies, passed): (&mut [Tally], &mut [StepSummary]),
     ) {
         if self.is_single_block() && passed.len() > 1 {
             self.advance_single_block((terms, moving), boundary, threads, out, passed);

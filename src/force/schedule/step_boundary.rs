@@ -7,7 +7,7 @@ use crate::force::schedule::step_block::Moving;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
-use crate::model::stride::{NodeSums, Nodes, StepStart, Work, Working};
+use crate::model::step_block::{NodeSums, Nodes, StepStart, Work, Working};
 use crate::model::system::KickDriftBlock;
 use crate::model::workers::Workers;
 use bytemuck::{cast_slice, cast_slice_mut};

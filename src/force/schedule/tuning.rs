@@ -1,5 +1,5 @@
 //! The sizes that decide speed and nothing else, chosen by the measurements in `docs/performance/tried.md` on nets of
-//! 703 to a million nodes. How many steps a block of a small scene has is [`crate::model::stride::LONGEST`].
+//! 703 to a million nodes. How many steps a block of a small scene has is [`crate::model::step_block::LONGEST`].
 
 /// Nodes of a node block, before their number is rounded, at least: with them the local buffers of a pass fit into a
 /// second-level cache of 1 MB, and what lies beyond a node block's end is less than what lies in it.

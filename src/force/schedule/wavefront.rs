@@ -1,8 +1,8 @@
 //! Ways through the node blocks of a scene, level after level.
 //!
-//! A level is a force pass: that of the first step of a stride, of the next one, or the second pass of the same step.
+//! A level is a force pass: that of the first step of a block, of the next one, or the second pass of the same step.
 //! One wavefront goes over all node blocks. Several threads have a wavefront each, over parts of the scene that share
-//! nothing, so that they need not meet before the stride ends: a part begins every level further to the right and ends
+//! nothing, so that they need not meet before the block ends: a part begins every level further to the right and ends
 //! it further to the left than the one before, where the nodes that its elements reach are its own. What is left
 //! between two parts is a seam, which is gone over when both are done (trapezoids: Frigo & Strumpen 2005).
 //!
@@ -50,7 +50,7 @@ pub(in crate::force) struct Ahead {
     pub reach: usize,
 }
 
-/// The wavefronts of a stride.
+/// The wavefronts of a block.
 #[derive(Debug, Default)]
 pub(in crate::force) struct Wavefronts {
     parts: Vec<Wavefront>,

@@ -6,7 +6,7 @@ use crate::force::schedule::partition::Partition;
 use crate::force::schedule::threads::SUMS;
 use crate::force::schedule::wavefront::Wavefronts;
 use crate::model::forces::Tally;
-use crate::model::stride::NodeSums;
+use crate::model::step_block::NodeSums;
 use nalgebra::Vector3;
 use std::ops::Range;
 

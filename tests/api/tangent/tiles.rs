@@ -12,7 +12,7 @@ use canopy_fem::model::forces::Forces;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::{NetworkSpec, NodalLoad, PressureLoad, SpringGroup};
 use canopy_fem::model::state::{State, StateRef};
-use canopy_fem::model::stride::{Passed, Work};
+use canopy_fem::model::step_block::{StepSummary, Work};
 use canopy_fem::model::system::System;
 use canopy_fem::scene::{Network, Scene, build_network};
 
@@ -104,7 +104,7 @@ fn every_copy_feels_what_one_feels_alone() {
 
 /// Steps made several at once, in which a scene's own state stands still, feel what steps one by one feel.
 #[test]
-fn a_stride_feels_what_steps_feel() {
+fn a_block_of_steps_feels_what_steps_feel() {
     const STEPS: usize = 5;
     for (name, spec) in scenes() {
         let scene = build(spec);
@@ -114,11 +114,11 @@ fn a_stride_feels_what_steps_feel() {
         let state = State { t: sample.t, x: sample.x.clone(), v: sample.v.clone() };
         let mut from = Point { state, forces: scene.new_forces() };
         scene.evaluate(from.state.as_ref(), &mut from.forces);
-        let (mut to, mut passed, h) = (from.clone(), vec![Passed::default(); STEPS], 1e-4);
+        let (mut to, mut passed, h) = (from.clone(), vec![StepSummary::default(); STEPS], 1e-4);
         passed.iter_mut().zip(1..).for_each(|(passed, step)| passed.t = sample.t + f64::from(step) * h);
         let attempt = Attempt { from: &from, h, t_next: passed[STEPS - 1].t };
         let mut counters = Counters::default();
-        assert!(stepper.stride(attempt, &mut to, &mut passed, &mut counters), "{name}");
+        assert!(stepper.advance_block(attempt, &mut to, &mut passed, &mut counters), "{name}");
         let passes = if scene.velocity_dependent() { 2 } else { 1 };
         assert_eq!(counters.force_evaluations, passes * STEPS as u64, "{name}");
         for passed in &passed {

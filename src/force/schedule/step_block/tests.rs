@@ -14,7 +14,7 @@ use crate::model::motion::{Motion, motion};
 use crate::model::point::Point;
 use crate::model::spec::{DashpotKind, Slack};
 use crate::model::state::State;
-use crate::model::stride::{self, KickDriftScheme, NodeSums};
+use crate::model::step_block::{self, KickDriftScheme, NodeSums};
 use crate::model::system::KickDriftBlock;
 use bytemuck::cast_slice_mut;
 use rayon::ThreadPoolBuildError;
@@ -204,7 +204,7 @@ fn sums(forces: &mut Forces) -> [&mut [Vector3<f64>]; SUMS] {
     [&mut forces.total, &mut forces.external, &mut forces.dissipative].map(|sum| cast_slice_mut(sum))
 }
 
-/// Where what a stride finds goes: nothing of it is read before.
+/// Where what a block finds goes: nothing of it is read before.
 fn nowhere(like: &Point) -> Point {
     let mut point = like.clone();
     let Point { state: State { x, v, .. }, forces: Forces { total, external, dissipative, .. } } = &mut point;
@@ -219,7 +219,7 @@ fn in_a_block<T: Terms>(
     (scheme, from): (KickDriftScheme, &Point),
     summaries: usize,
 ) -> (Found, Vec<Tally>) {
-    let (mut passed, mut tallies) = (vec![Passed::default(); summaries], vec![Tally::default(); 2]);
+    let (mut passed, mut tallies) = (vec![StepSummary::default(); summaries], vec![Tally::default(); 2]);
     let Point { mut state, mut forces } = nowhere(from);
     let moving = Moving { t: 0.0, first: 0, x: &mut state.x, v: &mut state.v };
     let [mass, inverse_mass] = masses();
@@ -241,7 +241,7 @@ fn told(sweep: &Sweep, from: &Point, to: &Point, last: bool) -> NodeSums {
             let of_nodes = |sum: &Vec<f64>| sum.get(dofs.clone()).map_or_else(Vec::new, <[f64]>::to_vec);
             let forces = [&forces.external, &forces.dissipative].map(of_nodes);
             let [before, after] = [from, to].map(|at| &at.state.x[dofs.clone()]);
-            stride::Work::of::<3>(forces.each_ref().map(Vec::as_slice), before, after)
+            step_block::Work::of::<3>(forces.each_ref().map(Vec::as_slice), before, after)
         };
         let nodes = nodes.map(|i| [to.state.x[3 * i], to.state.x[3 * i + 1], to.state.x[3 * i + 2]]);
         let nodes = nodes.filter(|_| last);

@@ -13,14 +13,14 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Schemes that have strides.
+/// Schemes that have blocks of steps.
 const STRIDING: [&str; 2] = ["velocity-verlet", "euler-cromer"];
 
 /// Lets steps be made in one go, or does not, and counts.
 struct Witness {
     lets: bool,
     alone: u64,
-    in_strides: u64,
+    in_blocks: u64,
 }
 
 impl Observer for Witness {
@@ -30,11 +30,11 @@ impl Observer for Witness {
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         if step.summary.is_some() {
-            self.in_strides += 1
+            self.in_blocks += 1
         } else {
             self.alone += 1
         }
-        assert_eq!(self.alone + self.in_strides, step.step);
+        assert_eq!(self.alone + self.in_blocks, step.step);
         assert!(step.end.is_none_or(|end| end.state.t == step.t));
         Ok(())
     }
@@ -43,7 +43,7 @@ impl Observer for Witness {
 /// Columns and rows of sheets: of four strips of nodes, and of one, whose nodes stay in its windows.
 const SIZES: [[u32; 2]; 2] = [[69, 79], [18, 22]];
 
-/// Sizes and schemes that have strides there.
+/// Sizes and schemes that have blocks of steps there.
 fn striding() -> impl Iterator<Item = ([u32; 2], &'static str)> {
     SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method)))
 }
@@ -88,7 +88,7 @@ fn solve(case: &Case, dir: &Path, How { threads, keep_going }: How, lets: bool) 
     let fields = Fields { force: true, reaction: true, tension: true, strain: true };
     let recorded = RecorderSpec { fields, ..RecorderSpec::of(problem, dir) };
     let mut recorder = Recorder::new(&*scene, &recorded).expect("a folder");
-    let mut witness = Witness { lets, alone: 0, in_strides: 0 };
+    let mut witness = Witness { lets, alone: 0, in_blocks: 0 };
     let stop = AtomicBool::new(false);
     let observers: &mut [&mut dyn Observer] = &mut [&mut recorder, &mut witness];
     let outcome = drive::run(&*scene, &mut stepper, problem.run_spec(keep_going), observers, &stop).expect("it starts");
@@ -113,12 +113,12 @@ fn files(dir: &Path) -> Vec<(String, Vec<u8>)> {
     all
 }
 
-/// Both ways leave the same; returns the outcome and the steps that were made in strides.
+/// Both ways leave the same; returns the outcome and the steps that were made in blocks of steps.
 fn assert_same(case: &Case, how: How, what: &str) -> (Outcome, u64) {
     let folders = [(), ()].map(|()| tempfile::tempdir().expect("a folder"));
     let (expected, alone) = solve(case, folders[0].path(), How { threads: 1, ..how }, false);
     let (found, witness) = solve(case, folders[1].path(), how, true);
-    assert_eq!(alone.in_strides, 0, "{what}");
+    assert_eq!(alone.in_blocks, 0, "{what}");
     assert_eq!((found.status, found.steps, found.t_end), (expected.status, expected.steps, expected.t_end), "{what}");
     assert_eq!(found.counters, expected.counters, "{what}");
     assert_eq!((found.ledger, found.energy_error), (expected.ledger, expected.energy_error), "{what}");
@@ -133,7 +133,7 @@ fn assert_same(case: &Case, how: How, what: &str) -> (Outcome, u64) {
         }
         assert!(a == b, "{what}: {name} differs");
     }
-    (found, witness.in_strides)
+    (found, witness.in_blocks)
 }
 
 /// Frames between steps and at their ends, rows of every step, of every third and seventh; one, two and three threads.
@@ -148,17 +148,17 @@ fn every_file_is_the_same() {
             (1, r#"{"every": 1e-3}"#, "1"),
         ] {
             let sets = [("time.method", method), ("output.frames", frames), ("output.history.every", history)];
-            let (outcome, in_strides) =
+            let (outcome, in_blocks) =
                 assert_same(&changed(&case, &sets), until_the_end(threads), &format!("{size:?}, {method}, {sets:?}"));
             assert_eq!(outcome.status, Status::Completed);
             // Where every step ends a frame, none; else all but the last and the few that a frame falls into.
             let expected = if frames.contains("1e-3") { 0..1 } else { 45..60 };
-            assert!(expected.contains(&in_strides), "{method}, {sets:?}: {in_strides} of 60 steps");
+            assert!(expected.contains(&in_blocks), "{method}, {sets:?}: {in_blocks} of 60 steps");
         }
     }
 }
 
-/// So many strips that the steps of a stride on several threads are in different places of the sheet.
+/// So many node blocks that the steps of a block on several threads are in different places of the sheet.
 #[test]
 fn a_large_sheet() {
     let mut large = sheet();
@@ -167,25 +167,25 @@ fn a_large_sheet() {
     large["system"]["network"]["supports"] = json!([]);
     let case = case_of(&large, &[("time.step", "1e-4"), ("time.end", "2e-3"), ("output.frames", "null")]);
     for threads in [1, 2, 3] {
-        let (outcome, in_strides) = assert_same(&case, until_the_end(threads), &format!("{threads} threads"));
-        assert_eq!((outcome.status, in_strides > 14), (Status::Completed, true), "{threads} threads: {in_strides}");
+        let (outcome, in_blocks) = assert_same(&case, until_the_end(threads), &format!("{threads} threads"));
+        assert_eq!((outcome.status, in_blocks > 14), (Status::Completed, true), "{threads} threads: {in_blocks}");
     }
 }
 
-/// What goes wrong within a stride is told of the step in which it does, also if the run goes on.
+/// What goes wrong within a block is told of the step in which it does, also if the run goes on.
 #[test]
 #[ignore = "long"]
 fn a_divergence_is_found_at_its_step() {
     for (size, method) in SIZES.into_iter().flat_map(|size| STRIDING.map(|method| (size, method))) {
         let case = case_of(&sheet_of(size), &[("time.end", "0.6"), ("output.frames", "null")]);
-        // A stride of one tile is longer than most of these runs last.
+        // A block of steps of one block is longer than most of these runs last.
         let steps = match size == SIZES[0] {
             true => [("2e-2", 0), ("4e-3", 0), ("3e-3", 0), ("2.8e-3", 32)],
             false => [("2e-2", 0), ("4e-3", 0), ("3e-3", 0), ("2.92e-3", 32)],
         };
         for (step, at_least) in steps {
             let case = changed(&case, &[("time.method", method), ("time.step", step)]);
-            let (outcome, in_strides) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
+            let (outcome, in_blocks) = assert_same(&case, until_the_end(2), &format!("{method}, {step}"));
             let on = assert_same(&case, How { threads: 1, keep_going: true }, &format!("{method}, {step}, and on"));
             assert!(
                 on.0.steps > outcome.steps,
@@ -196,7 +196,7 @@ fn a_divergence_is_found_at_its_step() {
             assert_eq!(outcome.status, Status::Diverged, "{method}, {step}");
             let failure = outcome.failure.expect("a diverged run says why");
             assert_eq!(failure.step, outcome.steps + 1, "{method}, {step}");
-            assert!(in_strides >= at_least, "{size:?}, {method}, {step}: {in_strides} of {} steps", outcome.steps);
+            assert!(in_blocks >= at_least, "{size:?}, {method}, {step}: {in_blocks} of {} steps", outcome.steps);
         }
     }
 }
@@ -223,7 +223,7 @@ fn thrown(speed: f64, spring: Value, step: f64) -> Case {
     )
 }
 
-/// Also one that is back at the end of the stride in which it is away: it swings by 20 m and 1.4e-6 m, and is more than
+/// Also one that is back at the end of the block in which it is away: it swings by 20 m and 1.4e-6 m, and is more than
 /// 20 m away for 15 steps.
 #[test]
 fn who_leaves_the_scene_is_told_at_its_step() {
@@ -233,9 +233,9 @@ fn who_leaves_the_scene_is_told_at_its_step() {
         for method in STRIDING {
             let case = changed(&case, &[("time.method", method)]);
             for keep_going in [false, true] {
-                let (outcome, in_strides) =
+                let (outcome, in_blocks) =
                     assert_same(&case, How { threads: 1, keep_going }, &format!("{method}, {step}"));
-                assert!(in_strides >= 32, "{method}: {in_strides} of {} steps", outcome.steps);
+                assert!(in_blocks >= 32, "{method}: {in_blocks} of {} steps", outcome.steps);
                 assert_eq!(outcome.status == Status::Diverged, left, "{method}, {step}: {:?}", outcome.status);
                 let found = outcome.failure.map_or(0, |failure| failure.step);
                 assert!(found.abs_diff(step) <= 1, "{method}: {found} for {step}");
@@ -244,7 +244,7 @@ fn who_leaves_the_scene_is_told_at_its_step() {
     }
 }
 
-/// A warning within a stride is that of the step that gives it; the run then goes on in strides.
+/// A warning within a block is that of the step that gives it; the run then goes on in blocks of steps.
 #[test]
 fn a_doubt_is_had_at_its_step() {
     let mut calm = sheet();
@@ -252,10 +252,10 @@ fn a_doubt_is_had_at_its_step() {
     network.remove("initial");
     network["springs"][0].as_object_mut().expect("springs").remove("slack");
     let sets = [("time.end", "0.3"), ("time.step", "2.8e-3"), ("output.frames", "null")];
-    let (outcome, in_strides) = assert_same(&case_of(&calm, &sets), until_the_end(1), "a doubt");
+    let (outcome, in_blocks) = assert_same(&case_of(&calm, &sets), until_the_end(1), "a doubt");
     assert_eq!(outcome.status, Status::Completed);
     assert!(outcome.doubt.is_some());
-    assert!(in_strides > 60, "{in_strides} of {} steps", outcome.steps);
+    assert!(in_blocks > 60, "{in_blocks} of {} steps", outcome.steps);
 }
 
 /// Other schemes go step by step.
@@ -265,8 +265,8 @@ fn nothing_else_is_made_in_one_go() {
         let case = case_of(&sheet_of(size), &[("time.end", "0.012")]);
         for method in methods().iter().filter(|method| !STRIDING.contains(&method.name)) {
             let case = changed(&case, &[("time.method", method.name)]);
-            let (_, in_strides) = assert_same(&case, until_the_end(1), method.name);
-            assert_eq!(in_strides, 0, "{}", method.name);
+            let (_, in_blocks) = assert_same(&case, until_the_end(1), method.name);
+            assert_eq!(in_blocks, 0, "{}", method.name);
         }
     }
 }
@@ -286,8 +286,8 @@ fn held_directions_stay_where_they_are() {
         scene["system"]["network"]["initial"]["velocity"] = json!(velocities);
         scene["system"]["network"]["supports"][0]["fix"] = json!(fix);
         let case = case_of(&scene, &[("time.method", method), ("output.frames", r#"{"every": 0.02}"#)]);
-        let (outcome, in_strides) = assert_same(&case, until_the_end(1), &format!("{method}, {fix}"));
-        assert_eq!((outcome.status, in_strides > 50), (Status::Completed, true), "{method}, {fix}: {in_strides}");
+        let (outcome, in_blocks) = assert_same(&case, until_the_end(1), &format!("{method}, {fix}"));
+        assert_eq!((outcome.status, in_blocks > 50), (Status::Completed, true), "{method}, {fix}: {in_blocks}");
     }
 }
 
@@ -319,7 +319,7 @@ fn forces() -> [(&'static str, Value); 7] {
 /// Every force alone, and all together: with work in the ledger, tables in time, and velocities that are predicted and
 /// corrected.
 #[test]
-fn all_forces_work_in_strides() {
+fn all_forces_work_in_blocks() {
     let all = forces().into_iter().enumerate().filter(|(i, _)| ![1, 3, 5].contains(i)).map(|(_, force)| force);
     let scenes = forces().map(|force| vec![force]).into_iter().chain([all.collect()]);
     for (number, forces) in scenes.enumerate() {
@@ -333,9 +333,9 @@ fn all_forces_work_in_strides() {
             let threads = 1 + number % 2;
             let case = case_of(&scene, &[("time.method", method)]);
             let what = format!("{forces:?}, {size:?}, {method}");
-            let (outcome, in_strides) = assert_same(&case, until_the_end(threads), &what);
+            let (outcome, in_blocks) = assert_same(&case, until_the_end(threads), &what);
             assert_eq!(outcome.status, Status::Completed, "{what}: {:?}", outcome.failure);
-            assert!((42..60).contains(&in_strides), "{what}: {in_strides} of 60 steps");
+            assert!((42..60).contains(&in_blocks), "{what}: {in_blocks} of 60 steps");
             let ledger = outcome.ledger;
             assert_eq!([ledger.external_work != 0.0, ledger.dissipated != 0.0], [external, dissipates], "{what}");
         }
@@ -361,17 +361,17 @@ fn a_divergence_by_dashpots_and_air_is_found_at_its_step() {
             ("system.network.springs.0.dashpot.relative.coefficient", coefficient),
         ];
         let what = format!("{size:?}, {method}, {step}, {coefficient}");
-        let (outcome, in_strides) = assert_same(&case_of(&scene, &sets), until_the_end(2), &what);
+        let (outcome, in_blocks) = assert_same(&case_of(&scene, &sets), until_the_end(2), &what);
         // Dashpots this stiff are too much for Verlet from 1.4 on, and sooner for the other.
         let limit = if method == STRIDING[0] { 1.0 } else { 0.5 };
         let too_stiff = coefficient.parse::<f64>().expect("a number") > limit;
         assert_eq!(outcome.status == Status::Diverged, too_stiff, "{what}: {:?}", outcome.status);
         assert_eq!(outcome.failure.map(|failure| failure.step), too_stiff.then_some(outcome.steps + 1), "{what}");
-        assert!(in_strides > 30 || too_stiff, "{what}: {in_strides} of {} steps", outcome.steps);
+        assert!(in_blocks > 30 || too_stiff, "{what}: {in_blocks} of {} steps", outcome.steps);
     }
 }
 
-/// On several threads each has a part of the scene; the last steps do not fill a stride.
+/// On several threads each has a part of the scene; the last steps do not fill a block.
 #[test]
 #[ignore = "long"]
 fn a_large_sheet_with_dashpots_and_air() {
@@ -387,8 +387,8 @@ fn a_large_sheet_with_dashpots_and_air() {
     for method in STRIDING {
         let case = changed(&case_of(&large, &sets), &[("time.method", method)]);
         for threads in [1, 2, 3] {
-            let (outcome, in_strides) = assert_same(&case, until_the_end(threads), &format!("{threads} threads"));
-            assert_eq!((outcome.status, in_strides > 7), (Status::Completed, true), "{threads} threads: {in_strides}");
+            let (outcome, in_blocks) = assert_same(&case, until_the_end(threads), &format!("{threads} threads"));
+            assert_eq!((outcome.status, in_blocks > 7), (Status::Completed, true), "{threads} threads: {in_blocks}");
         }
     }
 }

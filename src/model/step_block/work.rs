@@ -3,7 +3,7 @@
 //! ```text
 //! 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n)
 //! ```
-//! Either half is a sum for itself: in a stride the first is taken when a step begins, and the other when it ends.
+//! Either half is a sum for itself: in a block the first is taken when a step begins, and the other when it ends.
 
 use super::kick_drift::{begun, columns, filled, groups};
 use crate::model::motion::BLOCK;

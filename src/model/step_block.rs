@@ -1,10 +1,9 @@
-//! Strides: several steps on end, of which only the last state is seen.
+//! Blocks of steps: several steps in one go, of which only the last state is seen.
 //!
-//! Explicit steps of a small scene copy its nodes to and fro; what is copied once a stride is not copied once a step.
-//! Those of a large scene wait for memory. A node's next step needs no more than the forces around it, so the next step
-//! can begin behind the one before while nodes are in cache, and memory is crossed once a stride in place of once a
-//! step ("time skewing": Wonnacott 2000; McCalpin & Wonnacott 1999). Of every state on the way there is an account; its
-//! bits are those of steps made one by one.
+//! In a small scene the nodes of a block of steps are copied to local buffers once, not once a step. A large scene waits
+//! for memory: a node's next step needs only the forces around it, so the next step can begin behind the one before
+//! while nodes are in cache, and memory is crossed once a block ("time skewing": Wonnacott 2000; McCalpin & Wonnacott
+//! 1999). Every state within a block has a summary. Its bits are those of steps made one by one.
 
 mod kick_drift;
 mod work;
@@ -15,12 +14,12 @@ pub use work::work;
 use super::bounds::Bounds;
 use super::forces::Tally;
 
-/// Steps of a stride at most: so many that what begins and ends one is next to nothing.
+/// Steps of a block at most: so many that the beginning and the end of a block cost next to nothing.
 pub const LONGEST: usize = 32;
 
-/// What is left of a state within a stride.
+/// Summary of a step: what is known of the state at its end.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Passed {
+pub struct StepSummary {
     /// [s] its time, at which forces are found; set by the caller
     pub t: f64,
     /// whether `largest_stretch` is asked for; set by the caller
@@ -42,10 +41,10 @@ pub struct NodeSums {
     pub largest_square: f64,
     /// [m] bounding box; known of the last state of a block, else possibly that of no nodes
     pub bounds: Bounds,
-    /// whether all forces are finite, those at fixed degrees of freedom too; told of a stride's last state: in those
+    /// whether all forces are finite, those at fixed degrees of freedom too; told of a block's last state: in those
     /// before what is not finite shows in the kinetic energy, of the next state at the latest
     pub finite: bool,
-    /// what was done in the step that ends here (within a stride, what was done of it so far, doubled)
+    /// what was done in the step that ends here (within a block, what was done of it so far, doubled)
     pub work: Work,
 }
 
@@ -101,7 +100,7 @@ impl NodeSums {
     }
 }
 
-impl Passed {
+impl StepSummary {
     /// [m/s] largest speed
     pub fn max_speed(&self) -> f64 {
         self.nodes.largest_square.sqrt()
