@@ -8,25 +8,26 @@
 //!
 //! There are three kinds of elements, and one kernel for each:
 //!
-//! | elements | kernel | a law says |
+//! | elements | kernel | what a law gives |
 //! |---|---|---|
-//! | two nodes (bars) | [`law::damped_springs`] | tension and damping from length and rate: [`law::slack`], [`law::dashpot`] |
-//! | triangles | [`kernel::faces`] | the pressure from area vector and velocity: [`law::air`], [`law::follower_pressure`] |
-//! | nodes | `kernel/nodes` | the force from position and velocity: [`law::gravity`], [`law::nodal`] |
+//! | two nodes | [`law::damped_springs`] | tension and damping: [`law::slack`], [`law::dashpot`] |
+//! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::follower_pressure`] |
+//! | nodes | `kernel/nodes` | force: [`law::gravity`], [`law::nodal`] |
 //!
-//! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels ask for four elements side by side, and
-//! tangents for one.
+//! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels ask for four elements side by side,
+//! and tangents for one.
 //!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
-//!    * two nodes with an elastic law: a [`law::slack::TensionLaw`], or for any other law a [`kernel::batch::Kernel`], as
-//!      [`law::bar_law`];
+//!    * two nodes with an elastic law: a [`law::slack::TensionLaw`], or for any other law a [`kernel::batch::Kernel`],
+//!      as [`law::bar_law`];
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
 //!      [`law::follower_pressure`];
-//!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of [`law::rayleigh`];
+//!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
+//!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
-//! 2. Say in the [`TermInfo`] of its [parts](ForceTerm::parts) what it is: schemes, the ledger and diagnoses go by that,
-//!    and by no name. `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`);
+//! 2. Say in the [`TermInfo`] of its [parts](ForceTerm::parts) what it is: schemes, the ledger and diagnoses go by
+//!    that, and by no name. `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`);
 //!    `on_triangles` lets a failure name one. A term with elastic energy also adds its stiffness at rest in
 //!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
 //! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it
@@ -89,8 +90,8 @@ impl TangentForm {
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: kernel::batch::Summand {
-    /// Of each of its parts: its name in reports, its role in the ledger and what diagnoses ask of it; the same at every
-    /// state. Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
+    /// Of each of its parts: name in reports, role in the ledger, and what diagnoses ask of it; the same at every state.
+    /// Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
     fn parts(&self) -> &[TermInfo];
 
     /// Whether both tangents are symmetric at every state.

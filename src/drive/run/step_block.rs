@@ -1,4 +1,5 @@
-//! Blocks of steps: several steps in one go, where no observer wants the states on the way ([`crate::model::step_block`]).
+//! Blocks of steps: several steps in one go, where no observer wants the states on the way
+//! ([`crate::model::step_block`]).
 //!
 //! Every step of a block enters the energy account and is watched as a single step is. Only the extent of the scene
 //! differs: it is known of the last state, and bounded in the states before. Where a step looks wrong, the whole block

@@ -33,8 +33,8 @@ const PAIRS: usize = 4;
 /// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
 pub(in crate::force) type Group = [[u16; 4]; PAIRS];
 
-/// A block's triangles in groups of pairs. Triangle after triangle takes the first that is left and has one of its sides
-/// the other way round.
+/// A block's triangles in groups of pairs. Triangle after triangle takes the first that is left and has one of its
+/// sides the other way round.
 pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> Vec<Group> {
     let around = Incidence::new(triangles);
     let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
