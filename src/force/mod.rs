@@ -90,8 +90,8 @@ impl TangentForm {
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: kernel::batch::Summand {
-    /// Of each of its parts: name in reports, role in the ledger, and what diagnoses ask of it; the same at every state.
-    /// Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
+    /// Of each of its parts: name in reports, role in the ledger, and what diagnoses ask of it; the same at every
+    /// state. Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
     fn parts(&self) -> &[TermInfo];
 
     /// Whether both tangents are symmetric at every state.

@@ -1,9 +1,9 @@
 //! Blocks of steps: several steps in one go, of which only the last state is seen.
 //!
 //! In a small scene the nodes of a block of steps are copied to local buffers once, not once a step. A large scene
-//! waits for memory: a node's next step needs only the forces around it, so the next step can begin behind the one before
-//! while nodes are in cache, and memory is crossed once a block ("time skewing": Wonnacott 2000; McCalpin & Wonnacott
-//! 1999). Every state within a block has a summary. Its bits are those of steps made one by one.
+//! waits for memory: a node's next step needs only the forces around it, so the next step can begin behind the one
+//! before while nodes are in cache, and memory is crossed once a block ("time skewing": Wonnacott 2000; McCalpin &
+//! Wonnacott 1999). Every state within a block has a summary. Its bits are those of steps made one by one.
 
 mod kick_drift;
 mod work;
