@@ -191,13 +191,13 @@ fn measure<U: VectorUnit, L: AxialLaw, const N: usize>(
             own[1][q] = unit.quad(record(v, nodes[0]));
         }
     }
-    for j in 0..N {
+    for (j, nodes) in nodes.iter().enumerate() {
         let [mut d, mut u] = own;
-        for q in 0..STARS {
-            d[q] = unit.quad(record(x, nodes[j][q][1])) - d[q];
+        for (q, nodes) in nodes.iter().enumerate() {
+            d[q] = unit.quad(record(x, nodes[1])) - d[q];
             kept.d[j][q] = d[q].numbers();
             if L::DAMPED {
-                u[q] = unit.quad(record(v, nodes[j][q][1])) - u[q];
+                u[q] = unit.quad(record(v, nodes[1])) - u[q];
             }
         }
         let [x, y, z] = U::Quad::columns(d);
