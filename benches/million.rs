@@ -1,5 +1,6 @@
 //! A velocity-Verlet step of a million nodes beside what the memory can do: a STREAM triad (McCalpin 1995) in the same
-//! run, one thread and two, all in turn. Steps one by one, and in blocks of steps, with the account that a run takes of each.
+//! run, one thread and two, all in turn. Steps one by one, and in blocks of steps, with the summary of each that a run
+//! takes.
 //!
 //! ```text
 //! cargo bench -p canopy-fem-benches --bench million
