@@ -157,7 +157,7 @@ impl Builder<'_> {
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[Vector3<f64>]>) {
         let Some(g) = self.spec.gravity else { return };
         let mass = mass.iter().zip(fixed).map(|(&m, f)| if *f == [true; 3] { 0.0 } else { m });
-        self.terms.push(Box::new(Gravity::new(Vector3::from(g), mass, start)));
+        self.terms.push(Box::new(Gravity::new(Vector3::from(g), mass, start.clone())));
     }
 
     fn air(&mut self) {
@@ -191,7 +191,7 @@ impl Builder<'_> {
         for load in &self.spec.forces {
             let mut nodes: Vec<u32> = load.nodes.iter().map(|&i| self.node(i)).collect();
             nodes.sort_unstable();
-            let force = vec![[load.force[0], load.force[1], load.force[2], 0.0]; nodes.len()];
+            let force = vec![Vector3::from(load.force); nodes.len()];
             let factor = self.factor(load.factor.as_ref());
             self.terms.push(Box::new(NodalForces { info: FORCES, nodes, force, factor }));
         }

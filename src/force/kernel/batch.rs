@@ -32,8 +32,8 @@ pub trait Summand: Send + Sync {
     /// Number of elements (springs, triangles, nodes) that a pass goes over.
     fn elements(&self) -> usize;
 
-    /// What it reads of the local buffers; what nothing reads is not copied.
-    fn wants(&self) -> Wants;
+    /// What these of its parts read of the local buffers; what nothing reads is not copied.
+    fn wants(&self, parts: [bool; PARTS]) -> Wants;
 
     /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in
     /// ascending order of their smallest node.
@@ -108,7 +108,7 @@ impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
         self.kernel.elements().len()
     }
 
-    fn wants(&self) -> Wants {
+    fn wants(&self, _: [bool; PARTS]) -> Wants {
         K::WANTS
     }
 

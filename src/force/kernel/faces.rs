@@ -68,7 +68,7 @@ impl<K: FaceKernel> Summand for FaceBatch<K> {
         self.kernel.elements().len()
     }
 
-    fn wants(&self) -> Wants {
+    fn wants(&self, _: [bool; PARTS]) -> Wants {
         K::WANTS
     }
 

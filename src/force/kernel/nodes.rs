@@ -66,7 +66,9 @@ impl<L: NodeLaw> Pass for Nodes<'_, '_, L> {
     }
 }
 
-/// A vector and 0.
-pub(in crate::force) fn padded(vector: Vector3<f64>) -> PaddedVec3 {
-    [vector.x, vector.y, vector.z, 0.0]
+/// Vector `i` and a number that means nothing.
+#[inline(always)]
+pub(in crate::force) fn padded(vectors: &[Vector3<f64>], i: usize) -> PaddedVec3 {
+    let numbers = bytemuck::cast_slice::<Vector3<f64>, f64>(&vectors[i..]);
+    numbers.first_chunk().copied().unwrap_or_else(|| [numbers[0], numbers[1], numbers[2], 0.0])
 }

@@ -7,12 +7,12 @@
 //! ```
 
 use crate::force::kernel::bar_batch::BarBatch;
-use crate::force::kernel::batch::{Records, Summand, Wants};
+use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
 use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialLaw, Measured, Pull};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{Plain, TensionLaw, clamped, tension};
+use crate::force::law::slack::{Plain, Tension, TensionLaw, clamped, tension};
 use crate::force::law::spring::{Coefficient, SpringData, Stretch};
 use crate::force::law::stretch::{InWindow, Stretched, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -69,8 +69,7 @@ impl DampedSprings {
         [elastic, damping]: [Option<&mut Records>; 2],
     ) -> [f64; 2] {
         let Some(bars) = self.batch.bars(block.number) else { return [0.0; 2] };
-        let kind = self.dashpots.as_ref().map(|dashpots| dashpots.kind);
-        match (elastic.is_some(), damping, kind) {
+        match (elastic.is_some(), damping, self.kind()) {
             (true, damping @ Some(_), Some(DashpotKind::Axial)) => {
                 bars.pull(&BarLaw::<L, true, true>(law), block, [elastic, damping])
             }
@@ -119,8 +118,8 @@ impl Summand for DampedSprings {
         self.springs.nodes.len()
     }
 
-    fn wants(&self) -> Wants {
-        Wants { x: true, v: self.dashpots.is_some() }
+    fn wants(&self, [elastic, damping]: [bool; PARTS]) -> Wants {
+        Wants { x: elastic || self.kind() == Some(DashpotKind::Axial), v: damping }
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
@@ -164,12 +163,16 @@ struct AxialState {
     damping: Damping,
 }
 
-/// The dashpot along spring `i`, whose coefficient is `c` [N s/m].
-fn axial_state(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> AxialState {
+/// The dashpot along spring `i` with this stretch and elastic tension; `c` [N s/m] is its coefficient.
+fn axial_state(
+    springs: &SpringData,
+    (stretch, elastic): (Stretch, Tension),
+    v: &[Vector3<f64>],
+    (i, c): (usize, f64),
+) -> AxialState {
     let [a, b] = springs.nodes[i].map(|node| node as usize);
-    let (stretch, dv, k) = (springs.stretch(at.x, i), at.v[b] - at.v[a], springs.stiffness.at(i));
+    let (dv, k) = (v[b] - v[a], springs.stiffness.at(i));
     let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
-    let elastic = tension(springs.slack, k, e);
     let damping = match clamped(springs.slack) {
         None => dashpot::axial(&Plain, elastic, [k, c], [e, rate]),
         Some(law) => dashpot::axial(&law, elastic, [k, c], [e, rate]),
@@ -179,7 +182,13 @@ fn axial_state(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> Axi
 
 /// [N] What the dashpot along spring `i` adds to its elastic tension; `c` [N s/m] is its coefficient.
 pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> f64 {
-    axial_state(springs, at, i, c).damping.force
+    axial_state(springs, elastic_state(springs, at.x, i), at.v, (i, c)).damping.force
+}
+
+/// Stretch and elastic tension of spring `i`.
+fn elastic_state(springs: &SpringData, x: &[Vector3<f64>], i: usize) -> (Stretch, Tension) {
+    let stretch = springs.stretch(x, i);
+    (stretch, tension(springs.slack, springs.stiffness.at(i), stretch.elongation))
 }
 
 impl AxialState {
@@ -217,16 +226,16 @@ impl ForceTerm for DampedSprings {
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let springs = &self.springs;
         for (i, &nodes) in springs.nodes.iter().enumerate() {
-            let stretch = springs.stretch(at.x, i);
-            let t = tension(springs.slack, springs.stiffness.at(i), stretch.elongation);
+            let elastic @ (stretch, t) = elastic_state(springs, at.x, i);
             let force = if form.convex { t.force.max(0.0) } else { t.force };
             let mut block = stretch.block(force, t.slope) * w.k;
             if let Some(Dashpots { kind, coefficient }) = &self.dashpots {
                 let c = coefficient.at(i);
+                let axial = || axial_state(springs, elastic, at.v, (i, c));
                 block += match kind {
                     DashpotKind::Relative => Matrix3::from_diagonal_element(w.c * c),
-                    DashpotKind::Axial if form.symmetric => axial_state(springs, at, i, c).velocity_tangent(w),
-                    DashpotKind::Axial => axial_state(springs, at, i, c).tangent(w),
+                    DashpotKind::Axial if form.symmetric => axial().velocity_tangent(w),
+                    DashpotKind::Axial => axial().tangent(w),
                 };
             }
             sink.edge(nodes, block);

@@ -5,46 +5,47 @@
 
 use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
 use crate::force::kernel::element_block::ElementBlock;
-use crate::force::kernel::local_buffer::PaddedVec3;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Uniform gravity.
 #[derive(Clone, Debug)]
 pub struct Gravity {
-    /// [N] weight of every node, 0 where it is held in all directions
-    weight: Vec<PaddedVec3>,
+    /// [m/s^2] acceleration of free fall
+    g: Vector3<f64>,
+    /// [kg] mass of every node, 0 where it is held in all directions
+    mass: Vec<f64>,
     /// [m] node positions from which the energy counts
-    origin: Vec<PaddedVec3>,
+    origin: Arc<[Vector3<f64>]>,
 }
 
 impl Gravity {
     /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the
     /// energy counts.
-    pub fn new(g: Vector3<f64>, mass: impl Iterator<Item = f64>, origin: &[Vector3<f64>]) -> Self {
-        let weight = mass.map(|m| padded(m * g)).collect();
-        Gravity { weight, origin: origin.iter().map(|x| padded(*x)).collect() }
+    pub fn new(g: Vector3<f64>, mass: impl Iterator<Item = f64>, origin: Arc<[Vector3<f64>]>) -> Self {
+        Gravity { g, mass: mass.collect(), origin }
     }
 }
 
 impl NodeLaw for Gravity {
     #[inline(always)]
     fn force<U: VectorUnit>(&self, unit: U, i: usize, x: U::Quad, _: U::Quad) -> [U::Quad; 2] {
-        let weight = unit.quad(self.weight[i]);
-        [weight, weight * (unit.quad(self.origin[i]) - x)]
+        let weight = unit.splat(self.mass[i]) * unit.quad([self.g.x, self.g.y, self.g.z, 0.0]);
+        [weight, weight * (unit.quad(padded(&self.origin, i)) - x)]
     }
 }
 
 impl Summand for Gravity {
     fn elements(&self) -> usize {
-        self.weight.len()
+        self.mass.len()
     }
 
-    fn wants(&self) -> Wants {
+    fn wants(&self, _: [bool; PARTS]) -> Wants {
         Wants { x: true, v: false }
     }
 

@@ -4,7 +4,6 @@
 
 use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
 use crate::force::kernel::element_block::ElementBlock;
-use crate::force::kernel::local_buffer::PaddedVec3;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::AreaVector;
@@ -28,8 +27,8 @@ pub struct NodalForces {
     pub info: TermInfo,
     /// the nodes, ascending
     pub nodes: Vec<u32>,
-    /// [N] force on each of them at factor 1, and 0
-    pub force: Vec<PaddedVec3>,
+    /// [N] force on each of them at factor 1
+    pub force: Vec<Vector3<f64>>,
     /// optional factor over time
     pub factor: Option<Arc<Table<1>>>,
 }
@@ -59,21 +58,21 @@ impl DeadPressure<'_> {
             }
         }
         let nodes: Vec<u32> = (0..x.len() as u32).filter(|&i| sum[i as usize] != Vector3::zeros()).collect();
-        let force = nodes.iter().map(|&i| padded(sum[i as usize])).collect();
+        let force = nodes.iter().map(|&i| sum[i as usize]).collect();
         NodalForces { info: DEAD_PRESSURE, nodes, force, factor: self.factor }
     }
 }
 
 /// The forces at one time.
 struct Scaled<'a> {
-    forces: &'a [PaddedVec3],
+    forces: &'a [Vector3<f64>],
     factor: f64,
 }
 
 impl NodeLaw for Scaled<'_> {
     #[inline(always)]
     fn force<U: VectorUnit>(&self, unit: U, i: usize, _: U::Quad, v: U::Quad) -> [U::Quad; 2] {
-        let force = unit.splat(self.factor) * unit.quad(self.forces[i]);
+        let force = unit.splat(self.factor) * unit.quad(padded(self.forces, i));
         [force, force * v]
     }
 }
@@ -83,7 +82,7 @@ impl Summand for NodalForces {
         self.nodes.len()
     }
 
-    fn wants(&self) -> Wants {
+    fn wants(&self, _: [bool; PARTS]) -> Wants {
         Wants { x: false, v: true }
     }
 

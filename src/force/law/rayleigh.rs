@@ -28,7 +28,7 @@ impl Summand for RayleighMass {
         self.mass.len()
     }
 
-    fn wants(&self) -> Wants {
+    fn wants(&self, _: [bool; PARTS]) -> Wants {
         Wants { x: false, v: true }
     }
 

@@ -36,12 +36,7 @@ impl SpringData {
     #[inline]
     pub(crate) fn stretch(&self, x: &[Vector3<f64>], i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
-        self.stretch_of(x[b as usize] - x[a as usize], i)
-    }
-
-    /// The same with its nodes `d` [m] apart.
-    #[inline]
-    pub(crate) fn stretch_of(&self, d: Vector3<f64>, i: usize) -> Stretch {
+        let d = x[b as usize] - x[a as usize];
         let length = d.norm();
         let n = if length > 0.0 { d * length.recip() } else { Vector3::zeros() };
         Stretch { n, length, elongation: length - self.rest_length[i] }

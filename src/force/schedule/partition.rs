@@ -289,7 +289,7 @@ mod tests {
             self.elements.len()
         }
 
-        fn wants(&self) -> Wants {
+        fn wants(&self, _: [bool; 2]) -> Wants {
             Wants::default()
         }
 

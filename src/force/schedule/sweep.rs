@@ -156,9 +156,11 @@ impl Sweep {
 
 /// What any of the terms wants that a pass goes over.
 pub(in crate::force) fn wants<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> Wants {
-    let terms = (0..terms.count()).map(|i| terms.term(i));
-    let terms = terms.filter(|term| term.parts.iter().flatten().any(|part| kind.goes_over(part.sum)));
-    terms.map(|term| term.summand.wants()).fold(Wants::default(), Wants::or)
+    let wants = (0..terms.count()).map(|i| terms.term(i)).filter_map(|Term { summand, parts }| {
+        let parts = parts.map(|part| part.is_some_and(|part| kind.goes_over(part.sum)));
+        parts.contains(&true).then(|| summand.wants(parts))
+    });
+    wants.fold(Wants::default(), Wants::or)
 }
 
 impl<T: Terms + ?Sized> Job<'_, T> {

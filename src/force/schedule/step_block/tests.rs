@@ -107,8 +107,8 @@ impl Summand for Counted {
         self.0.elements()
     }
 
-    fn wants(&self) -> Wants {
-        self.0.wants()
+    fn wants(&self, parts: [bool; PARTS]) -> Wants {
+        self.0.wants(parts)
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
