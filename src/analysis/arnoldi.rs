@@ -12,10 +12,14 @@ const NOTHING_LEFT: f64 = 1e-13;
 /// A Krylov space and the operator projected on it.
 pub(super) struct Krylov {
     basis: Vec<Vec<f64>>,
-    /// the operator on the space, upper Hessenberg
+    /// column j of the operator on the space, upper Hessenberg: its first j + 2 entries
+    columns: Vec<Vec<f64>>,
+    /// what the last product has outside the space; before the first, the start
+    outside: Vec<f64>,
+    /// norm of the last product
+    scale: f64,
+    /// the operator on the space
     h: Mat<f64>,
-    /// norm of the remainder outside the space
-    left: f64,
     /// its eigenvalues; of a conjugate pair the one with the positive imaginary part
     pub values: Vec<c64>,
 }
@@ -28,19 +32,50 @@ pub(super) struct RitzVector {
 }
 
 impl Krylov {
-    /// From `start` `[n]`, with at most `most` products. `None` if one is not finite, it was stopped, or the eigenvalue
-    /// iteration did not converge.
-    pub fn of(start: Vec<f64>, most: usize, stop: Stop<'_>, times: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
-        let (basis, h, left) = project(start, most, stop, times)?;
-        let values = eigenvalues(&h)?.into_iter().filter(|value| value.im >= 0.0).collect();
-        Some(Krylov { basis, h, left, values })
+    /// From `start` `[n]`, with no products yet.
+    pub fn from(start: Vec<f64>) -> Self {
+        Krylov { basis: vec![], columns: vec![], outside: start, scale: 0.0, h: Mat::zeros(0, 0), values: vec![] }
+    }
+
+    /// Extends the space to `most` products, or as many vectors as are affordable. `None` if a product is not finite,
+    /// it was stopped, or the eigenvalue iteration did not converge.
+    pub fn extend(&mut self, most: usize, stop: Stop<'_>, mut times: impl FnMut(&[f64], &mut [f64])) -> Option<()> {
+        let n = self.outside.len();
+        let most = affordable(n, [MIN_ARNOLDI, most]);
+        while self.basis.len() < most && self.left() > 0.0 {
+            if stop.asked() {
+                return None;
+            }
+            let (left, mut column) = (self.left(), vec![0.0; self.basis.len() + 2]);
+            self.outside.iter_mut().for_each(|q| *q /= left);
+            let mut product = vec![0.0; n];
+            times(&self.outside, &mut product);
+            self.scale = norm(&product);
+            self.basis.push(std::mem::replace(&mut self.outside, product));
+            let left = orthogonalise(&mut self.outside, &self.basis, |i, part| column[i] += part);
+            if !(left.is_finite() && self.scale.is_finite()) {
+                return None;
+            }
+            column[self.basis.len()] = left;
+            self.columns.push(column);
+        }
+        let m = self.basis.len();
+        self.h = Mat::from_fn(m, m, |i, j| self.columns[j].get(i).copied().unwrap_or(0.0));
+        self.values = eigenvalues(&self.h)?.into_iter().filter(|value| value.im >= 0.0).collect();
+        (m > 0).then_some(())
+    }
+
+    /// Norm of what is outside the space; 0 where that is rounding.
+    fn left(&self) -> f64 {
+        let left = self.columns.last().map_or_else(|| norm(&self.outside), |column| column[column.len() - 1]);
+        if left > NOTHING_LEFT * self.scale { left } else { 0.0 }
     }
 
     /// The Ritz vector of an eigenvalue.
     pub fn ritz(&self, value: c64) -> RitzVector {
         let Eigenvector { u, residual } = eigenvector(&self.h, value);
         let last = u.last().map_or(0.0, |u| u.norm());
-        RitzVector { shares: u, residual: residual + self.left * last }
+        RitzVector { shares: u, residual: residual + self.left() * last }
     }
 
     /// Real and imaginary parts of a Ritz vector, each `[n]`.
@@ -62,40 +97,4 @@ pub(super) fn most_moving_dof([re, im]: &[Vec<f64>; 2], root: &[f64]) -> usize {
     let square = |i: usize| re[i] * re[i] + im[i] * im[i];
     let moves = |i: usize| (square(i) + square(n + i)) * root[i].powi(2);
     (0..n).max_by(|&a, &b| moves(a).total_cmp(&moves(b))).unwrap_or(0)
-}
-
-/// Basis, projected operator, norm of the remainder.
-type Projection = (Vec<Vec<f64>>, Mat<f64>, f64);
-
-fn project(
-    start: Vec<f64>,
-    most: usize,
-    stop: Stop<'_>,
-    mut times: impl FnMut(&[f64], &mut [f64]),
-) -> Option<Projection> {
-    let n = start.len();
-    let most = affordable(n, [MIN_ARNOLDI, most]);
-    let mut h = Mat::<f64>::zeros(most + 1, most);
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut q = start;
-    let (mut left, mut scale) = (norm(&q), 0.0);
-    while basis.len() < most && left > NOTHING_LEFT * scale && left > 0.0 {
-        if stop.asked() {
-            return None;
-        }
-        let j = basis.len();
-        q.iter_mut().for_each(|q| *q /= left);
-        let mut y = vec![0.0; n];
-        times(&q, &mut y);
-        scale = norm(&y);
-        basis.push(std::mem::replace(&mut q, y));
-        left = orthogonalise(&mut q, &basis, |i, part| h[(i, j)] += part);
-        h[(j + 1, j)] = left;
-        if !(left.is_finite() && scale.is_finite()) {
-            return None;
-        }
-    }
-    let m = basis.len();
-    let square = Mat::from_fn(m, m, |i, j| h[(i, j)]);
-    if m == 0 { None } else { Some((basis, square, if left > NOTHING_LEFT * scale { left } else { 0.0 })) }
 }

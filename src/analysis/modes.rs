@@ -12,8 +12,9 @@ use faer::c64;
 
 /// [-] Eigenvalues of L with a larger residual, over the fastest rate, are dropped.
 const CONVERGED: f64 = 1e-3;
-/// Products with L for its eigenvalues.
-const PRODUCTS: usize = 80;
+/// Products with L for its eigenvalues: the second number if after the first an outermost one has not converged, and so
+/// on.
+const PRODUCTS: [usize; 3] = [32, 56, 80];
 
 /// Vectors after which the largest eigenvalue of a net has usually converged.
 const SETTLED_AFTER: usize = 24;
@@ -115,7 +116,7 @@ fn krylov(linear: &Linearised<'_>, unit: f64) -> Option<Krylov> {
     let start = [linear.start(), linear.start().into_iter().rev().collect()].concat();
     let held = linear.root.iter().cycle().map(|root| f64::from(u8::from(*root > 0.0)));
     let start: Vec<f64> = start.iter().zip(held).map(|(start, free)| start * free).collect();
-    Krylov::of(start, PRODUCTS, linear.stop, |from, to| {
+    let mut times = |from: &[f64], to: &mut [f64]| {
         let (q, rate) = from.split_at(n);
         let (to_q, to_rate) = to.split_at_mut(n);
         linear.times(STIFFNESS, q, &mut p, &mut stiff);
@@ -124,14 +125,29 @@ fn krylov(linear: &Linearised<'_>, unit: f64) -> Option<Krylov> {
             *to = unit * rate;
             *to_rate = -*to_rate - stiff / unit;
         }
-    })
+    };
+    let mut krylov = Krylov::from(start);
+    for products in PRODUCTS {
+        krylov.extend(products, linear.stop, &mut times)?;
+        if outermost_converged(&krylov, unit) {
+            break;
+        }
+    }
+    Some(krylov)
+}
+
+/// Whether the fastest eigenvalue and that of the fastest oscillation have converged.
+fn outermost_converged(krylov: &Krylov, unit: f64) -> bool {
+    let outermost = |size: fn(&c64) -> f64| krylov.values.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+    let mut values = [outermost(|z| z.norm()), outermost(|z| z.im)].into_iter().flatten();
+    values.all(|value| krylov.ritz(*value).residual <= CONVERGED * unit)
 }
 
 /// Numbers a search for a critical step usually stores, for a scene with `n` degrees of freedom.
 pub(crate) fn search_numbers(n: usize, damped: bool) -> usize {
     let shapes = n * affordable(n, SHAPES).min(SETTLED_AFTER);
     // Eigenvectors of L have a position and a velocity part.
-    let modes = 2 * n * affordable(2 * n, [MIN_ARNOLDI, PRODUCTS]);
+    let modes = 2 * n * affordable(2 * n, [MIN_ARNOLDI, PRODUCTS[2]]);
     if damped { shapes.max(modes) } else { shapes }
 }
 

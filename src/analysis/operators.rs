@@ -3,9 +3,10 @@
 
 use super::rates::Rates;
 use super::vectors::dot;
-use crate::assembly::Pattern;
-use crate::mesh::adjacency::row_starts;
+use crate::assembly::{Assembler, Pattern};
+use crate::mesh::adjacency::Adjacency;
 use crate::mesh::random::pseudo_random;
+use crate::model::quad::{self, Pass, Quad, VectorUnit};
 use crate::model::state::StateRef;
 use crate::model::stop::Stop;
 use crate::model::system::Weights;
@@ -82,65 +83,123 @@ impl<'a> Linearised<'a> {
     }
 }
 
-/// K and C as one sparse matrix of pairs `[k, c]` by rows, as both are used at once. Rows and columns are degrees of
-/// freedom; fixed ones have no entries.
+/// K and C by rows of 3x3 blocks, one for every pair of coupled nodes; fixed degrees of freedom have zeros.
 pub(super) struct Matrices {
-    start: Vec<u32>,
-    column: Vec<u32>,
-    values: Vec<[f64; 2]>,
+    /// block columns of every block row, ascending
+    coupled: Adjacency,
+    k: Vec<Block>,
+    c: Vec<Block>,
 }
+
+/// A 3x3 block, column by column, each filled up to the width of a register.
+type Block = [[f64; 4]; 3];
 
 impl Matrices {
     /// `None` if the matrix has too many entries.
     pub fn of(scene: &dyn Scene, at: StateRef<'_>) -> Option<Self> {
         let mut assembler = scene.assembler().ok()?;
-        let mut values = |c: f64, k: f64| {
-            scene.assemble(at, Weights { m: 0.0, c, k }, &mut assembler);
-            assembler.values().to_vec()
+        let coupled = coupled(&assembler.pattern, scene.n_dof().div_ceil(3));
+        let mut matrix = |w: Weights| {
+            scene.assemble(at, w, &mut assembler);
+            in_blocks(&coupled, &assembler)
         };
-        let (c, k) = (values(1.0, 0.0), values(0.0, 1.0));
-        Some(by_rows(&assembler.pattern, scene.n_dof(), [&k, &c]))
+        let (k, c) = (matrix(STIFFNESS), matrix(DAMPING));
+        Some(Matrices { coupled, k, c })
     }
 
-    /// y = k K x + c C v, all `[n_dof]`
+    /// y = k K x + c C v, all `[n_dof]`; a matrix with the factor 0 is not read.
     pub fn times(&self, [k, c]: [f64; 2], [x, v]: [&[f64]; 2], y: &mut [f64]) {
-        for (y, ends) in y.iter_mut().zip(self.start.windows(2)) {
-            let row = ends[0] as usize..ends[1] as usize;
-            let (mut of_k, mut of_c) = (0.0, 0.0);
-            for (&j, [stiffness, damping]) in self.column[row.clone()].iter().zip(&self.values[row]) {
-                of_k += stiffness * x[j as usize];
-                of_c += damping * v[j as usize];
+        y.fill(0.0);
+        for (factor, blocks, x) in [(k, &self.k, x), (c, &self.c, v)] {
+            if factor != 0.0 {
+                quad::run(Product { coupled: &self.coupled, blocks, factor, x, y: &mut *y });
             }
-            *y = k * of_k + c * of_c;
         }
     }
 
     /// Entry `[k, c]` of a row and a column.
     pub fn entry(&self, row: u32, column: u32) -> [f64; 2] {
-        let ends = |i: usize| self.start.get(i).map_or(0, |&end| end as usize);
-        let places = ends(row as usize)..ends(row as usize + 1);
-        places.into_iter().find(|&place| self.column[place] == column).map_or([0.0; 2], |place| self.values[place])
+        let place = place(&self.coupled, row / 3, column / 3);
+        let entry = |blocks: &[Block], place: usize| blocks[place][column as usize % 3][row as usize % 3];
+        place.map_or([0.0; 2], |place| [entry(&self.k, place), entry(&self.c, place)])
     }
 }
 
-/// Converts a column pattern to rows; entries of a symmetric pattern are mirrored.
-fn by_rows(pattern: &Pattern, n: usize, [k, c]: [&[f64]; 2]) -> Matrices {
-    let entries = (0..pattern.n()).flat_map(|j| {
-        let first = pattern.col_ptr[j];
-        pattern.column(j).iter().zip(first..).flat_map(move |(&i, slot)| {
-            let (row, column) = (pattern.dof[i as usize], pattern.dof[j]);
+/// y += factor A x.
+struct Product<'a> {
+    coupled: &'a Adjacency,
+    blocks: &'a [Block],
+    factor: f64,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl Pass for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) {
+        for (y, ends) in self.y.chunks_mut(3).zip(self.coupled.start.windows(2)) {
+            let row = ends[0] as usize..ends[1] as usize;
+            let mut sums = [unit.splat(0.0); 3];
+            for (&node, block) in self.coupled.items[row.clone()].iter().zip(&self.blocks[row]) {
+                for ((sum, column), x) in sums.iter_mut().zip(block).zip(&self.x[3 * node as usize..]) {
+                    *sum = *sum + unit.quad(*column) * unit.splat(*x);
+                }
+            }
+            let [a, b, c] = sums;
+            for (y, sum) in y.iter_mut().zip((a + b + c).numbers()) {
+                *y += self.factor * sum;
+            }
+        }
+    }
+}
+
+/// Block columns of `n` block rows, ascending, those above the diagonal of a symmetric pattern too.
+fn coupled(pattern: &Pattern, n: usize) -> Adjacency {
+    // All unknowns of a node are coupled with the same nodes.
+    let columns = &pattern.node_start[..pattern.node_start.len().saturating_sub(1)];
+    let pairs = columns.iter().flat_map(|&j| {
+        let column = pattern.dof[j as usize] / 3;
+        let rows = pattern
+            .column(j as usize)
+            .chunk_by(move |&a, &b| pattern.dof[a as usize] / 3 == pattern.dof[b as usize] / 3);
+        rows.flat_map(move |rows| {
+            let row = pattern.dof[rows[0] as usize] / 3;
             let mirrored = pattern.symmetric && row != column;
-            std::iter::once((row, column, slot)).chain(mirrored.then_some((column, row, slot)))
+            std::iter::once((row, column)).chain(mirrored.then_some((column, row)))
         })
     });
-    let start = row_starts(n, entries.clone().map(|(row, ..)| row));
-    let total = start[n] as usize;
-    let (mut column, mut values) = (vec![0; total], vec![[0.0; 2]; total]);
-    let mut next = start.clone();
-    for (row, other, slot) in entries {
-        let at = next[row as usize] as usize;
-        (column[at], values[at]) = (other, [k[slot as usize], c[slot as usize]]);
-        next[row as usize] += 1;
+    Adjacency::new(n, pairs)
+}
+
+/// Where the block of a block row and a block column is.
+fn place(coupled: &Adjacency, row: u32, column: u32) -> Option<usize> {
+    let at = coupled.row(row).binary_search(&column).ok()?;
+    Some(coupled.start[row as usize] as usize + at)
+}
+
+/// Values on a pattern as blocks; entries of a symmetric pattern are mirrored.
+fn in_blocks(coupled: &Adjacency, assembler: &Assembler) -> Vec<Block> {
+    let pattern = &assembler.pattern;
+    let mut blocks = vec![[[0.0; 4]; 3]; coupled.items.len()];
+    for (j, &column) in pattern.dof.iter().enumerate() {
+        let values = &assembler.values()[pattern.col_ptr[j] as usize..];
+        let (mut last, mut places) = (u32::MAX, [None; 2]);
+        for (&i, &value) in pattern.column(j).iter().zip(values) {
+            let row = pattern.dof[i as usize];
+            if row / 3 != last {
+                last = row / 3;
+                let mirrored = if pattern.symmetric { place(coupled, column / 3, last) } else { None };
+                places = [place(coupled, last, column / 3), mirrored];
+            }
+            let ends = [[row, column], [column, row]].map(|ends| ends.map(|dof| dof as usize % 3));
+            for (place, [row, column]) in places.iter().zip(ends) {
+                if let Some(place) = place {
+                    blocks[*place][column][row] = value;
+                }
+            }
+        }
     }
-    Matrices { start, column, values }
+    blocks
 }

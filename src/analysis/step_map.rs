@@ -29,18 +29,24 @@ const CONVERGED: f64 = 0.005;
 /// The same as a share of the distance beyond the unit circle: parts of other modes in the vector must not hide its
 /// own.
 const CLOSE: f64 = 0.2;
-/// Products for one decision, more if a value beyond the unit circle has not converged. Growing modes are well
-/// separated, so they show soon.
-const PRODUCTS: [usize; 3] = [40, 70, 120];
+/// Products after which growth is looked for. Growing modes are well separated, so they show soon.
+const PRODUCTS: [usize; 4] = [20, 40, 70, 120];
+/// Products without a value beyond the unit circle that has not converged, after which a step is stable.
+const ENOUGH: usize = 40;
+/// Differences of steps that an iteration starts with.
+const DIFFERENCES: usize = 2;
 /// Growth per step that counts as none.
 const GROWTH: f64 = 1e-3;
 /// Steps made to test for growth, by comparing the last quarter with the second.
 const STEPPED: usize = 200;
+/// Growth since the first of these steps that needs no further ones: motion that does not grow for good, from nearly
+/// parallel eigenvectors, never comes near it.
+const BEYOND_DOUBT: f64 = 1e6;
 /// Relative width at which the bisection for the limit ends.
 const WIDTH: f64 = 0.01;
 /// Steps of the outward search from a guess, and the first factor of a step.
 const OUTWARDS: usize = 20;
-const FIRST: f64 = 0.97;
+const FIRST: f64 = 0.992;
 
 /// Search for a limit.
 #[derive(Clone, Copy, Debug)]
@@ -116,8 +122,10 @@ impl LinearScene {
     fn grows(&self, method: &MethodChoice, h: f64, search: Search<'_>) -> Option<Option<usize>> {
         let unit = search.unit;
         let size = |z: &c64| z.norm();
+        let mut step = self.step_map(method, h, search.unit)?;
+        let mut krylov = Krylov::from(self.start(&mut step));
         for products in PRODUCTS {
-            let krylov = self.krylov(method, h, search, products)?;
+            krylov.extend(products, search.stop, &mut step)?;
             let mut beyond: Vec<c64> = krylov.values.iter().filter(|z| size(z) > 1.0 + GROWTH).copied().collect();
             beyond.sort_by(|a, b| size(b).total_cmp(&size(a)));
             let mut settled = true;
@@ -134,7 +142,7 @@ impl LinearScene {
                 }
                 settled = false;
             }
-            if settled {
+            if settled && products >= ENOUGH {
                 break;
             }
         }
@@ -150,7 +158,7 @@ impl LinearScene {
         (q[1], q[2]) = (vec![0.0; n], vec![0.0; n]);
         let [before, now, after] = &mut q;
         step(before, now);
-        let mut largest = [0.0_f64; 4];
+        let (mut largest, mut first) = ([0.0_f64; 4], 0.0);
         for k in 0..STEPPED {
             if search.stop.asked() {
                 return None;
@@ -158,7 +166,10 @@ impl LinearScene {
             step(now, after);
             let squares = before.iter().zip(&*now).zip(&*after).map(|((a, b), c)| (a - 2.0 * b + c).powi(2));
             let size = squares.sum::<f64>().sqrt();
-            if !size.is_finite() {
+            if k == 0 {
+                first = size;
+            }
+            if !size.is_finite() || size > BEYOND_DOUBT * first {
                 return Some(true);
             }
             let quarter = &mut largest[4 * k / STEPPED];
@@ -170,12 +181,19 @@ impl LinearScene {
         Some(largest[3] > largest[1] * (1.0 + 0.5 * GROWTH).powf(steps))
     }
 
-    /// The step map on a Krylov space.
-    fn krylov(&self, method: &MethodChoice, h: f64, search: Search<'_>, products: usize) -> Option<Krylov> {
-        let (root, n) = (&self.root, self.root.len());
-        let mut step = self.step_map(method, h, search.unit)?;
-        let start: Vec<f64> = (0..2 * n).map(|i| if root[i % n] > 0.0 { pseudo_random(i) } else { 0.0 }).collect();
-        Krylov::of(start, products, search.stop, |q, y| step(q, y))
+    /// Start of an iteration `[2 n_dof]`, a difference of steps, which has little of the motions that hardly change in
+    /// a step. Where nothing holds a net across itself there are many, nearly parallel, and Ritz values made of them
+    /// stay beyond the unit circle for long.
+    fn start(&self, mut step: impl FnMut(&[f64], &mut [f64])) -> Vec<f64> {
+        let n = self.root.len();
+        let free = |i: usize| self.root[i % n] > 0.0;
+        let mut start: Vec<f64> = (0..2 * n).map(|i| if free(i) { pseudo_random(i) } else { 0.0 }).collect();
+        let mut next = vec![0.0; 2 * n];
+        for _ in 0..DIFFERENCES {
+            step(&start, &mut next);
+            start.iter_mut().zip(&next).for_each(|(start, next)| *start = next - *start);
+        }
+        start
     }
 
     /// One step of the method as a linear map of `[2 n_dof]`; NaN if the step fails.

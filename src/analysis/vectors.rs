@@ -1,5 +1,7 @@
 //! Vector operations of the Krylov iterations, and how many vectors they may store.
 
+use crate::model::quad::{self, Pass, Quad, VectorUnit};
+
 /// a.b in eight lanes. The order of the sum differs from `solve::norms`, and the bits of limits depend on it.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
@@ -24,16 +26,59 @@ pub(super) fn add(y: &mut [f64], f: f64, x: &[f64]) {
     }
 }
 
+/// Removes the components along `N` orthonormal vectors from q, and returns them.
+struct Remove<'a, const N: usize> {
+    q: &'a mut [f64],
+    along: [&'a [f64]; N],
+}
+
+impl<const N: usize> Pass for Remove<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn run<U: VectorUnit>(self, unit: U) -> [f64; N] {
+        let (q, q_rest) = self.q.as_chunks_mut::<4>();
+        let split = self.along.map(|v| v.as_chunks::<4>());
+        let along = split.map(|(v, _)| &v[..q.len()]);
+        let mut sums = [unit.splat(0.0); N];
+        for (i, q) in q.iter().enumerate() {
+            let q = unit.quad(*q);
+            for (sum, v) in sums.iter_mut().zip(along) {
+                *sum = *sum + unit.quad(v[i]) * q;
+            }
+        }
+        let mut parts = sums.map(|sum| sum.numbers().iter().sum::<f64>());
+        for (part, (_, rest)) in parts.iter_mut().zip(split) {
+            *part += q_rest.iter().zip(rest).map(|(q, v)| q * v).sum::<f64>();
+        }
+        let factors = parts.map(|part| unit.splat(part));
+        for (i, q) in q.iter_mut().enumerate() {
+            let mut left = unit.quad(*q);
+            for (factor, v) in factors.iter().zip(along) {
+                left = left - *factor * unit.quad(v[i]);
+            }
+            *q = left.numbers();
+        }
+        for (part, (_, rest)) in parts.iter().zip(split) {
+            add(q_rest, -part, rest);
+        }
+        parts
+    }
+}
+
 /// Removes the components along an orthonormal basis from q. Calls `part_was(i, component)` and returns the norm of the
 /// rest. A second pass follows if the first removed most of q and so left rounding (Daniel, Gragg, Kaufman & Stewart
 /// 1976).
 pub(super) fn orthogonalise(q: &mut [f64], basis: &[Vec<f64>], mut part_was: impl FnMut(usize, f64)) -> f64 {
     let mut before = norm(q);
     loop {
-        for (i, v) in basis.iter().enumerate() {
-            let part = dot(v, q);
-            part_was(i, part);
-            add(q, -part, v);
+        // Four at a time read and write q a quarter as often.
+        let (fours, others) = basis.as_chunks::<4>();
+        let parts = fours.iter().flat_map(|four| quad::run(Remove { q, along: four.each_ref().map(Vec::as_slice) }));
+        parts.enumerate().for_each(|(i, part)| part_was(i, part));
+        for (i, v) in others.iter().enumerate() {
+            let [part] = quad::run(Remove { q, along: [v] });
+            part_was(4 * fours.len() + i, part);
         }
         let left = norm(q);
         if left > 0.5 * before || before == 0.0 || !left.is_finite() || left < f64::EPSILON * before {

@@ -4,7 +4,7 @@ use super::MeshError;
 use super::annulus::GRADING_RANGE;
 use super::hilbert;
 use super::random::SplitMix64;
-use super::sdf::{RadialTable, Ring, SizeFunction, on_unit_circle};
+use super::sdf::{RadialTable, Ring, SizeFunction, integral, on_unit_circle};
 use crate::model::unit_vector::unit_vector;
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
@@ -88,7 +88,7 @@ impl Request {
         let size = self.size(boundary, grading);
         let loops = self.split(boundary);
         let hub = self.hub(&size);
-        let along = RadialTable::new([hub.max(self.ring.inner), self.ring.outer], |r| 1.0 / size.at(r)).total();
+        let along = integral([hub.max(self.ring.inner), self.ring.outer], |r| 1.0 / size.at(r));
         let between = (along.round() as usize).max(1) - 1;
         let seam_nodes = if self.seams == 0 { 0 } else { between + usize::from(hub > 0.0) };
         let centre = usize::from(self.seams > 0 && !self.ring.has_hole());
@@ -146,7 +146,7 @@ impl Request {
     fn expected_triangles(&self, boundary: usize, grading: f64) -> f64 {
         let size = self.size(boundary, grading);
         let density = |r: f64| TAU * r * 4.0 / (3.0_f64.sqrt() * size.at(r).powi(2));
-        RadialTable::new([self.ring.inner, self.ring.outer], density).total()
+        integral([self.ring.inner, self.ring.outer], density)
     }
 
     /// The number of boundary nodes at which expected and exact triangles agree; both grow with it, one up, one down.
@@ -176,6 +176,9 @@ impl Request {
         }
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
+            if middle == low || middle == high {
+                break;
+            }
             if self.expected_triangles(boundary, middle) > target {
                 low = middle;
             } else {

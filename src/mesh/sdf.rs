@@ -98,29 +98,39 @@ pub struct RadialTable {
 
 impl RadialTable {
     /// Integrates a positive density from radius `from` to `to` with the midpoint rule.
-    pub fn new([from, to]: [f64; 2], density: impl Fn(f64) -> f64) -> Self {
-        let radius = |i: usize| from + (to - from) * (i as f64 / CELLS as f64).powi(2);
-        let radii: Vec<f64> = (0..=CELLS).map(radius).collect();
-        let mut sums = vec![0.0];
-        let mut sum = 0.0;
-        for cell in radii.windows(2) {
-            sum += density(0.5 * (cell[0] + cell[1])) * (cell[1] - cell[0]);
-            sums.push(sum);
-        }
-        Self { radii, sums }
-    }
-
-    /// The whole integral.
-    pub fn total(&self) -> f64 {
-        self.sums.last().copied().unwrap_or(0.0)
+    pub fn new(ends: [f64; 2], density: impl Fn(f64) -> f64) -> Self {
+        let mut table = Self { radii: vec![ends[0]], sums: vec![0.0] };
+        integrate(ends, density, |radius, sum| {
+            table.radii.push(radius);
+            table.sums.push(sum);
+        });
+        table
     }
 
     /// [m] the radius up to which the given fraction of the integral lies
     pub fn radius_at(&self, fraction: f64) -> f64 {
-        let wanted = fraction.clamp(0.0, 1.0) * self.total();
+        let wanted = fraction.clamp(0.0, 1.0) * self.sums[CELLS];
         let cell = self.sums.partition_point(|&s| s < wanted).clamp(1, CELLS);
         let (low, high) = (self.sums[cell - 1], self.sums[cell]);
         let share = if high > low { (wanted - low) / (high - low) } else { 0.0 };
         self.radii[cell - 1] + share * (self.radii[cell] - self.radii[cell - 1])
     }
+}
+
+/// The same integral without a table.
+pub fn integral(ends: [f64; 2], density: impl Fn(f64) -> f64) -> f64 {
+    integrate(ends, density, |_, _| ())
+}
+
+/// Calls `reached(radius, integral)` at the end of every cell.
+fn integrate([from, to]: [f64; 2], density: impl Fn(f64) -> f64, mut reached: impl FnMut(f64, f64)) -> f64 {
+    let radius = |i: usize| from + (to - from) * (i as f64 / CELLS as f64).powi(2);
+    let (mut last, mut sum) = (radius(0), 0.0);
+    for i in 1..=CELLS {
+        let next = radius(i);
+        sum += density(0.5 * (last + next)) * (next - last);
+        reached(next, sum);
+        last = next;
+    }
+    sum
 }
