@@ -1,6 +1,6 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
-use super::{CaseArgs, CliError, Finished, complain};
+use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
 use crate::output::sanitize::file_stem;
@@ -42,7 +42,7 @@ pub struct StabilityArgs {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodList(pub String);
 
-pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let case = Case::from_file(&args.case.case, &overrides(args))?;
     let wanted = case.file().study.clone().unwrap_or_default();
     let (mut problem, _) = case.split();
@@ -82,7 +82,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
     for path in written {
         let _ = writeln!(text, "{}", path.display());
     }
-    Ok(Finished { text: if args.quiet { String::new() } else { text }, code })
+    Ok(CommandOutput { text: if args.quiet { String::new() } else { text }, code })
 }
 
 /// The flags of a study as values of the case's study section, so that they are checked as those are.

@@ -3,7 +3,7 @@
 use super::args::key_value;
 use super::interrupt::stop_on_interrupt;
 use super::tradeoff_text::{planned, shard_done, summary, written};
-use super::{CliError, Finished, complain};
+use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
 use crate::study::bench::fingerprint_of;
@@ -104,7 +104,7 @@ fn budget(text: &str) -> Result<Budget, String> {
     seconds.map(Budget::Seconds).ok_or_else(|| "expected a time such as 60s, 5min or 2h, or none".to_owned())
 }
 
-pub(super) fn run(args: &TradeoffArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
     let overrides: Vec<(String, String)> =
         args.set.iter().cloned().chain(args.end.clone().map(|end| ("time.end".to_owned(), end))).collect();
     let case =
@@ -131,7 +131,7 @@ struct Command<'a> {
 }
 
 impl Command<'_> {
-    fn run(&self, case: Option<(&Path, Case)>) -> Result<Finished, CliError> {
+    fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
         let store = Store::in_folder(&self.out);
         if self.args.force {
             store.clear()?;
@@ -280,8 +280,8 @@ impl Command<'_> {
     }
 }
 
-fn done(text: String) -> Finished {
-    Finished { text, code: 0 }
+fn done(text: String) -> CommandOutput {
+    CommandOutput { text, code: 0 }
 }
 
 /// The progress line on a terminal.
