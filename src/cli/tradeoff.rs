@@ -33,34 +33,34 @@ pub struct TradeoffArgs {
     /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
-    /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
+    /// Methods, separated by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
     #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
     pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's
-    /// periods]
+    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: chosen around the
+    /// scene's periods]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub steps: Option<String>,
     /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
     /// given]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub tolerances: Option<String>,
-    /// Times every run is made; the median counts [default: 3]
+    /// Number of times each run is made; its cost is their median [default: 3]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
     pub repeat: Option<u32>,
-    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given
-    /// again [default: 2min; none for --plan and --shard]
+    /// Time limit of the study: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them
+    /// when it is given again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
-    /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
+    /// Repeat the study with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub stiffness_sweep: Option<String>,
-    /// Make the references and the list of runs, and stop there
+    /// Make the references and the list of runs only
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub plan: bool,
-    /// Make one share of the runs of the plan, e.g. 3/8; shares count from 1
+    /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
     pub shard: Option<Shard>,
-    /// Join what shards have left in --out, and in these folders, if they worked elsewhere
+    /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
     #[arg(long, value_name = "DIR", num_args = 0..)]
     pub merge: Option<Vec<PathBuf>>,
     /// Folder for the results [default: out/NAME]
@@ -185,7 +185,7 @@ impl Command<'_> {
         match there {
             Some(name) => Err(StudyError::OtherStudy {
                 folder: self.out.clone(),
-                difference: format!("{name} is there without the plan it came from"),
+                difference: format!("{name} exists without the plan that it came from"),
             }),
             None => Ok(()),
         }

@@ -75,7 +75,7 @@ pub(super) fn summary(study: &Study, answers: &Recommendations) -> String {
     if rows.iter().any(|row| row.measured.status == RowStatus::NotRun) {
         let _ = writeln!(
             text,
-            "  not-run         the budget was spent before them (the same command again goes on with them), or their shards have not made them yet"
+            "  not-run         the budget ended before these runs (give the same command again to make them), or their shards have not made them yet"
         );
     }
     references(&mut text, plan);

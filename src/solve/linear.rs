@@ -145,7 +145,7 @@ pub enum LinearError {
     },
     /// Conjugate gradients did not reach the requested residual.
     #[error(
-        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
+        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, but {asked:.1e} was required: \
          the step is long for so stiff a scene, or its stiffnesses are too far apart for single precision; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
     )]
     Stalled {
