@@ -68,7 +68,7 @@ use crate::solve::{LinearError, LinearStats};
 pub struct StepInput<'a, S: ?Sized> {
     /// the system
     pub system: &'a S,
-    /// where the step starts; its forces are those at its state, except after a scheme that says they are not
+    /// start of the step; its forces are those at its state, except after a scheme that says they are not
     pub from: &'a Point,
     /// [s] step size
     pub h: f64,

@@ -34,7 +34,7 @@ enum BoundScheme<'a> {
 /// One step to attempt by a bound scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempt<'a> {
-    /// where the step starts
+    /// start of the step
     pub from: &'a Point,
     /// [s] step size
     pub h: f64,

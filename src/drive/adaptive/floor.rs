@@ -5,7 +5,7 @@ use super::progress::STEPS;
 use crate::drive::failure::{Failure, FailureContext};
 
 impl FailureContext<'_> {
-    /// The error of the step that was tried stays above the tolerance down to the smallest step, `floor` [s].
+    /// The error of a step stays above the tolerance down to the smallest step, `floor` [s].
     pub(in crate::drive) fn at_the_floor(&self, worst: Deviation, floor: f64) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst.dof);
         let size = self.from.state.x.get(worst.dof).map_or(0.0, |x| x.abs());
@@ -20,17 +20,14 @@ impl FailureContext<'_> {
             )
         } else {
             (
-                format!(
-                    "forces or states are not finite even in a step of {:.1e} s, the smallest allowed",
-                    self.h
-                ),
+                format!("forces or states are not finite even in a step of {:.1e} s, the smallest allowed", self.h),
                 "check loads, wind, masses, speeds and damping for a wrong unit: a force has left the range of a double",
             )
         };
         self.report(suspect, cause, advice.to_owned())
     }
 
-    /// The last [`STEPS`] steps went on by `gone` [s].
+    /// The last [`STEPS`] steps advanced the run by `gone` [s].
     pub(in crate::drive) fn without_progress(&self, gone: f64) -> Failure {
         let cause = format!(
             "the run makes no progress: from t = {:.9e} s, its last {STEPS} steps advanced it by {gone:.1e} s, of {:.1e} s in all. The time tolerance needs steps of {:.1e} s",
