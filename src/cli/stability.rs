@@ -88,7 +88,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
 /// The flags of a study as values of the case's study section, so that they are checked as those are.
 fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
     let mut all = args.case.overrides();
-    // Whoever names a method wants that one.
+    // A method given by name has its default parameters.
     let named = args.case.method.as_ref().map(|method| match method.trim_start().starts_with(['{', '"']) {
         true => format!("[{method}]"),
         false => format!("[\"{method}\"]"),
@@ -119,7 +119,7 @@ fn show(bar: &ProgressBar, Beginning { index, method, run, step, steps }: Beginn
     bar.tick();
 }
 
-/// Names and JSON objects, parted by commas outside of braces, as a JSON list.
+/// Names and JSON objects, separated by commas outside of braces, as a JSON list.
 fn method_list(text: &str) -> Result<MethodList, String> {
     let wrong = |part: &str| {
         format!("\"{part}\" is no method: expected a name, or JSON such as {{\"hht\": {{\"alpha\": -0.2}}}}")
@@ -141,7 +141,7 @@ fn method_list(text: &str) -> Result<MethodList, String> {
     Ok(MethodList(serde_json::Value::from(list).to_string()))
 }
 
-/// [s] A time with its unit; without one, seconds.
+/// [s] A time with its unit; without a unit, in seconds.
 fn budget(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
@@ -157,7 +157,7 @@ fn budget(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    /// Commas part methods, not their parameters.
+    /// Commas separate methods, not their parameters.
     #[test]
     fn lists_of_methods() {
         let list = |text| method_list(text).map(|list| list.0);
