@@ -1,8 +1,8 @@
 //! The text of a case: JSON with comments and trailing commas.
 //!
-//! `jsonc-parser` reads it once, strictly, into a tree that knows where everything is. Where that fails a tolerant
-//! reading follows: missing commas, other quotes, other numbers and repeated keys are noted and read over, so that they
-//! hide nothing behind them. The words about the first thing that is not JSON are those of `serde_json`.
+//! `jsonc-parser` first reads it strictly, into a tree with the locations of all values. If that fails, a tolerant
+//! reading follows: it reports missing commas, other quotes, other numbers and repeated keys, and continues, so that
+//! faults behind them are found too. The message on the first part that is not JSON is that of `serde_json`.
 
 use std::io::Read;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use jsonc_parser::tokens::Token;
 use jsonc_parser::{CollectOptions, ParseOptions, Scanner, ScannerOptions, parse_to_ast};
 use serde_json::{Map, Number, Value};
 
-use super::diagnostics::{Fault, FaultTarget, Findings, excerpt};
+use super::diagnostics::{Fault, FaultList, FaultTarget, excerpt};
 use super::error::CaseError;
 use super::pointer::Pointer;
 use super::span::Location;
@@ -54,18 +54,18 @@ pub(crate) fn decode(mut bytes: Vec<u8>, path: &str) -> Result<String, CaseError
 
 /// Why a text is not a JSON value.
 #[derive(Clone, Debug)]
-pub(crate) enum NoJson {
-    /// There is nothing but white space and comments.
+pub(crate) enum ParseFailure {
+    /// The text has only white space and comments.
     Empty,
-    /// The first thing that is not JSON; `None` if that is a repeated key.
+    /// The first part that is not JSON; `None` if that is a repeated key.
     Broken(Option<Box<Fault>>),
 }
 
-/// Text to JSON: comments and trailing commas are read over, repeated keys refused.
+/// Text to JSON: ignores comments and trailing commas, refuses repeated keys.
 ///
 /// # Errors
-/// The first thing that is not JSON.
-pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
+/// The first part that is not JSON.
+pub(crate) fn parse(text: &str) -> Result<Value, ParseFailure> {
     let strict = ParseOptions {
         allow_comments: true,
         allow_trailing_commas: true,
@@ -78,12 +78,12 @@ pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
         allow_non_finite_numbers: false,
         allow_extended_string_escapes: false,
     };
-    let mut found = Findings::default();
+    let mut found = FaultList::default();
     match parse_to_ast(text, &CollectOptions::default(), &strict).map(|tree| tree.value) {
-        Ok(None) => return Err(NoJson::Empty),
+        Ok(None) => return Err(ParseFailure::Empty),
         Ok(Some(root)) => {
             let value = Tree { text, root }.value(&mut found);
-            // White space that only the parser takes for white space.
+            // Characters that only this parser takes for white space.
             let odd = |c: char| c.is_whitespace() && !matches!(c, ' ' | '\t' | '\n' | '\r');
             if found.count() == 0 && !text.contains(odd) {
                 return Ok(value);
@@ -93,12 +93,12 @@ pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
     }
     let clean = blank(text).map_err(|offset| {
         let reason = "this block comment is never closed";
-        NoJson::Broken(Some(Box::new(no_json(text, offset, reason, "a comment that ends with */"))))
+        ParseFailure::Broken(Some(Box::new(no_json(text, offset, reason, "a comment that ends with */"))))
     })?;
     match serde_json::from_str(&clean) {
         Ok(value) if found.count() == 0 => Ok(value),
-        Ok(_) => Err(NoJson::Broken(None)),
-        Err(error) => Err(NoJson::Broken(Some(Box::new(broken(text, &error))))),
+        Ok(_) => Err(ParseFailure::Broken(None)),
+        Err(error) => Err(ParseFailure::Broken(Some(Box::new(broken(text, &error))))),
     }
 }
 
@@ -124,9 +124,9 @@ fn broken(text: &str, error: &serde_json::Error) -> Fault {
 
 /// Parts of `serde_json`'s messages and what is allowed instead.
 const HINTS: &[(&str, &str)] = &[
-    ("EOF while", "the rest: the file ends too early, a bracket, brace or quote is open, or the file was cut off"),
+    ("EOF while", "more text: a bracket, brace or quote is still open, or the file was cut off"),
     ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
-    ("recursion limit", "less depth: a case never nests as deeply as 128 levels"),
+    ("recursion limit", "fewer levels: a case is nested less than 128 levels deep"),
     ("trailing characters", "one JSON object; nothing may follow it"),
     ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
     ("key must be a string", "keys in double quotes, and none missing after a comma"),
@@ -148,44 +148,45 @@ pub(crate) fn blank(text: &str) -> Result<String, usize> {
         let token = match scanner.scan() {
             Ok(Some(token)) => token,
             Err(e) if matches!(e.kind(), ParseErrorKind::UnterminatedCommentBlock) => return Err(e.range().start),
-            // What follows a place that is no token is not read in any case.
+            // Text after an invalid token is not read in any case.
             Ok(None) | Err(_) => break,
         };
         let range = scanner.token_start()..scanner.token_end();
         if let Token::CommentLine(_) | Token::CommentBlock(_) = token {
-            // Line ends stay, so that line numbers do; a multi-byte character becomes as many spaces.
+            // Line ends are kept, and with them the line numbers; a multi-byte character becomes as many spaces as it
+            // has bytes.
             let hidden = out.get_mut(range).into_iter().flatten();
             hidden.filter(|byte| !matches!(**byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
             continue;
         }
         let closes = matches!(token, Token::CloseBracket | Token::CloseBrace);
-        // A comma without an entry before it stays, and is a fault.
+        // A comma without an entry before it is kept, and is a fault.
         let none = matches!(before, None | Some(Token::OpenBracket | Token::OpenBrace | Token::Comma | Token::Colon));
         if closes && last == Some(Token::Comma) && !none {
             out[at] = b' ';
         }
         (before, last, at) = (last, Some(token), range.start);
     }
-    // Whole characters were replaced by ASCII, so what is left is still UTF-8.
+    // Whole characters were replaced by ASCII, so the result is still UTF-8.
     Ok(String::from_utf8_lossy(&out).into_owned())
 }
 
-/// A text as a tree that knows where everything is.
+/// A text as a tree with the locations of all values.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree<'a> {
     text: &'a str,
     root: ast::Value<'a>,
 }
 
-/// One thing in the text that JSON does not have.
-struct Slip {
+/// One deviation of the text from JSON.
+struct NonJson {
     range: Range<usize>,
     value: String,
     allowed: &'static str,
 }
 
 impl<'a> Tree<'a> {
-    /// Reads a text as far as it can be read.
+    /// Reads a text as far as possible.
     ///
     /// # Errors
     /// The byte from which nothing more can be read.
@@ -198,13 +199,13 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The value, with every slip noted; commas are looked for in a text without comments. Of a repeated key the first
-    /// value is taken.
-    pub fn value(&self, findings: &mut Findings) -> Value {
-        Reader { text: self.text, findings }.value(&self.root, Place::Root)
+    /// The value; every deviation from JSON becomes a fault. The text must have no comments. Of a repeated key the
+    /// first value is used.
+    pub fn value(&self, findings: &mut FaultList) -> Value {
+        Reader { text: self.text, findings }.value(&self.root, ValuePath::Root)
     }
 
-    /// How much of a pointer leads to something in the text: `/time` of `/time/step`, where there is no step.
+    /// The longest part of a pointer that exists in the text: `/time` of `/time/step`, if there is no step.
     pub fn reach<'p>(&self, pointer: &'p str) -> &'p str {
         let mut node = Some(&self.root);
         let mut reached = 0;
@@ -218,7 +219,7 @@ impl<'a> Tree<'a> {
         pointer.get(..reached).unwrap_or_default()
     }
 
-    /// [byte] Where the value of a pointer stands, or its key; of a place that is not there the opening brace above it.
+    /// [byte] Location of the value of a pointer, or of its key; for a missing entry, of the opening brace above it.
     pub fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
         let mut node = &self.root;
         let mut key = span(node);
@@ -233,7 +234,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// What one step of a pointer leads to, and where its key stands.
+/// The value that one step of a pointer leads to, and the location of its key.
 fn below<'n, 'a>(node: &'n ast::Value<'a>, step: &str) -> Option<(&'n ast::Value<'a>, Range<usize>)> {
     let name = step.replace("~1", "/").replace("~0", "~");
     match node {
@@ -252,31 +253,31 @@ fn span(node: &impl Ranged) -> Range<usize> {
     node.range().start..node.range().end
 }
 
-/// Where the reader is; most places are never asked for their pointer.
+/// The present location of the reader, without a pointer, which is needed for few locations only.
 #[derive(Clone, Copy)]
-enum Place<'p> {
+enum ValuePath<'p> {
     Root,
-    Key(&'p Place<'p>, &'p str),
-    Entry(&'p Place<'p>, usize),
+    Key(&'p ValuePath<'p>, &'p str),
+    Entry(&'p ValuePath<'p>, usize),
 }
 
-impl Place<'_> {
+impl ValuePath<'_> {
     fn pointer(self) -> Pointer {
         match self {
-            Place::Root => Pointer::root(),
-            Place::Key(above, key) => above.pointer().key(key),
-            Place::Entry(above, index) => above.pointer().index(index),
+            ValuePath::Root => Pointer::root(),
+            ValuePath::Key(above, key) => above.pointer().key(key),
+            ValuePath::Entry(above, index) => above.pointer().index(index),
         }
     }
 }
 
 struct Reader<'a, 'f> {
     text: &'a str,
-    findings: &'f mut Findings,
+    findings: &'f mut FaultList,
 }
 
 impl Reader<'_, '_> {
-    fn value(&mut self, node: &ast::Value<'_>, at: Place<'_>) -> Value {
+    fn value(&mut self, node: &ast::Value<'_>, at: ValuePath<'_>) -> Value {
         match node {
             ast::Value::NullKeyword(_) => Value::Null,
             ast::Value::BooleanLit(b) => Value::Bool(b.value),
@@ -287,7 +288,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn number(&mut self, node: &ast::NumberLit<'_>, at: Place<'_>) -> Value {
+    fn number(&mut self, node: &ast::NumberLit<'_>, at: ValuePath<'_>) -> Value {
         if let Ok(number) = serde_json::from_str::<Number>(node.value) {
             return Value::Number(number);
         }
@@ -297,13 +298,13 @@ impl Reader<'_, '_> {
         } else {
             "a number that fits a double, whose size is at most 1.797e308; NaN and Infinity are not JSON"
         };
-        self.slip(at, Slip { range: span(node), value: node.value.to_owned(), allowed });
-        // A whole number, so that it is a number wherever one may stand.
+        self.slip(at, NonJson { range: span(node), value: node.value.to_owned(), allowed });
+        // A whole number, so that it is valid for every kind of number.
         self.findings.leave_unread(&at.pointer());
         Value::from(1)
     }
 
-    fn string(&mut self, node: &ast::StringLit<'_>, at: Place<'_>) -> Value {
+    fn string(&mut self, node: &ast::StringLit<'_>, at: ValuePath<'_>) -> Value {
         let range = span(node);
         let written = self.text.get(range.clone()).unwrap_or_default();
         if let Ok(text) = serde_json::from_str::<String>(written) {
@@ -315,16 +316,16 @@ impl Reader<'_, '_> {
             "a text in double quotes"
         };
         let value = excerpt(&Value::from(written));
-        self.slip(at, Slip { range, value, allowed });
+        self.slip(at, NonJson { range, value, allowed });
         Value::String(node.value.as_ref().to_owned())
     }
 
-    fn array(&mut self, node: &ast::Array<'_>, at: Place<'_>) -> Value {
+    fn array(&mut self, node: &ast::Array<'_>, at: ValuePath<'_>) -> Value {
         self.commas(at, &node.elements);
-        Value::Array(node.elements.iter().enumerate().map(|(i, e)| self.value(e, Place::Entry(&at, i))).collect())
+        Value::Array(node.elements.iter().enumerate().map(|(i, e)| self.value(e, ValuePath::Entry(&at, i))).collect())
     }
 
-    fn object(&mut self, node: &ast::Object<'_>, at: Place<'_>) -> Value {
+    fn object(&mut self, node: &ast::Object<'_>, at: ValuePath<'_>) -> Value {
         self.commas(at, &node.properties);
         let mut map = Map::new();
         for property in &node.properties {
@@ -335,15 +336,15 @@ impl Reader<'_, '_> {
                 },
                 ObjectPropName::Word(word) => {
                     let allowed = "keys in double quotes";
-                    self.slip(at, Slip { range: span(word), value: format!("the key {}", word.value), allowed });
+                    self.slip(at, NonJson { range: span(word), value: format!("the key {}", word.value), allowed });
                     word.value.to_owned()
                 }
             };
-            let below = Place::Key(&at, &name);
+            let below = ValuePath::Key(&at, &name);
             if map.contains_key(&name) {
                 let value = format!("the key \"{name}\" is given twice in the same object");
-                let allowed = "one of the two; the later one does not win";
-                self.slip(below, Slip { range: span(&property.name), value, allowed });
+                let allowed = "only one of the two";
+                self.slip(below, NonJson { range: span(&property.name), value, allowed });
                 continue;
             }
             let value = self.value(&property.value, below);
@@ -353,17 +354,17 @@ impl Reader<'_, '_> {
     }
 
     /// One comma between two entries.
-    fn commas(&mut self, at: Place<'_>, entries: &[impl Ranged]) {
+    fn commas(&mut self, at: ValuePath<'_>, entries: &[impl Ranged]) {
         for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
             let gap = entry.range().end..next.range().start;
             if !self.text.get(gap.clone()).is_some_and(|between| between.contains(',')) {
                 let value = "a missing comma".to_owned();
-                self.slip(at, Slip { range: gap, value, allowed: "a comma between two entries" });
+                self.slip(at, NonJson { range: gap, value, allowed: "a comma between two entries" });
             }
         }
     }
 
-    fn slip(&mut self, at: Place<'_>, slip: Slip) {
+    fn slip(&mut self, at: ValuePath<'_>, slip: NonJson) {
         self.findings.note(|| Fault {
             pointer: at.pointer().as_str().to_owned(),
             value: slip.value,
@@ -383,11 +384,11 @@ mod tests {
     #[test]
     fn slips_are_noted_and_read_over() {
         let text = "{\"a\": [1, 2 ], b: 'x' \"c\": NaN, \"a\": 3, \"d\": +1,\n \"e\": \"1\t2\", \"f\": [1 2] }";
-        let mut findings = Findings::default();
+        let mut findings = FaultList::default();
         let tree = Tree::parse(text).expect("readable");
         let value = tree.value(&mut findings);
         assert_eq!(value, json!({"a": [1, 2], "b": "x", "c": 1, "d": 1, "e": "1\t2", "f": [1, 2]}));
-        let faults = findings.told().faults;
+        let faults = findings.report().faults;
         let found: Vec<(&str, &str)> = faults.iter().map(|f| (f.pointer.as_str(), f.value.as_str())).collect();
         let expected = [
             ("", "a missing comma"),

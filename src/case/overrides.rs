@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 use super::error::CaseError;
 
 /// Puts one value into a case. `key` is a dotted path, list entries are numbers (`system.network.springs.0.stiffness`);
-/// objects that are missing on the way are made. `value` is read as JSON, and as a plain text if it is none; `null`
-/// takes the key away.
+/// missing objects on the path are made. `value` is read as JSON, or as plain text if it is not JSON; `null` removes
+/// the key.
 pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError::Override { key: key.to_owned(), value: value.to_owned(), reason };
     if key.contains(['/', '[', ']']) {
@@ -28,7 +28,7 @@ pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), Case
     }
     // As strict as the file: duplicate keys inside the value are refused too.
     let new = super::jsonc::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
-    put(place, last, new, parents).map_err(fail)
+    assign(place, last, new, parents).map_err(fail)
 }
 
 fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a mut Value, String> {
@@ -42,7 +42,7 @@ fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a m
     }
 }
 
-fn put(place: &mut Value, step: &str, new: Value, above: &[&str]) -> Result<(), String> {
+fn assign(place: &mut Value, step: &str, new: Value, above: &[&str]) -> Result<(), String> {
     match place {
         Value::Object(map) => {
             if new.is_null() {
@@ -91,7 +91,7 @@ mod tests {
         apply(&mut case, key, value).map(|()| case).map_err(|error| error.to_string())
     }
 
-    /// Numbers, texts, objects, list entries, new sections and removal all arrive where they should.
+    /// Numbers, texts, objects, list entries, new sections and removals are applied at the right place.
     #[test]
     fn replaces_what_the_path_names() {
         assert_eq!(set("time.step", "1e-3").expect("ok")["time"]["step"], json!(1e-3));
@@ -101,7 +101,7 @@ mod tests {
         assert!(set("time.method", "null").expect("ok")["time"].get("method").is_none());
     }
 
-    /// A path that leads nowhere says which part of it does.
+    /// The message for a wrong path names its wrong part.
     #[test]
     fn refuses_paths_that_lead_nowhere() {
         for (key, words) in [

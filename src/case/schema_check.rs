@@ -1,35 +1,35 @@
-//! The second pass over a case that serde refused: a walk over the JSON Schema that finds every wrong type and key,
-//! where serde stops at the first.
+//! The second pass over a case that serde refused: it compares the case with the JSON Schema and finds every wrong type
+//! and key, while serde stops at the first.
 //!
-//! What is wrong is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
-//! checked here. The walk knows the part of JSON Schema that schemars makes of this case: `$ref`, `oneOf` of
-//! words, of objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
+//! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
+//! checked here. The check knows the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words, of
+//! objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
 
 use serde_json::{Map, Value, json};
 
-use super::diagnostics::Findings;
+use super::diagnostics::FaultList;
 use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of};
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
-/// Finds every wrong type and key of a case and puts stand-ins in their places.
-pub(crate) fn walk(json: &mut Value, findings: &mut Findings) {
+/// Finds every wrong type and key of a case and replaces them by stand-ins.
+pub(crate) fn walk(json: &mut Value, findings: &mut FaultList) {
     let root = json_schema();
-    Walk { root: &root, findings }.visit(&root, json, &Pointer::root());
+    SchemaCheck { root: &root, findings }.visit(&root, json, &Pointer::root());
 }
 
-struct Walk<'a> {
+struct SchemaCheck<'a> {
     root: &'a Value,
-    findings: &'a mut Findings,
+    findings: &'a mut FaultList,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> SchemaCheck<'a> {
     fn visit(&mut self, schema: &'a Value, value: &mut Value, at: &Pointer) {
         if value.is_null() && nullable(schema) {
             return;
         }
         let schema = meant(self.root, schema);
-        if let Some(choice) = Choice::new(self.root, schema) {
+        if let Some(choice) = OneOf::new(self.root, schema) {
             return self.choose(&choice, schema, value, at);
         }
         match (kind(schema), &mut *value) {
@@ -44,7 +44,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Notes that the whole value is wrong, and puts a stand-in in its place.
+    /// Adds a fault for the whole value, and replaces it by a stand-in.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
         self.note(at, FaultTarget::Value, value, allowed, None);
         self.replace(schema, value, at);
@@ -92,7 +92,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn choose(&mut self, choice: &Choice<'a>, schema: &'a Value, value: &mut Value, at: &Pointer) {
+    fn choose(&mut self, choice: &OneOf<'a>, schema: &'a Value, value: &mut Value, at: &Pointer) {
         match &mut *value {
             Value::String(word) if choice.words.contains(&word.as_str()) => {}
             Value::String(word) if choice.tag(word).is_some() => {
@@ -117,8 +117,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Visits an object whose one key is a name of the choice; whether what is left of it can be read.
-    fn tagged(&mut self, choice: &Choice<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
+    /// Visits an object whose only key is a name of the `oneOf`. Returns whether the rest of it can be read.
+    fn tagged(&mut self, choice: &OneOf<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
         let mut keys = map.keys().cloned();
         let (Some(key), None) = (keys.next(), keys.next()) else {
             let allowed =
@@ -153,7 +153,7 @@ impl<'a> Walk<'a> {
 }
 
 /// A `oneOf` sorted by how its branches differ.
-struct Choice<'a> {
+struct OneOf<'a> {
     /// plain words: `"all"`
     words: Vec<&'a str>,
     /// objects with one key: `{"ids": [...]}`
@@ -162,8 +162,8 @@ struct Choice<'a> {
     others: Vec<&'a Value>,
 }
 
-impl<'a> Choice<'a> {
-    /// The choice that a schema is, if it is one.
+impl<'a> OneOf<'a> {
+    /// The `oneOf` of a schema, if it has one.
     fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
         let mut choice = Self { words: Vec::new(), tags: Vec::new(), others: Vec::new() };
         for branch in schema.get("oneOf")?.as_array()? {
@@ -194,7 +194,7 @@ impl<'a> Choice<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number or a list. Of two kinds of list most of the entries decide which is meant.
+    /// The branch for a number or a list. Between two kinds of list, the majority of the entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let number = |branch: &&Value| value.is_number() && kind(branch) == "number";
@@ -221,10 +221,10 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// [-] Stands in for a number. Large, so that nothing else seems too large beside it.
+/// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
 const NUMBER: u32 = 1_000_000_000;
 
-/// The schema itself, references and the choice between something and null resolved.
+/// The schema itself, with references and the choice between a value and null resolved.
 fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     let referred = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
     if let Some(target) = referred.and_then(|pointer| root.pointer(pointer)) {
@@ -235,7 +235,7 @@ fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     branch.map_or(schema, |branch| meant(root, branch))
 }
 
-/// The type of a value, null aside; empty where the schema names none.
+/// The type of a value, except null; empty if the schema names none.
 fn kind(schema: &Value) -> &str {
     match schema.get("type") {
         Some(Value::String(name)) => name,
@@ -266,7 +266,7 @@ fn largest(schema: &Value) -> u64 {
 /// What is allowed, in the words of a case file.
 fn describe(root: &Value, schema: &Value) -> String {
     let schema = meant(root, schema);
-    if let Some(choice) = Choice::new(root, schema) {
+    if let Some(choice) = OneOf::new(root, schema) {
         return choice.describe(root);
     }
     match (kind(schema), length(schema)) {

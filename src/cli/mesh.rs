@@ -35,10 +35,10 @@ pub enum MeshCommand {
     Inspect(InspectArgs),
 }
 
-/// Where a made mesh goes.
+/// The output of a generated mesh.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
-    /// File to write, .vtu or .obj; without it the mesh is only described
+    /// File to write, .vtu or .obj; without it, the command only describes the mesh
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Replace the file if it exists
@@ -58,7 +58,7 @@ pub struct GradedArgs {
     /// Number of radial lines of edges
     #[arg(long)]
     pub seams: Option<usize>,
-    /// Start of the pseudo-random numbers
+    /// Seed of the pseudo-random numbers
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Ratio of the edge length in the middle to that at the edges (0.2 to 10); derived if absent
@@ -78,7 +78,7 @@ pub struct AnnulusArgs {
     /// counts and grading
     #[command(flatten)]
     pub graded: GradedArgs,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -92,7 +92,7 @@ pub struct DiscArgs {
     /// counts and grading
     #[command(flatten)]
     pub graded: GradedArgs,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -100,7 +100,7 @@ pub struct DiscArgs {
 /// How `mesh rectangle` cuts its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PatternArg {
-    /// One diagonal a cell
+    /// One diagonal per cell
     #[default]
     Regular,
     /// Both diagonals and a node where they cross
@@ -125,7 +125,7 @@ pub struct RectangleArgs {
     /// How the cells are cut
     #[arg(long, value_enum, default_value_t)]
     pub pattern: PatternArg,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -142,7 +142,7 @@ pub struct ChainArgs {
     /// Number of edges
     #[arg(long)]
     pub segments: usize,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -248,7 +248,7 @@ fn written(path: &Path) -> String {
     format!("written to {}\n", path.display())
 }
 
-/// Counts, loops, quality, histogram, and what a simulation would stumble over.
+/// Counts, loops, quality, histogram, and faults that matter for a simulation.
 fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
     let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
     let quality = Quality::with_topology(mesh, &topology);

@@ -1,9 +1,8 @@
-//! The command line: what was typed, and one file a command.
+//! The command line: its arguments, and one file per command.
 
 mod args;
 mod check;
 mod check_json;
-mod doubts;
 mod error;
 pub mod init;
 mod interrupt;
@@ -17,6 +16,7 @@ mod solve;
 pub mod stability;
 pub mod tradeoff;
 mod tradeoff_text;
+mod warnings;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
@@ -33,10 +33,10 @@ pub fn main() -> ExitCode {
     interrupt::catch_interrupts();
     let args = Args::parse();
     match dispatch(&args.command) {
-        Ok(Finished { text, code }) => {
+        Ok(CommandOutput { text, code }) => {
             let mut out = std::io::stdout().lock();
             match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-                // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
+                // A closed pipe (`canopy-fem methods | head`) is not a failure.
                 Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
                     complain(&format!("error: standard output: {e}"));
                     ExitCode::from(1)
@@ -51,19 +51,19 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// A line on standard error, if anybody listens: `eprintln!` would panic on a closed one.
+/// Writes a line to standard error, if it is open: `eprintln!` would panic on a closed one.
 fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }
 
-/// What a command leaves: text for standard output, and its exit status.
-struct Finished {
+/// The result of a command: text for standard output, and its exit status.
+struct CommandOutput {
     text: String,
     code: u8,
 }
 
-fn dispatch(command: &Command) -> Result<Finished, CliError> {
-    let done = |text: String| Finished { text, code: 0 };
+fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
+    let done = |text: String| CommandOutput { text, code: 0 };
     match command {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),

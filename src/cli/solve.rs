@@ -1,10 +1,10 @@
-//! `canopy-fem solve`: the main job.
+//! `canopy-fem solve`: runs a case and writes its results.
 
-use super::doubts::{check_solver, of_scene, planned};
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
-use super::resume::{self, Earlier};
-use super::{CliError, Finished, SolveArgs, complain};
+use super::resume::{self, EarlierRun};
+use super::warnings::{check_solver, of_scene, planned};
+use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::warnings::{limit_at_start, worth};
 use crate::assembly::write_matrix_market;
@@ -25,7 +25,7 @@ use crate::output::summary::Summary;
 use crate::process::Stopwatch;
 use crate::scene::Scene;
 use crate::simulation::{RunSettings, Simulation, bind, build_scene};
-use crate::startup::{Account, Phase, timed};
+use crate::startup::{Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -33,11 +33,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
+/// [-] Share of the energy above which dissipation by a braked body leads to a warning: less than half of the speed is
+/// left.
 const LOST: f64 = 0.8;
 
-pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
-    let account = Account::open();
+pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
+    let account = StartupTimer::open();
     let (mut problem, source) =
         timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?.split();
     if !args.quiet {
@@ -45,20 +46,20 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     let fingerprint = Fingerprint::of(&problem)?;
-    let earlier = args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()?;
-    if let Some(Earlier::Done(summary)) = &earlier {
+    let earlier = args.resume.then(|| resume::find_earlier_run(&out, &problem, &fingerprint)).transpose()?;
+    if let Some(EarlierRun::Done(summary)) = &earlier {
         let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
-        return Ok(Finished { text, code: 0 });
+        return Ok(CommandOutput { text, code: 0 });
     }
     let scene: Arc<dyn Scene> =
         timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
     check_solver(&problem, &*scene, source)?;
-    // A method that does not fit is refused before any file is made.
+    // An unsuitable method is refused before any file is created.
     bind(&problem, &*scene)?;
-    // Before any file is made, so that no interrupt leaves results without a summary.
+    // Before any file is created, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let (folder, checkpoint) = match earlier {
-        Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
+        Some(EarlierRun::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
         _ => (timed(Phase::Files, || ResultFolder::prepare(&out, &problem.name, args.force))?, None),
     };
     let plan = planned(&problem, &*scene, Stop::on(&stop));
@@ -72,7 +73,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = Job { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
+    let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
     let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
@@ -85,26 +86,26 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
     let code = match outcome.status {
         Status::Completed => 0,
-        // Its failure is in the summary, with what was known of the cause by then.
+        // The summary has its failure, with the cause as far as it is known.
         Status::Diverged | Status::NotConverged if stop.load(Ordering::Relaxed) => 130,
         Status::Diverged | Status::NotConverged => 3,
         Status::Interrupted => 130,
     };
-    Ok(Finished { text, code })
+    Ok(CommandOutput { text, code })
 }
 
-/// A run that is ready.
-struct Job<'a> {
+/// A run that is ready to start.
+struct PreparedRun<'a> {
     args: &'a SolveArgs,
     problem: &'a Problem,
     scene: &'a Arc<dyn Scene>,
     folder: &'a ResultFolder,
     limit: CriticalStep,
-    account: Account,
+    account: StartupTimer,
 }
 
-/// What was seen of a run besides its results.
-struct Watch<'a> {
+/// Data of a run for the report, besides its results.
+struct RunNotes<'a> {
     limit: CriticalStep,
     least: Option<LeastStep>,
     farthest: MaxDisplacement<'a>,
@@ -112,15 +113,15 @@ struct Watch<'a> {
     last_frame: Option<f64>,
 }
 
-impl<'a> Job<'a> {
-    /// Runs from the start or from the checkpoint, and leaves all files.
+impl<'a> PreparedRun<'a> {
+    /// Runs from the start or from the checkpoint, and writes all files.
     fn integrate(
         &self,
         case: Fingerprint,
         checkpoint: Option<Checkpoint>,
         stop: &AtomicBool,
-    ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
-        let &Job { args, problem, folder, limit, .. } = self;
+    ) -> Result<(Outcome, Summary, RunNotes<'a>), CliError> {
+        let &PreparedRun { args, problem, folder, limit, .. } = self;
         let scene = &**self.scene;
         let spec = problem.run_spec(args.keep_going);
         let recorded = RecorderSpec::of(problem, folder.dir());
@@ -133,7 +134,7 @@ impl<'a> Job<'a> {
         };
         let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
         let every = problem.output.checkpoint_every;
-        // What was derived at the start stays in force.
+        // Settings that were derived at the start of the earlier run are kept.
         let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
         let case_digest = case.digest();
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
@@ -144,13 +145,13 @@ impl<'a> Job<'a> {
             MaxDisplacement::new(scene),
         );
         let tell = |text: &str| {
-            // Over what is left of a progress line.
+            // Overwrites the rest of a progress line.
             let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
             if !unwatched {
                 complain(&format!("{clear}warning: {text}"));
             }
         };
-        // Adaptive steps shrink by themselves where a scene stiffens.
+        // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
         let mut monitor = spec.step.fixed().and_then(|step| {
             let (method, start, stop) = (&problem.method, limit, Stop::on(stop));
             CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
@@ -169,41 +170,46 @@ impl<'a> Job<'a> {
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
         let summary = Summary { resumed_from, case_digest, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
-        // That of an interrupt; nobody has asked for one to stay.
+        // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {
             folder.remove_checkpoint()?;
         }
         let least = monitor.and_then(|monitor| monitor.least());
-        Ok((outcome, summary, Watch { limit, least, farthest, last_frame: recorder.shown() }))
+        Ok((outcome, summary, RunNotes { limit, least, farthest, last_frame: recorder.shown() }))
     }
 }
 
-/// A word on a run that reached its end on energy its scheme made itself.
+/// Warning for a completed run whose scheme made much energy itself.
 fn energy_made(outcome: &Outcome) -> Option<Warning> {
     let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
     Some(Warning::new(WarningCode::EnergyMade, format!("{made}; do not trust this run")))
 }
 
-/// A word on a run in which damping that brakes the rotation of a free body has taken nearly all energy.
+/// Warning for a run in which damping that brakes the rotation of a free body took nearly all energy.
 fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
     let mut found = problem.warnings.iter().chain(&problem.acknowledged);
     let lost = found.any(|w| w.code == WarningCode::BrakedRotation).then(|| dissipated_share(&outcome.ledger))?;
     (lost > LOST).then(|| {
         let text = format!(
-            "damping has taken {} % of the energy of motion and springs, and brakes the rotation of a body that nothing holds: what is \
-             left may be its work rather than the body's motion; take \"axial\" dashpots",
+            "damping has taken {} % of the kinetic and elastic energy, and it brakes the rotation of a body without supports: the motion that is left may be an effect of the damping; take \"axial\" dashpots",
             figures(100.0 * lost, 3)
         );
         Warning::new(WarningCode::EnergyDissipated, text)
     })
 }
 
-/// [-] What was dissipated over all that was in motion and springs, or would still be.
+/// [-] Dissipated energy over the kinetic and elastic energy that there would be without dissipation.
 fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
-fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
+fn report(
+    problem: &Problem,
+    outcome: &Outcome,
+    summary: &Summary,
+    folder: &ResultFolder,
+    seen: &RunNotes<'_>,
+) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",
         Status::Diverged => "diverged",
@@ -240,7 +246,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     if !failed {
         let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
     }
-    // Of adaptive steps, what they came to on average.
+    // For adaptive steps, their average.
     let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
     if let Some(tolerance) = problem.time.step.tolerance() {
@@ -255,7 +261,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
     }
     let results = folder.dir().join(format!("{}.pvd", folder.stem()));
     if failed {
-        // Error, displacement and share of the critical step would be those of a state that is wrong.
+        // After a divergence, error, displacement and share of the critical step have no meaning.
         if let Some(t) = seen.last_frame {
             let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
         }
@@ -289,7 +295,7 @@ fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &Resu
 
 fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
     let t = figures(summary.t_end, 12);
-    format!("{}: has completed at t = {t} s already, in {}; nothing is left to resume\n", problem.name, out.display())
+    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
 }
 
 fn describe(failure: &Failure, status: Status) -> String {

@@ -1,6 +1,6 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
-use super::{CaseArgs, CliError, Finished, complain};
+use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
 use crate::output::sanitize::file_stem;
@@ -19,12 +19,12 @@ pub struct StabilityArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Methods to study, names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those of
-    /// the case's study section, else all; the case's own with its own parameters]
+    /// Methods to study, as names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those
+    /// of the study section, else all; the method of the case keeps its parameters]
     #[arg(long, value_name = "LIST", value_parser = method_list)]
     pub methods: Option<MethodList>,
-    /// Time on the clock the study may take, e.g. 60s, 5min, 1h; methods that are not finished then are left out
-    /// [default: no end]
+    /// Wall-clock time for the study, e.g. 60s, 5min, 1h; methods that are not finished by then are left out [default:
+    /// no limit]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<f64>,
     /// Folder for stability.csv, stability.json and stability.svg [default: out/NAME]
@@ -42,7 +42,7 @@ pub struct StabilityArgs {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodList(pub String);
 
-pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let case = Case::from_file(&args.case.case, &overrides(args))?;
     let wanted = case.file().study.clone().unwrap_or_default();
     let (mut problem, _) = case.split();
@@ -82,13 +82,13 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
     for path in written {
         let _ = writeln!(text, "{}", path.display());
     }
-    Ok(Finished { text: if args.quiet { String::new() } else { text }, code })
+    Ok(CommandOutput { text: if args.quiet { String::new() } else { text }, code })
 }
 
 /// The flags of a study as values of the case's study section, so that they are checked as those are.
 fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
     let mut all = args.case.overrides();
-    // Whoever names a method wants that one.
+    // A method given by name has its default parameters.
     let named = args.case.method.as_ref().map(|method| match method.trim_start().starts_with(['{', '"']) {
         true => format!("[{method}]"),
         false => format!("[\"{method}\"]"),
@@ -119,7 +119,7 @@ fn show(bar: &ProgressBar, Beginning { index, method, run, step, steps }: Beginn
     bar.tick();
 }
 
-/// Names and JSON objects, parted by commas outside of braces, as a JSON list.
+/// Names and JSON objects, separated by commas outside of braces, as a JSON list.
 fn method_list(text: &str) -> Result<MethodList, String> {
     let wrong = |part: &str| {
         format!("\"{part}\" is no method: expected a name, or JSON such as {{\"hht\": {{\"alpha\": -0.2}}}}")
@@ -141,7 +141,7 @@ fn method_list(text: &str) -> Result<MethodList, String> {
     Ok(MethodList(serde_json::Value::from(list).to_string()))
 }
 
-/// [s] A time with its unit; without one, seconds.
+/// [s] A time with its unit; without a unit, in seconds.
 fn budget(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
@@ -157,7 +157,7 @@ fn budget(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    /// Commas part methods, not their parameters.
+    /// Commas separate methods, not their parameters.
     #[test]
     fn lists_of_methods() {
         let list = |text| method_list(text).map(|list| list.0);

@@ -3,7 +3,7 @@
 use super::args::key_value;
 use super::interrupt::stop_on_interrupt;
 use super::tradeoff_text::{planned, shard_done, summary, written};
-use super::{CliError, Finished, complain};
+use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
 use crate::study::bench::fingerprint_of;
@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// [s] Budget of a study on one machine, if nobody says.
+/// [s] Default budget of a study on one machine.
 const BUDGET: f64 = 120.0;
-/// Share of a budget that the references may take, by nominal figures.
+/// Share of a budget that the references may take, in nominal costs.
 const FOR_REFERENCES: f64 = 0.5;
 
 /// `tradeoff`.
@@ -33,34 +33,34 @@ pub struct TradeoffArgs {
     /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
-    /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
+    /// Methods, separated by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
     #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
     pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's
-    /// periods]
+    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: chosen around the
+    /// scene's periods]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub steps: Option<String>,
     /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
     /// given]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub tolerances: Option<String>,
-    /// Times every run is made; the median counts [default: 3]
+    /// Number of times each run is made; its cost is their median [default: 3]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
     pub repeat: Option<u32>,
-    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given
-    /// again [default: 2min; none for --plan and --shard]
+    /// Time limit of the study: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them
+    /// when it is given again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
-    /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
+    /// Repeat the study with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub stiffness_sweep: Option<String>,
-    /// Make the references and the list of runs, and stop there
+    /// Make the references and the list of runs only
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub plan: bool,
-    /// Make one share of the runs of the plan, e.g. 3/8; shares count from 1
+    /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
     pub shard: Option<Shard>,
-    /// Join what shards have left in --out, and in these folders, if they worked elsewhere
+    /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
     #[arg(long, value_name = "DIR", num_args = 0..)]
     pub merge: Option<Vec<PathBuf>>,
     /// Folder for the results [default: out/NAME]
@@ -83,7 +83,7 @@ pub struct TradeoffArgs {
     pub quiet: bool,
 }
 
-/// [s] Time a study may take.
+/// [s] Time limit of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// so many seconds
@@ -104,7 +104,7 @@ fn budget(text: &str) -> Result<Budget, String> {
     seconds.map(Budget::Seconds).ok_or_else(|| "expected a time such as 60s, 5min or 2h, or none".to_owned())
 }
 
-pub(super) fn run(args: &TradeoffArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
     let overrides: Vec<(String, String)> =
         args.set.iter().cloned().chain(args.end.clone().map(|end| ("time.end".to_owned(), end))).collect();
     let case =
@@ -131,7 +131,7 @@ struct Command<'a> {
 }
 
 impl Command<'_> {
-    fn run(&self, case: Option<(&Path, Case)>) -> Result<Finished, CliError> {
+    fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
         let store = Store::in_folder(&self.out);
         if self.args.force {
             store.clear()?;
@@ -171,7 +171,7 @@ impl Command<'_> {
         let answers = Recommendations::of(&plan, &rows);
         let study = Study { plan, rows };
         let here = Rerun::here(typed());
-        // A study is made again by the command that planned it, not by one that joined its parts.
+        // To repeat a study one needs the command that planned it, not the one that merged its parts.
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
@@ -179,13 +179,13 @@ impl Command<'_> {
         Ok(done(text))
     }
 
-    /// Refuses to write over results of a study whose plan is not there.
+    /// Refuses to overwrite results of a study without its plan.
     fn nothing_lost(&self) -> Result<(), StudyError> {
         let there = report::FILES.iter().find(|name| !self.args.force && self.out.join(name).exists());
         match there {
             Some(name) => Err(StudyError::OtherStudy {
                 folder: self.out.clone(),
-                difference: format!("{name} is there without the plan it came from"),
+                difference: format!("{name} exists without the plan that it came from"),
             }),
             None => Ok(()),
         }
@@ -203,7 +203,7 @@ impl Command<'_> {
         StudyOptions::of(typed, case.file().study.as_ref())
     }
 
-    /// [s] what the study may take
+    /// [s] time limit of the study
     fn budget(&self, section: Option<f64>) -> Option<f64> {
         let shared = self.args.plan || self.args.shard.is_some();
         match self.args.budget {
@@ -243,15 +243,15 @@ impl Command<'_> {
             let keys = differences(&plan.case, &case.problem().case_json);
             return Err(other(format!("its case is not {} as given now: {keys}", path.display())));
         }
-        // The files that it names may have changed though it has not. One variant is enough: others differ in stiffness
-        // only.
+        // The files that the case names may have changed, although the case has not. One variant is enough: the others
+        // differ in stiffness only.
         if let Some(variant) = plan.variants.first() {
             let now = fingerprint_of(case.with(&variant.overrides)?.problem())?;
             if let Some(differences) = variant.fingerprint.differences(&now) {
                 return Err(other(differences.to_string()));
             }
         }
-        // A shard or a merge does what was planned; options are those of the plan.
+        // A shard or a merge follows the plan and its options.
         let asks = self.args.shard.is_none() && self.args.merge.is_none();
         if asks && plan.asked != self.options(case)? {
             return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
@@ -280,8 +280,8 @@ impl Command<'_> {
     }
 }
 
-fn done(text: String) -> Finished {
-    Finished { text, code: 0 }
+fn done(text: String) -> CommandOutput {
+    CommandOutput { text, code: 0 }
 }
 
 /// The progress line on a terminal.
@@ -310,7 +310,7 @@ impl ProgressLine {
     }
 }
 
-/// The arguments as typed; what is not UTF-8 is shown as well as it can be.
+/// The arguments as typed; bytes that are not UTF-8 are replaced.
 fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }

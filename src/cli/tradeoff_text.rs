@@ -61,7 +61,7 @@ pub(super) fn written(files: &[PathBuf]) -> String {
     format!("\n  written         {}\n", names.join("\n                  "))
 }
 
-/// What a person reads.
+/// The text for the terminal.
 pub(super) fn summary(study: &Study, answers: &Recommendations) -> String {
     let Study { plan, rows } = study;
     let mut text = format!(
@@ -75,7 +75,7 @@ pub(super) fn summary(study: &Study, answers: &Recommendations) -> String {
     if rows.iter().any(|row| row.measured.status == RowStatus::NotRun) {
         let _ = writeln!(
             text,
-            "  not-run         the budget was spent before them (the same command again goes on with them), or their shards have not made them yet"
+            "  not-run         the budget ended before these runs (give the same command again to make them), or their shards have not made them yet"
         );
     }
     references(&mut text, plan);
@@ -108,12 +108,12 @@ pub(super) fn summary(study: &Study, answers: &Recommendations) -> String {
     text
 }
 
-/// An answer without the accuracy it is for.
+/// A recommendation without its accuracy.
 fn advice(answer: &Recommendation) -> &str {
     answer.sentence.find("use ").and_then(|at| answer.sentence.get(at..)).unwrap_or(&answer.sentence)
 }
 
-/// The front of a variant, whose reference is worth `floor`.
+/// The Pareto front of a variant, whose reference has the error `floor`.
 fn front(text: &mut String, rows: &[Row], (variant, floor): (usize, f64)) {
     let mut front: Vec<&Row> = rows.iter().filter(|r| r.pareto && r.job.variant == variant).collect();
     front.sort_by(|a, b| b.measured.error.unwrap_or(0.0).total_cmp(&a.measured.error.unwrap_or(0.0)));

@@ -1,7 +1,7 @@
-//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is
-//! held.
+//! Why a run went wrong, from evidence: the limits of the scheme for the tangent, the effect of the loads in one step,
+//! and the supports.
 
-use crate::analysis::critical::{Confidence, CriticalStep, Effort, has_limit, implicit_for, remedy};
+use crate::analysis::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::analysis::spectrum::Spectrum;
@@ -17,16 +17,16 @@ mod held;
 mod units;
 mod unsolved;
 
-/// Share of the limit of forces outside Kang's filter that is advised.
+/// Recommended share of the limit of forces outside Kang's filter.
 const SAFE: f64 = 0.5;
 /// [rad] w h of a step that resolves an oscillation well
 const RESOLVED: f64 = 0.3;
 /// A step above this share of the critical one is near enough to be the cause.
 const NEAR: f64 = 0.9;
 
-/// What is asked about.
+/// The run to diagnose.
 #[derive(Clone, Copy)]
-pub(super) struct Question<'a> {
+pub(super) struct DiagnosisInput<'a> {
     pub scene: &'a dyn Scene,
     pub method: &'a MethodChoice,
     /// last good state
@@ -35,14 +35,14 @@ pub(super) struct Question<'a> {
     pub h: f64,
     /// [s] end of the run
     pub end: f64,
-    /// whether the search is to be cut short
+    /// whether the search is to end early
     pub stop: Stop<'a>,
 }
 
-/// What was found, and what to do about it.
+/// The cause that was found, and advice.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Answer {
-    /// why, in words; empty if nothing was seen
+pub(super) struct Diagnosis {
+    /// the cause in words; empty if none was found
     pub why: String,
     pub advice: String,
     /// [s] critical step, where one was found
@@ -51,16 +51,16 @@ pub(super) struct Answer {
     pub dof: Option<usize>,
 }
 
-impl Answer {
-    /// Of a search that whoever waits for it has ended; `h` [s] is the step.
+impl Diagnosis {
+    /// The diagnosis of a search that was interrupted; `h` [s] is the step.
     fn cut_short(h: f64) -> Self {
-        Answer {
+        Diagnosis {
             why: "the search for the cause was cut short by a signal".to_owned(),
             advice: format!(
                 "take a step of {} s or smaller, or run it again and let the search end",
                 figures(0.1 * h, 2)
             ),
-            ..Answer::default()
+            ..Diagnosis::default()
         }
     }
 }
@@ -72,13 +72,13 @@ struct Limit {
     when: &'static str,
 }
 
-impl Question<'_> {
+impl DiagnosisInput<'_> {
     /// Why the scheme has made energy.
-    pub fn gain(&self) -> Answer {
+    pub fn gain(&self) -> Diagnosis {
         let start = self.scene.initial_state();
         let found = self.explicit(&start).or_else(|| self.unresolved(&start));
         if self.stop.asked() {
-            return Answer::cut_short(self.h);
+            return Diagnosis::cut_short(self.h);
         }
         let mut answer = found.unwrap_or_default();
         if answer.advice.is_empty() {
@@ -90,7 +90,7 @@ impl Question<'_> {
         self.with_units(answer)
     }
 
-    fn with_units(&self, mut answer: Answer) -> Answer {
+    fn with_units(&self, mut answer: Diagnosis) -> Diagnosis {
         let start = self.scene.initial_state();
         let steps = answer.critical.map_or(0.0, |critical| self.end / critical);
         if let Some((why, check)) = self.units(&start, steps) {
@@ -101,11 +101,11 @@ impl Question<'_> {
         answer
     }
 
-    /// Why nodes have left the scene although no energy was made: `error` is that of the account.
-    pub fn flight(&self, error: f64) -> Answer {
+    /// Why nodes have left the scene although the scheme made no energy: `error` is that of the energy account.
+    pub fn flight(&self, error: f64) -> Diagnosis {
         let found = self.explicit(&self.scene.initial_state());
         if self.stop.asked() {
-            return Answer::cut_short(self.h);
+            return Diagnosis::cut_short(self.h);
         }
         if let Some(answer) = found {
             return self.with_units(answer);
@@ -114,21 +114,21 @@ impl Question<'_> {
             return self.gain();
         }
         let unheld = self.unheld(0).map_or(String::new(), |words| format!("; {words}"));
-        Answer {
+        Diagnosis {
             why: format!(
-                "the energy account is right to {} %, so loads or speeds carry the nodes away: no equilibrium is in reach{unheld}",
+                "the energy account is right to {} %, so loads or speeds carry the nodes away, and no equilibrium is near{unheld}",
                 figures(100.0 * error, 2)
             ),
             advice: format!(
                 "check loads, wind, speeds and supports; or end the run before t = {} s, or use --keep-going",
                 figures(self.last.t, 3)
             ),
-            ..Answer::default()
+            ..Diagnosis::default()
         }
     }
 
-    /// The step against the limit of the scheme on the tangent at the start, else in the last good state.
-    fn explicit(&self, start: &State) -> Option<Answer> {
+    /// Compares the step with the critical step at the start, else in the last good state.
+    fn explicit(&self, start: &State) -> Option<Diagnosis> {
         let method = self.method;
         if self.method.info.family == Family::MatrixFree {
             return self.outside_filter(start).or_else(|| self.outside_filter(self.last));
@@ -138,7 +138,7 @@ impl Question<'_> {
         }
         let first = self.limit(method, start, "at the start");
         let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
-        // The start first: it is sane, and the warning before the run spoke of it.
+        // The start first: its state is credible, and the warning before the run was about it.
         let found =
             first.filter(over).or_else(|| self.limit(method, self.last, "in the last good state").filter(over))?;
         Some(if found.critical.step > 0.0 { self.too_long(&found) } else { self.always_grows(method, &found) })
@@ -155,7 +155,7 @@ impl Question<'_> {
     }
 
     fn spectrum<'a>(&'a self, at: &'a State) -> Spectrum<'a> {
-        Spectrum::with(self.scene, at.as_ref(), Effort { stop: self.stop, ..Effort::FULL })
+        Spectrum::with(self.scene, at.as_ref(), CostLimits { stop: self.stop, ..CostLimits::FULL })
     }
 
     /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
@@ -167,7 +167,7 @@ impl Question<'_> {
         found.then_some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates })
     }
 
-    fn too_long(&self, found: &Limit) -> Answer {
+    fn too_long(&self, found: &Limit) -> Diagnosis {
         let &Limit { critical: CriticalStep { step, confidence, dof, rates }, when, .. } = found;
         let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
         let motion = self.motion(dof, rates);
@@ -178,16 +178,16 @@ impl Question<'_> {
             self.method.info.name,
             figures(step, 3),
         );
-        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
+        Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
     }
 
-    /// An oscillation, or a force that follows a velocity at once.
+    /// The oscillation, or the velocity-dependent force, that sets the limit.
     fn motion(&self, dof: usize, rates: Rates) -> String {
         let place = self.place(dof);
         if rates.damping > 2.0 * rates.frequency {
             let mut viscous = Vec::new();
             for term in self.scene.terms().iter().filter(|t| t.velocity_dependent) {
-                // One a spring rule, but one name.
+                // There is one term per spring rule, with the same name.
                 if !viscous.contains(&term.name) {
                     viscous.push(term.name);
                 }
@@ -202,13 +202,13 @@ impl Question<'_> {
         let why = match self.springs_alone() {
             Some(springs) if rates.frequency > springs && !turning.is_empty() => {
                 format!(
-                    ", more than the springs alone could have: loads that turn with the cloth ({})",
+                    ", more than springs alone can have; the cause is loads that turn with the cloth ({})",
                     turning.join(", ")
                 )
             }
             _ => String::new(),
         };
-        // A weakly damped slow one may set the limit of a scheme that makes energy.
+        // The limit of a scheme that makes energy may be set by a slow oscillation with little damping.
         format!("the oscillation of {} rad/s {place}{why}", figures(rates.frequency, 4))
     }
 
@@ -217,7 +217,7 @@ impl Question<'_> {
         self.scene.terms().iter().filter(|t| t.follower).map(|t| t.name).collect()
     }
 
-    /// [rad/s] what no oscillation on the springs exceeds, by row sums of their stiffness (Gershgorin).
+    /// [rad/s] Upper bound of the frequencies of the springs, by row sums of their stiffness (Gershgorin).
     fn springs_alone(&self) -> Option<f64> {
         self.stiffest_row().map(|(_, square)| square.sqrt()).filter(|w| *w > 0.0 && w.is_finite())
     }
@@ -228,7 +228,7 @@ impl Question<'_> {
         squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
+    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Diagnosis {
         let CriticalStep { dof, rates, .. } = found.critical;
         let factor = growth(method, rates, self.h).map_or(1.0, |r| r * r);
         let swells = if !factor.is_finite() {
@@ -239,21 +239,21 @@ impl Question<'_> {
             format!("{} % a step", figures(100.0 * (factor - 1.0), 3))
         };
         let why = format!(
-            "{} has no stable step where nothing damps: its spectrum predicts that {} grows in energy by {swells}",
+            "{} has no stable step without damping: its spectrum predicts that the energy of {} grows by {swells}",
             self.method.info.name,
             self.motion(dof, rates)
         );
-        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
+        Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
     }
 
-    /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not
-    /// tell.
-    fn outside_filter(&self, at: &State) -> Option<Answer> {
+    /// Forces outside Kang's filter are explicit. Loads are outside; dashpots may be inside, which their tangent does
+    /// not show.
+    fn outside_filter(&self, at: &State) -> Option<Diagnosis> {
         let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
         let loaded = self.scene.terms().iter().any(outside);
         let rates = self.spectrum(at).rates();
-        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that
-        // resolves.
+        // The limit of explicit Euler. A relaxation without overshoot needs half of it, and the filter needs a step
+        // that resolves the motion.
         let critical = 2.0 / rates.damping;
         if !loaded || self.h <= NEAR * critical {
             return None;
@@ -269,11 +269,11 @@ impl Question<'_> {
         );
         let step = (SAFE * critical).min(RESOLVED / rates.frequency);
         let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), implicit_for(rates, self.h));
-        Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
+        Some(Diagnosis { why, advice, critical: Some(critical), dof: Some(dof) })
     }
 
-    /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
-    fn unresolved(&self, start: &State) -> Option<Answer> {
+    /// A step too long to resolve oscillations, with a method that is stable on linear scenes for any step.
+    fn unresolved(&self, start: &State) -> Option<Diagnosis> {
         let rates = |at: &State| self.spectrum(at).rates();
         let (first, last) = (rates(start), rates(self.last));
         let found = if last.frequency > first.frequency { last } else { first };
@@ -283,10 +283,10 @@ impl Question<'_> {
         }
         let (does, weak) = match self.method.info.family {
             Family::MatrixFree => {
-                ("jumps over", "the filter, two sweeps of an iteration, is then far from what it stands for")
+                ("jumps over", "two sweeps of the filter are then a poor approximation of an implicit step")
             }
-            Family::Implicit => ("jumps over", "that this method is stable holds on linear scenes at best"),
-            Family::Explicit => ("is coarse for", "energy swings with it, stable as the scheme may be"),
+            Family::Implicit => ("jumps over", "this method is stable on linear scenes only"),
+            Family::Explicit => ("is coarse for", "the energy oscillates with it, although the scheme may be stable"),
         };
         let why = format!(
             "the step of {} s {does} motions of this scene (w h = {} for the fastest, {} rad/s {}): {weak}",
@@ -301,7 +301,7 @@ impl Question<'_> {
             _ => ", or --method backward-euler",
         };
         let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
-        Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
+        Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }
 
     fn place(&self, dof: usize) -> String {
@@ -313,7 +313,7 @@ impl Question<'_> {
     }
 }
 
-/// "2.5 times", or nothing where it is one time.
+/// "2.5 times", or nothing for a factor of one.
 fn times(ratio: f64) -> String {
     match figures(ratio, 3).as_str() {
         "1" => "just".to_owned(),

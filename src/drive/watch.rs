@@ -1,23 +1,23 @@
 //! The watch: finds divergence from the energy account, by the first law of thermodynamics.
 //!
 //! ```text
-//! supplied = kinetic + elastic at t = 0, and the most that gravity and external work have put in since
-//! made     = how far `numerical` has fallen below its highest value, and work of the wrong sign
-//! push     = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
-//! diverged: made > 10 (supplied + push)      or       elastic > 10 supplied
+//! supplied    = kinetic + elastic at t = 0, and the largest energy supplied since by gravity and external work
+//! made        = how far `numerical` has fallen below its highest value, and work of the wrong sign
+//! load_energy = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
+//! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 supplied
 //! ```
-//! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged:
-//! energy made by the scheme turns into kinetic, elastic and dissipated energy, so that against those a gain could
-//! never reach a factor of ten. The bound needs no length, speed or strain of anyone's choice: a node that is faster,
-//! or a spring that is strained more, than with all the energy there ever was, times ten, cannot be right.
+//! The supplied energy bounds all motion, so the energy made by the scheme is compared with it. It is not compared with
+//! the exchanged energy: what the scheme makes becomes kinetic, elastic and dissipated energy, so their ratio could
+//! never reach ten. The bound needs no chosen length, speed or strain: a speed or a strain that needs more than ten
+//! times all energy ever supplied is impossible.
 //!
-//! Schemes of first order move masses a step late, so that a gain as large as `push` belongs to the first step of any
-//! load; it cannot strain a spring by more than the same share of what is supplied, so the second test does without it.
-//! Kang's filter holds dashpots that the account evaluates outside it, far too large in long steps: there only energy
-//! that is present counts as made, and dissipated energy as lost. The trapezoid of the ledger is blind to one fault:
-//! where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
-//! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Dashpots that give energy, and work of the air
-//! beyond twice what its power at either end of the step comes to, are therefore counted as made.
+//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load.
+//! The second test does not need this term, because that energy strains springs by no more than the same share of the
+//! supplied energy. Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long
+//! steps. For it, only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of
+//! the ledger misses one fault. Where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
+//! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Therefore energy from dashpots counts as made by
+//! the scheme. So does work of the air above twice its power at either end of the step times h.
 
 use super::observer::LedgerRow;
 use crate::integrate::registry::{Family, MethodInfo};
@@ -27,33 +27,33 @@ use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
 
-/// [-] A gain, or elastic energy, beyond this many times the energy supplied is a divergence.
+/// [-] Energy made, or elastic energy, above this many times the supplied energy is a divergence.
 const DIVERGED: f64 = 10.0;
-/// [-] A gain beyond this share of the energy supplied is worth a warning.
+/// [-] Energy made above this share of the supplied energy leads to a warning.
 pub const DOUBTFUL: f64 = 0.1;
-/// [-] The warning waits until the gain is this many times `push`, which a scheme of first order makes in the first
-/// step of a load.
-const BEYOND_PUSH: f64 = 10.0;
-/// [-] A state is not credible where springs hold more than this many times the energy supplied: as much again may be
-/// the scheme's.
+/// [-] There is no warning while the energy made is below this many times `load_energy`, which a scheme of first order
+/// makes in the first step of a load.
+const BEYOND_LOAD_ENERGY: f64 = 10.0;
+/// [-] A state is not credible where springs hold more than this many times the supplied energy: the scheme may have
+/// made as much again.
 const CREDIBLE: f64 = 2.0;
-/// [-] Roundings of a position or a force in a step.
+/// [-] Rounding errors of a position or a force in a step.
 const ROUNDINGS: f64 = 8.0;
-/// [-] Share of the energies in the account that sums of many numbers lose.
+/// [-] Share of the energies in the account that is lost to rounding in long sums.
 const SUMS: f64 = 1e-12;
-/// Number of gains that are kept to find how fast they grow.
+/// Number of past gains kept to compute their growth.
 const KEPT: usize = 5;
 
-/// The watch's memory, as far as it cannot be found again from the scene: part of a snapshot.
+/// What the watch keeps and cannot compute again from the scene: part of a snapshot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Account {
+pub struct EnergyAccount {
     /// [J] kinetic, elastic and gravity energy at the start
     base: f64,
-    /// [J] energy there at the start, or put in by gravity, loads and air since
+    /// [J] energy present at the start, or supplied by gravity, loads and air since
     supplied: f64,
     /// [J] work of the wrong sign so far
     contrary: f64,
-    /// [J] work of the air by its power beyond that of the account so far
+    /// [J] work of the air by its power, above that of the account, so far
     missed: f64,
     /// [J] lowest of all energy made so far
     least: f64,
@@ -63,52 +63,52 @@ pub struct Account {
     largest: f64,
     /// [s] longest step so far
     longest: f64,
-    /// [J] what loads that came on later give in one step
-    late_push: f64,
+    /// [J] energy that loads which begin later give in one step
+    late_load_energy: f64,
     /// whether the warning was given
     doubted: bool,
 }
 
-impl Account {
-    /// The same, but no warning is given (finding its words may cost more than many steps).
+impl EnergyAccount {
+    /// The same, but without a warning, whose text may cost more than many steps.
     #[must_use]
-    pub fn silent(self) -> Self {
-        Account { doubted: true, ..self }
+    pub fn without_warning(self) -> Self {
+        EnergyAccount { doubted: true, ..self }
     }
 }
 
-/// Follows a run's account; a few sums a step, and a pass over the nodes where these look wrong.
+/// Checks the energy account of a run: a few sums per step, and a pass over the nodes where these look wrong.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
-    account: Account,
+    account: EnergyAccount,
     /// [J/s^2] 1/2 sum f^2/m of the loads at the start
-    push: f64,
-    /// [N/m] all stiffness
+    load_energy: f64,
+    /// [N/m] sum of all stiffnesses
     stiffness: f64,
     /// [kg] mass of all free degrees of freedom
     mass: f64,
     /// [m] largest coordinate at the start
     reach: f64,
-    /// whether a step's work can have the wrong sign by overshooting
+    /// whether overshooting can give the work of a step the wrong sign
     overshoots: bool,
-    /// whether what the account calls dissipated counts
+    /// whether the dissipated energy of the account counts
     dissipates: bool,
 }
 
 /// One step, for the watch.
 #[derive(Clone, Copy)]
-pub struct Watched<'a> {
+pub struct WatchedStep<'a> {
     /// the scene
     pub scene: &'a dyn Scene,
-    /// where the step starts
+    /// start of the step
     pub from: &'a Point,
-    /// where it ends
+    /// its end
     pub to: &'a Point,
     /// account at its start
     pub before: &'a LedgerRow,
     /// account at its end, finite
     pub after: &'a LedgerRow,
-    /// whether that account has the works that the scheme integrated itself
+    /// whether that account uses the works that the scheme integrated itself
     pub by_stages: bool,
     /// [W] power of external forces at its start and at its end
     pub power: [f64; 2],
@@ -118,39 +118,39 @@ pub struct Watched<'a> {
     pub h: f64,
 }
 
-/// What the watch says of a step.
+/// The watch's report on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WatchReport {
     /// nothing to say
     Calm,
-    /// the scheme has made energy; said once
-    Doubt(Gain),
+    /// the scheme has made energy; reported once
+    Doubt(EnergyGain),
     /// the state is impossible
-    Trouble(Trouble),
+    Diverged(DivergenceKind),
 }
 
 /// Energy that a scheme has made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
+pub struct EnergyGain {
     /// [J] energy made
     pub made: f64,
-    /// [J] energy there at the start or put in since
+    /// [J] energy present at the start or supplied since
     pub supplied: f64,
-    /// [-] growth of the energy made, a step, over the last steps
+    /// [-] growth per step of the energy made, over the last steps
     pub growth: Option<f64>,
 }
 
 /// [J]
 #[derive(Clone, Copy)]
-struct Bounds {
+struct EnergyBounds {
     doubtful: f64,
     credible: f64,
     impossible: f64,
 }
 
-/// Why a state cannot be right.
+/// Why a state counts as diverged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Trouble {
+pub enum DivergenceKind {
     /// a value is not finite
     NotFinite,
     /// the nodes have left the scene
@@ -162,56 +162,60 @@ pub enum Trouble {
         /// [-] largest numerical energy over the energy exchanged
         error: f64,
     },
-    /// more energy was made than can be explained
-    Gain(Gain),
-    /// the springs hold more energy than ever came in
+    /// the scheme made more energy than the limit
+    Energy(EnergyGain),
+    /// the springs hold more energy than was ever supplied
     Strain {
         /// [J] what they hold
         elastic: f64,
         /// the account
-        gain: Gain,
+        gain: EnergyGain,
     },
 }
 
 impl Watch {
-    /// Starts to watch a run from its first state.
+    /// A watch of a run from its first state.
     pub fn open(scene: &dyn Scene, method: &MethodInfo, first: &LedgerRow) -> Self {
         let supplied = first.kinetic + first.elastic;
-        Watch::restore(scene, method, Account { base: supplied + first.gravity, supplied, ..Account::default() })
+        Watch::restore(
+            scene,
+            method,
+            EnergyAccount { base: supplied + first.gravity, supplied, ..EnergyAccount::default() },
+        )
     }
 
-    /// Goes on from a snapshot's account.
-    pub fn restore(scene: &dyn Scene, method: &MethodInfo, account: Account) -> Self {
+    /// A watch that continues with the account of a snapshot.
+    pub fn restore(scene: &dyn Scene, method: &MethodInfo, account: EnergyAccount) -> Self {
         let stiffness = scene.nodal_stiffness().iter().sum::<f64>();
         let start = scene.initial_state();
         let mass = scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum();
-        let (push, reach) = (push(scene, start.as_ref(), 1.0), farthest(&start.x));
+        let (load_energy, reach) = (load_energy(scene, start.as_ref(), 1.0), farthest(&start.x));
         let (overshoots, dissipates) = (method.family == Family::Explicit, method.family != Family::MatrixFree);
-        Watch { account, push, stiffness, mass, reach, overshoots, dissipates }
+        Watch { account, load_energy, stiffness, mass, reach, overshoots, dissipates }
     }
 
     /// What a snapshot keeps.
-    pub fn account(&self) -> &Account {
+    pub fn account(&self) -> &EnergyAccount {
         &self.account
     }
 
-    /// Accounts for a step whose account is finite.
-    pub fn step(&mut self, step: Watched<'_>) -> WatchReport {
-        let calm = self.enter(step);
+    /// Checks a step whose account is finite.
+    pub fn step(&mut self, step: WatchedStep<'_>) -> WatchReport {
+        let calm = self.record(step);
         self.judge(step, calm)
     }
 
-    /// The same where the states at the step's ends are not there (those given are others): `false` if it takes them to
-    /// judge it.
-    pub fn unseen_step(&mut self, step: Watched<'_>) -> bool {
-        self.enter(step);
+    /// The same where the states at the ends of the step are not known (those given are others): `false` if they are
+    /// needed for the decision.
+    pub fn unseen_step(&mut self, step: WatchedStep<'_>) -> bool {
+        self.record(step);
         self.is_calm(step.after)
     }
 
-    /// Whether the gain could be explained before.
-    fn enter(&mut self, step: Watched<'_>) -> bool {
-        let Watched { after, .. } = step;
-        let (contrary, missed) = (self.contrary(step), self.missed(step));
+    /// Adds the step to the account. Returns whether rounding or loads explained the gain before it.
+    fn record(&mut self, step: WatchedStep<'_>) -> bool {
+        let WatchedStep { after, .. } = step;
+        let (contrary, missed) = (self.contrary(step), self.air_work_missing(step));
         let a = &mut self.account;
         a.contrary += contrary;
         a.missed += missed;
@@ -227,45 +231,45 @@ impl Watch {
         calm
     }
 
-    /// [-] Largest gain over the energy supplied, rounding apart; 0 where nothing was supplied.
-    pub fn share(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
-        let Account { largest, supplied, .. } = self.account;
+    /// [-] Largest gain over the supplied energy, without rounding; 0 where nothing was supplied.
+    pub fn gain_share(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
+        let EnergyAccount { largest, supplied, .. } = self.account;
         if largest <= DOUBTFUL * supplied {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        // Where nothing else was supplied, what a load gives in the step in which it comes on.
-        let pushed = self.push * self.account.longest.powi(2) + self.account.late_push;
-        let supplied = if supplied > 0.0 { supplied } else { pushed.max(f64::MIN_POSITIVE) };
+        // Where nothing else was supplied, the energy that a load gives in its first step.
+        let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
+        let supplied = if supplied > 0.0 { supplied } else { load_energy.max(f64::MIN_POSITIVE) };
         if beyond > 0.0 { beyond / supplied } else { 0.0 }
     }
 
-    /// The gain now.
-    pub fn gain(&self) -> Gain {
-        let Account { gains, supplied, .. } = self.account;
+    /// The present gain.
+    pub fn gain(&self) -> EnergyGain {
+        let EnergyAccount { gains, supplied, .. } = self.account;
         let made = gains[KEPT - 1];
         let first = gains.iter().position(|&g| g > 0.0).filter(|&i| i + 1 < KEPT);
         let growth = first.map(|i| (made / gains[i]).powf(1.0 / (KEPT - 1 - i) as f64));
-        Gain { made, supplied, growth: growth.filter(|g| g.is_finite()) }
+        EnergyGain { made, supplied, growth: growth.filter(|g| g.is_finite()) }
     }
 
-    /// Gains that are beyond doubt and belief, rounding apart, where so much energy [J] was supplied.
-    fn bounds(&self, supplied: f64) -> Bounds {
-        let push = self.push * self.account.longest.powi(2) + self.account.late_push;
-        let doubtful = DOUBTFUL * supplied + BEYOND_PUSH * push;
-        let credible = doubtful.max(supplied + push);
-        Bounds { doubtful, credible, impossible: DIVERGED * (supplied + push) }
+    /// Limits of the gain, without rounding, for this supplied energy [J].
+    fn bounds(&self, supplied: f64) -> EnergyBounds {
+        let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
+        let doubtful = DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * load_energy;
+        let credible = doubtful.max(supplied + load_energy);
+        EnergyBounds { doubtful, credible, impossible: DIVERGED * (supplied + load_energy) }
     }
 
-    /// Whether there is nothing to say even if nothing is rounded.
+    /// Whether there is nothing to report even without allowing for rounding.
     fn is_calm(&self, after: &LedgerRow) -> bool {
-        let Gain { made, supplied, .. } = self.gain();
-        let Bounds { doubtful, credible, .. } = self.bounds(supplied);
+        let EnergyGain { made, supplied, .. } = self.gain();
+        let EnergyBounds { doubtful, credible, .. } = self.bounds(supplied);
         made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * supplied
     }
 
-    /// Whether a state that was entered can be right: the scheme has made no more energy than there was or was put in,
-    /// rounding apart.
+    /// Whether a recorded state is credible: apart from rounding, the scheme has made no more energy than was present
+    /// or supplied.
     pub fn credible(&self, at: &Point, row: &LedgerRow, steps: u64) -> bool {
         if self.is_calm(row) {
             return true;
@@ -275,20 +279,20 @@ impl Watch {
             && row.elastic <= CREDIBLE * gain.supplied + rounding
     }
 
-    fn judge(&mut self, step: Watched<'_>, calm: bool) -> WatchReport {
+    fn judge(&mut self, step: WatchedStep<'_>, calm: bool) -> WatchReport {
         if self.is_calm(step.after) {
             return WatchReport::Calm;
         }
         let (gain, elastic) = (self.gain(), step.after.elastic);
-        let Bounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
+        let EnergyBounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
-        // A scheme whose account lags behind a load that has just come on has not booked its work yet.
-        if elastic > DIVERGED * (gain.supplied + self.account.late_push) + rounding {
-            return WatchReport::Trouble(Trouble::Strain { elastic, gain });
+        // With a scheme of first order, the account does not yet have the work of a load that has just begun.
+        if elastic > DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding {
+            return WatchReport::Diverged(DivergenceKind::Strain { elastic, gain });
         }
         if gain.made > impossible + rounding {
-            let explained = calm && self.pushed(step, gain, rounding);
-            return if explained { WatchReport::Calm } else { WatchReport::Trouble(Trouble::Gain(gain)) };
+            let explained = calm && self.explained_by_load(step, gain, rounding);
+            return if explained { WatchReport::Calm } else { WatchReport::Diverged(DivergenceKind::Energy(gain)) };
         }
         if gain.made > doubtful + rounding && !self.account.doubted {
             self.account.doubted = true;
@@ -297,19 +301,19 @@ impl Watch {
         WatchReport::Calm
     }
 
-    /// Whether a load that has just come on explains a gain, as the loads at the start do.
-    fn pushed(&mut self, step: Watched<'_>, gain: Gain, rounding: f64) -> bool {
-        // On resting masses: on moving ones the air resists what the scheme itself may have made.
+    /// Whether a load that has just begun explains a gain, as the loads at the start do.
+    fn explained_by_load(&mut self, step: WatchedStep<'_>, gain: EnergyGain, rounding: f64) -> bool {
+        // For resting masses: on moving ones the air would act against motion that the scheme itself may have made.
         let rest = vec![0.0; step.from.state.v.len()];
-        let at = |t: f64| push(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, 1.0);
+        let at = |t: f64| load_energy(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, 1.0);
         let most = at(step.from.state.t).max(at(step.to.state.t));
-        self.account.late_push = self.account.late_push.max(most * step.h * step.h);
-        gain.made <= DIVERGED * (gain.supplied + self.account.late_push) + rounding
+        self.account.late_load_energy = self.account.late_load_energy.max(most * step.h * step.h);
+        gain.made <= DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding
     }
 
-    /// [J] Work in a step that the forces at both of its ends would not do.
-    fn contrary(&self, step: Watched<'_>) -> f64 {
-        let Watched { before, after, .. } = step;
+    /// [J] Work in a step whose sign contradicts the forces at both of its ends.
+    fn contrary(&self, step: WatchedStep<'_>) -> f64 {
+        let WatchedStep { before, after, .. } = step;
         if !self.overshoots || step.by_stages {
             return 0.0;
         }
@@ -322,10 +326,10 @@ impl Watch {
         given + (external - 2.0 * step.h * most).max(0.0)
     }
 
-    /// [J] Work that the air does by its power at the ends of a step, and not in the account: stages that overshoot in
-    /// a stiff force say that it takes energy where it gives some. Bounded, because the power is below zero where all
-    /// moves faster than the air.
-    fn missed(&self, step: Watched<'_>) -> f64 {
+    /// [J] Work of the air by its power at the ends of a step that is not in the account: stages that overshoot in a
+    /// stiff force count energy as taken that the air supplies. It is bounded, because the power is negative where
+    /// everything moves faster than the air.
+    fn air_work_missing(&self, step: WatchedStep<'_>) -> f64 {
         if !self.overshoots || !step.scene.velocity_dependent() {
             return 0.0;
         }
@@ -334,14 +338,14 @@ impl Watch {
         (0.5 * step.h * ends - external).max(0.0)
     }
 
-    /// [J] What rounded positions, forces and sums may leave in the account after a number of steps.
+    /// [J] Rounding error of the account after a number of steps, from positions, forces and sums.
     fn rounding(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
         let reach = self.reach.max(farthest(&at.state.x));
         let forces = [&at.forces.total, &at.forces.external, &at.forces.dissipative];
         let force: f64 = forces.into_iter().flatten().map(|f| f.abs()).sum();
         // Cauchy and Schwarz: sum |f| is at most the root of sum f^2/m times all mass; likewise for the springs'
         // forces.
-        let load = (2.0 * self.push).sqrt() * self.mass.sqrt();
+        let load = (2.0 * self.load_energy).sqrt() * self.mass.sqrt();
         let moved = f64::EPSILON * reach;
         let springs =
             (2.0 * row.elastic.max(0.0)).sqrt() * self.stiffness.sqrt() * moved + self.stiffness * moved * moved;
@@ -358,11 +362,11 @@ pub(super) fn power_of(scene: &dyn Scene, tallies: &[Tally]) -> f64 {
 }
 
 /// [J] 1/2 h^2 sum f^2/m of the loads in a state: the kinetic energy they give to resting masses in a step h [s].
-pub(crate) fn push(scene: &dyn Scene, at: StateRef<'_>, h: f64) -> f64 {
+pub(crate) fn load_energy(scene: &dyn Scene, at: StateRef<'_>, h: f64) -> f64 {
     let mut f = vec![0.0; scene.n_dof()];
     scene.load(at, &mut f);
-    let push: f64 = f.iter().zip(scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
-    if push.is_finite() { push } else { 0.0 }
+    let load_energy: f64 = f.iter().zip(scene.inverse_mass()).map(|(f, inverse)| 0.5 * h * h * f * f * inverse).sum();
+    if load_energy.is_finite() { load_energy } else { 0.0 }
 }
 
 /// [m] largest coordinate

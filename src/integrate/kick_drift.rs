@@ -5,10 +5,10 @@ use crate::model::point::Point;
 use crate::model::step_block::{KickDriftScheme, StepSummary};
 use crate::model::system::{KickDriftBlock, System};
 
-/// Such a scheme; carries nothing.
+/// Such a scheme; it carries no state between steps.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift {
-    /// its step of a size [s], where forces depend on velocity or not
+    /// the description of a step of a size [s], for forces that depend on velocity or not
     pub step: fn(h: f64, velocity_dependent: bool) -> KickDriftScheme,
 }
 
@@ -31,13 +31,13 @@ impl Integrator<dyn System> for KickDrift {
         &mut self,
         step: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
-        debug_assert!(passed.last().is_none_or(|last| last.t == step.t_next));
-        let makes_blocks = step.system.longest_block() >= 2 && !passed.is_empty();
+        debug_assert!(summaries.last().is_none_or(|last| last.t == step.t_next));
+        let makes_blocks = step.system.longest_block() >= 2 && !summaries.is_empty();
         if makes_blocks {
-            self.advance(step, to, passed, counters);
+            self.advance(step, to, summaries, counters);
         }
         makes_blocks
     }
@@ -48,11 +48,11 @@ impl KickDrift {
         self,
         StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) {
         to.state.t = t_next;
         let scheme = (self.step)(h, system.velocity_dependent());
-        counters.advance(system, to, KickDriftBlock { scheme, from }, passed);
+        counters.advance(system, to, KickDriftBlock { scheme, from }, summaries);
     }
 }

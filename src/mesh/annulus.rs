@@ -1,6 +1,6 @@
 //! Parameters of the annulus and the disc, the two domains of the graded generator.
 
-use super::layout::Request;
+use super::layout::GradedRequest;
 use super::sdf::Ring;
 use super::source::{FaultSink, MAX_NODES, check_count, check_length};
 use super::{Mesh, MeshError, distmesh};
@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// [-] allowed range of `grading`
 pub const GRADING_RANGE: [f64; 2] = [0.2, 10.0];
-/// [-] most seams; more would need more loop nodes than any sensible canopy has
+/// [-] largest number of seams; more would need more loop nodes than a real canopy has
 pub const MAX_SEAMS: usize = 10_000;
-/// [-] most seams of a disc; more would make its angles at the centre sharper than 22 degrees
+/// [-] largest number of seams of a disc; with more, angles at its centre would be below 22 degrees
 pub const MAX_DISC_SEAMS: usize = 16;
 
 /// A flat ring around the origin, meshed with triangles that grow with the distance from its edges.
@@ -38,7 +38,7 @@ pub struct AnnulusParameters {
     /// absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
-    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    /// [-] seed of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which
@@ -69,7 +69,7 @@ pub struct DiscParameters {
     /// none if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
-    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    /// [-] seed of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which
@@ -88,7 +88,7 @@ impl AnnulusParameters {
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
         check_length(at, "inner_radius", self.inner_radius, faults);
         check_length(at, "outer_radius", self.outer_radius, faults);
-        // A thinner ring would need more nodes than MAX_NODES to hold good triangles.
+        // A thinner ring would need more nodes than MAX_NODES for good triangles.
         if self.outer_radius.is_finite() && self.inner_radius > self.outer_radius * (1.0 - 1e-6) {
             let allowed = format!("below outer_radius = {}", self.outer_radius);
             let hint = "swap the radii or make the hole smaller".to_owned();
@@ -97,16 +97,16 @@ impl AnnulusParameters {
         check_counts(at, &self.request(), [6, MAX_SEAMS], faults);
     }
 
-    fn request(&self) -> Request {
+    fn request(&self) -> GradedRequest {
         let Self { inner_radius, outer_radius, nodes, boundary_nodes, seams, grading, .. } = *self;
         let ring = Ring { inner: inner_radius, outer: outer_radius };
-        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
+        GradedRequest { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
     }
 
     /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
     ///
     /// # Errors
-    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    /// Inconsistent counts, a relaxation that does not converge, or angles that cannot be made acceptable.
     pub fn build(&self) -> Result<Mesh, MeshError> {
         distmesh::generate(&self.request(), self.seed)
     }
@@ -119,23 +119,23 @@ impl DiscParameters {
         check_counts(at, &self.request(), [3, MAX_DISC_SEAMS], faults);
     }
 
-    fn request(&self) -> Request {
+    fn request(&self) -> GradedRequest {
         let Self { radius, nodes, boundary_nodes, seams, grading, .. } = *self;
         let ring = Ring { inner: 0.0, outer: radius };
-        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
+        GradedRequest { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
     }
 
     /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
     ///
     /// # Errors
-    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    /// Inconsistent counts, a relaxation that does not converge, or angles that cannot be made acceptable.
     pub fn build(&self) -> Result<Mesh, MeshError> {
         distmesh::generate(&self.request(), self.seed)
     }
 }
 
 /// Checks what annulus and disc have in common, given the fewest nodes on the loops and the most seams.
-fn check_counts(at: &str, request: &Request, [least_boundary, most_seams]: [usize; 2], faults: FaultSink<'_>) {
+fn check_counts(at: &str, request: &GradedRequest, [least_boundary, most_seams]: [usize; 2], faults: FaultSink<'_>) {
     let nodes = request.nodes;
     check_count(at, "nodes", nodes, [least_boundary + 1, MAX_NODES], faults);
     if let Some(count) = request.boundary_nodes {

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct ChainParameters {
     /// [m] position of the first node
     pub from: [f64; 3],
-    /// [m] position of the last node, elsewhere than `from`
+    /// [m] position of the last node, not the same as `from`
     pub to: [f64; 3],
     /// [-] number of edges, at least 1
     #[schemars(range(min = 1))]
@@ -38,7 +38,7 @@ impl ChainParameters {
         let segments = self.segments.min(MAX_NODES) as u32;
         let point = |i: u32| {
             let s = f64::from(i) / f64::from(segments);
-            // Weighted so that both ends are met to the last bit.
+            // Weighted so that both ends are exact to the last bit.
             std::array::from_fn(|c| (1.0 - s) * self.from[c] + s * self.to[c])
         };
         let nodes = (0..=segments).map(point).collect();

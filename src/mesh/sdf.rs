@@ -90,7 +90,7 @@ const CELLS: usize = 4096;
 /// The integral of a density over the radius, and its inverse.
 #[derive(Clone, Debug)]
 pub struct RadialTable {
-    /// [m] radii of the cell borders, crowded at the lower end where a small hole makes the size function steep
+    /// [m] radii of the cell borders, denser at the lower end, where a small hole makes the size function steep
     radii: Vec<f64>,
     /// integral from the first radius
     sums: Vec<f64>,

@@ -1,36 +1,36 @@
-//! How nodes move: kinetic energy and largest speed.
+//! Kinetic energy and largest speed of nodes.
 
 use super::quad::{self, Quad, VectorUnit};
 
-/// How nodes move.
+/// Kinetic energy and largest speed of nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// [J] sum of 1/2 m v^2
     pub kinetic: f64,
-    /// [m^2/s^2] largest v^2; one that is not a number is left out
+    /// [m^2/s^2] largest v^2; NaN is left out
     pub largest_square: f64,
 }
 
-/// Of nodes with velocities `v` [m/s], three a node, and masses [kg].
+/// The motion of nodes with velocities `v` [m/s] `[n_dof]` and masses [kg] `[n_nodes]`.
 pub fn motion(v: &[f64], mass: &[f64]) -> Motion {
-    quad::run(Moving { v, mass })
+    quad::run(MotionPass { v, mass })
 }
 
-/// Nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
+/// Number of nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
 pub(in crate::model) const BLOCK: usize = 64;
 
-/// The motion of nodes that are added four by four, block after block.
-pub(super) struct Sum<Q> {
+/// Sum of the motion of nodes, added four by four, block after block.
+pub(super) struct MotionSum<Q> {
     /// [J] twice the kinetic energy of whole blocks
     doubled: f64,
     block: Q,
     largest: Q,
 }
 
-impl<Q: Quad> Sum<Q> {
+impl<Q: Quad> MotionSum<Q> {
     #[inline(always)]
     pub fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
-        Sum { doubled: 0.0, block: unit.splat(0.0), largest: unit.splat(0.0) }
+        MotionSum { doubled: 0.0, block: unit.splat(0.0), largest: unit.splat(0.0) }
     }
 
     /// Four nodes by their masses [kg] and the components of their velocities [m/s].
@@ -41,7 +41,7 @@ impl<Q: Quad> Sum<Q> {
         self.largest = squares.larger(self.largest);
     }
 
-    /// After the last four of every block of [`BLOCK`] nodes, and of all.
+    /// Called after the last four of every block of [`BLOCK`] nodes, and of all.
     #[inline(always)]
     pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
         let [a, b, c, d] = self.block.numbers();
@@ -56,17 +56,17 @@ impl<Q: Quad> Sum<Q> {
     }
 }
 
-struct Moving<'a> {
+struct MotionPass<'a> {
     v: &'a [f64],
     mass: &'a [f64],
 }
 
-impl quad::Pass for Moving<'_> {
+impl quad::Pass for MotionPass<'_> {
     type Output = Motion;
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> Motion {
-        let mut sum = Sum::new(unit);
+        let mut sum = MotionSum::new(unit);
         for (v, mass) in self.v.chunks(3 * BLOCK).zip(self.mass.chunks(BLOCK)) {
             let ((v, v_last), (mass, mass_last)) = (v.as_chunks::<12>(), mass.as_chunks::<4>());
             for (v, mass) in v.iter().zip(mass) {
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use crate::model::quad::{Pass, Portable};
 
-    /// Whatever the number of nodes, and on any machine the same bits.
+    /// The same bits for any number of nodes, on any machine.
     #[test]
     fn energy_and_speed_are_those_of_a_plain_loop() {
         for n in (0..10).chain([63, 64, 65, 1000]) {
@@ -107,7 +107,7 @@ mod tests {
             let found = motion(&v, &mass);
             assert_eq!(found.largest_square, squares.iter().copied().fold(0.0, f64::max));
             assert!((found.kinetic - kinetic).abs() <= 1e-14 * kinetic, "{n} nodes: {} for {kinetic}", found.kinetic);
-            assert_eq!(found, Moving { v: &v, mass: &mass }.run(Portable));
+            assert_eq!(found, MotionPass { v: &v, mass: &mass }.run(Portable));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Turns accepted steps into frames and rows, and hands them to the writing thread.
+//! Turns accepted steps into frames and rows, and sends them to the writing thread.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,54 +8,54 @@ use super::hermite::interpolate;
 use super::request::{check, files_spec};
 use super::rows::HistoryRow;
 use super::schedule::CheckpointSchedule;
-use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
+use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::model::forces::Forces;
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 pub use super::schedule::CheckpointSpec;
 
-/// What a recorder records next; part of a checkpoint.
+/// State of a recorder; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecorderState {
     /// number of the next frame time
     next_frame: u64,
     /// [s] time of the newest frame
     shown: Option<f64>,
-    /// the newest step, if the history does not show it yet
+    /// the newest step, if it is not yet in the history
     waiting: Option<HistoryRow>,
-    /// how often there is a row; a run that is carried further goes on with it
+    /// interval of the rows; a run that is extended keeps it
     history_every: RowEvery,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv` and `probes.csv`.
 ///
-/// Frames show t = 0, every multiple of `frames_every`, and the end. One that lies within 1e-9 of a step from the
-/// step's end is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and
-/// tensions evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
-/// [credible](AcceptedStep::credible) are taken away again, and the last state that is becomes the last frame.
+/// Frames show t = 0, every multiple of `frames_every`, and the end. A frame within 1e-9 of a step from the end of the
+/// step is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and tensions
+/// evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
+/// [credible](AcceptedStep::credible) are removed again, and the last credible state becomes the last frame.
 pub struct Recorder<'a> {
-    picture: &'a dyn Picture,
+    picture: &'a dyn Observables,
     fields: Fields,
     frames_every: Option<f64>,
     history_every: RowEvery,
-    rows: Rows,
+    rows: RowSchedule,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
-    /// the newest step, if the history does not show it yet
+    /// the newest step, if it is not yet in the history
     waiting: Option<HistoryRow>,
     between: State,
     forces: Forces,
     writer: ResultWriter,
-    keeper: Option<CheckpointSchedule>,
-    /// the last credible state, if newer ones are not
+    checkpoints: Option<CheckpointSchedule>,
+    /// the last credible state, if newer ones are not credible
     last_good: Option<LastGood>,
     failed: bool,
 }
@@ -63,16 +63,16 @@ pub struct Recorder<'a> {
 /// The last credible state.
 struct LastGood {
     point: Point,
-    /// [s] time of the newest frame then
+    /// [s] time of the newest frame at that state
     shown: Option<f64>,
 }
 
 impl<'a> Recorder<'a> {
-    /// Checks what is asked for, creates the files and starts the writing thread.
+    /// Checks the request, creates the files and starts the writing thread.
     ///
     /// # Errors
     /// When the request is out of range or a file cannot be created.
-    pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
+    pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let writer = ResultWriter::start(&files_spec(picture, spec))?;
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
@@ -82,9 +82,9 @@ impl<'a> Recorder<'a> {
     /// Reopens the files of an earlier run and cuts them off at its checkpoint.
     ///
     /// # Errors
-    /// When the request is out of range, or the files do not hold what they held or cannot be opened.
+    /// When the request is out of range, or the files have changed or cannot be opened.
     pub fn resume(
-        picture: &'a dyn Picture,
+        picture: &'a dyn Observables,
         spec: &RecorderSpec,
         checkpoint: &Checkpoint,
     ) -> Result<Self, RecorderError> {
@@ -93,21 +93,21 @@ impl<'a> Recorder<'a> {
         Ok(Self::around(picture, spec, writer, checkpoint.recorder))
     }
 
-    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
+    fn around(picture: &'a dyn Observables, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
         let RecorderState { next_frame, shown, waiting, history_every } = mark;
         Self {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
             history_every,
-            rows: Rows::of(history_every),
+            rows: RowSchedule::of(history_every),
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
             between: picture.initial_state(),
             forces: picture.new_forces(),
             writer,
-            keeper: None,
+            checkpoints: None,
             last_good: None,
             failed: false,
         }
@@ -118,17 +118,17 @@ impl<'a> Recorder<'a> {
         self.shown
     }
 
-    /// Also writes `checkpoint.bin`, which a recorder without this does not.
+    /// Makes the recorder also write `checkpoint.bin`.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
-        Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }
+        Self { checkpoints: Some(CheckpointSchedule::new(spec)), ..self }
     }
 
-    fn show(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
+    fn send_frame(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
         let mut frame = self.writer.empty_frame()?;
         self.fill(&mut frame, at, forces);
         if !frame.is_finite() {
-            self.writer.forget(frame);
+            self.writer.recycle(frame);
             return Ok(());
         }
         self.shown = Some(at.t);
@@ -153,16 +153,16 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn show_between(&mut self, [start, end]: [&Point; 2], moment: Moment) -> Result<(), ObserveError> {
-        // Taken out and put back, because `show` needs the rest of `self`.
+    fn show_between(&mut self, [start, end]: [&Point; 2], moment: TimeInStep) -> Result<(), ObserveError> {
+        // Moved out and back, because `send_frame` needs the rest of `self`.
         let (mut state, mut forces) = (std::mem::take(&mut self.between), std::mem::take(&mut self.forces));
         interpolate(start.state.as_ref(), end.state.as_ref(), moment.fraction, &mut state);
-        // k * every itself, without the rounding of getting there from the step's start.
+        // k * every itself, without the rounding error of a sum from the start of the step.
         state.t = moment.time;
         if self.fields.force || self.fields.reaction {
             self.picture.evaluate(state.as_ref(), &mut forces);
         }
-        let shown = self.show(state.as_ref(), &forces);
+        let shown = self.send_frame(state.as_ref(), &forces);
         (self.between, self.forces) = (state, forces);
         shown
     }
@@ -172,7 +172,7 @@ impl<'a> Recorder<'a> {
         self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
-    /// Writes the row of a step that is due with its largest speed [m/s] and strain [-]; any other waits.
+    /// Writes the row of a step if it is due, with its largest speed [m/s] and strain [-]; any other is kept.
     fn row(&mut self, row: HistoryRow, largest: impl FnOnce() -> (f64, f64)) -> Result<(), ObserveError> {
         if !self.rows.due(row.step, row.t) {
             self.waiting = Some(row);
@@ -185,7 +185,7 @@ impl<'a> Recorder<'a> {
 
     /// Whether a checkpoint is due at the end of a step, at `t` [s].
     fn keeps_at(&self, t: f64) -> bool {
-        self.keeper.as_ref().is_some_and(|keeper| keeper.due(t))
+        self.checkpoints.as_ref().is_some_and(|checkpoints| checkpoints.due(t))
     }
 }
 
@@ -195,7 +195,7 @@ impl Observer for Recorder<'_> {
         self.schedule = Schedule::new(self.frames_every, state.t);
         self.rows.skip(state.t);
         self.write_row(HistoryRow { t: state.t, ledger, ..HistoryRow::default() }, state)?;
-        self.show(state, &at.forces)
+        self.send_frame(state, &at.forces)
     }
 
     /// Wants the end state of a step that ends at a frame or a checkpoint, and both states if a frame lies within it.
@@ -213,9 +213,9 @@ impl Observer for Recorder<'_> {
         }
         while let Some(due) = self.schedule.next_in(step.from, step.t) {
             match (due, step.start, step.end) {
-                (Due::End, _, Some(end)) => self.show(end.state.as_ref(), &end.forces)?,
-                (Due::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
-                // The run gives every state that was asked for.
+                (FrameDue::End, _, Some(end)) => self.send_frame(end.state.as_ref(), &end.forces)?,
+                (FrameDue::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
+                // The run gives every state that is wanted.
                 _ => {}
             }
         }
@@ -233,20 +233,20 @@ impl Observer for Recorder<'_> {
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         self.rows.skip(at.state.t);
-        if let Some(keeper) = &mut self.keeper {
-            keeper.skip(at.state.t);
+        if let Some(checkpoints) = &mut self.checkpoints {
+            checkpoints.skip(at.state.t);
         }
         Ok(())
     }
 
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        // A run that goes on from a state that is not credible would not know the last one that is.
+        // A run that is resumed from a state that is not credible would not know the last credible one.
         if self.last_good.is_some() && run.occasion == Occasion::Step {
             return Ok(());
         }
         let Self { shown, waiting, history_every, .. } = *self;
         let mark = RecorderState { next_frame: self.schedule.position(), shown, waiting, history_every };
-        match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
+        match self.checkpoints.as_mut().and_then(|checkpoints| checkpoints.checkpoint_if_due(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),
         }
@@ -273,7 +273,7 @@ impl Observer for Recorder<'_> {
         let state = last.state.as_ref();
         let same = |shown: f64| (shown - state.t).abs() <= tolerance(state.t, state.t);
         if !self.shown.is_some_and(same) {
-            self.show(state, &last.forces)?;
+            self.send_frame(state, &last.forces)?;
         }
         self.writer.finish()
     }

@@ -74,7 +74,7 @@ impl Accuracy {
         self.relative >= REUSED_RELATIVE && !self.checked
     }
 
-    /// Of a solve with a reused matrix.
+    /// The accuracy of a solve with a reused matrix.
     pub fn of_reused() -> Self {
         Accuracy::to(REUSED_RELATIVE)
     }
@@ -85,17 +85,17 @@ pub const REUSED_RELATIVE: f64 = 1e-3;
 
 /// Expected use of a reused matrix.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Expected {
+pub struct ExpectedUse {
     /// [-] useful Newton iterations it will serve, over the square root of its cost in iterations
     pub reuse: f64,
     /// [-] iterations of conjugate gradients in an average solve; 0 before any was seen
     pub cg_iterations: f64,
 }
 
-impl Default for Expected {
-    /// Before any matrix was used.
+impl Default for ExpectedUse {
+    /// The expected use before any matrix was used.
     fn default() -> Self {
-        Expected { reuse: 6.0, cg_iterations: 0.0 }
+        ExpectedUse { reuse: 6.0, cg_iterations: 0.0 }
     }
 }
 
@@ -145,7 +145,7 @@ pub enum LinearError {
     },
     /// Conjugate gradients did not reach the requested residual.
     #[error(
-        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
+        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, but {asked:.1e} was required: \
          the step is long for so stiff a scene, or its stiffnesses are too far apart for single precision; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
     )]
     Stalled {
@@ -168,14 +168,14 @@ pub enum LinearError {
 
 /// Work of a solver since its construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct SolverWork {
     /// factorisations
     pub factorizations: u64,
     /// iterations of conjugate gradients
     pub iterations: u64,
 }
 
-/// What a factorisation shows about W.
+/// The definiteness of W, as far as a factorisation shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
     /// W is positive definite
@@ -229,23 +229,23 @@ pub trait LinearSolver: Send {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
     /// Sets the accuracy of further solves; direct solvers ignore it.
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
     }
 
     /// Sets the expected use of the next reused matrix.
-    fn anticipate(&mut self, expected: Expected) {
+    fn set_expected_use(&mut self, expected: ExpectedUse) {
         let _ = expected;
     }
 
     /// Whether another solver would have been chosen for the last matrix with this expected use.
-    fn prefers_another(&self, expected: Expected) -> bool {
+    fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         let _ = expected;
         false
     }
 
     /// Work since construction.
-    fn work(&self) -> Work;
+    fn work(&self) -> SolverWork;
 
     /// Name and sizes.
     fn stats(&self) -> LinearStats;

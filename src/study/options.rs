@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::StudyError;
-use super::ladder::{decades, series};
+use super::step_grid::{decades, series};
 use crate::case::schema::{Method, Study};
 
 /// Times a run is repeated to measure its cost, if nobody says.

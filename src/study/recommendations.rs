@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::pareto::{TIE, cheapest};
 use super::plan::Plan;
-use super::row::{Pace, Row, RowStatus};
+use super::row::{Row, RowStatus, StepSetting};
 use crate::format_number::figures;
 use crate::integrate::registry::Family;
 
@@ -22,7 +22,7 @@ pub struct Pick {
     pub method: String,
     /// its steps
     #[serde(flatten)]
-    pub pace: Pace,
+    pub setting: StepSetting,
     /// [-] its error
     pub error: f64,
     /// [s] its processor time
@@ -164,7 +164,7 @@ impl<'a> View<'a> {
         Pick {
             id: row.job.id.clone(),
             method: row.label(),
-            pace: row.job.pace,
+            setting: row.job.setting,
             error: row.measured.error.unwrap_or(f64::NAN),
             cpu_seconds: row.cpu_seconds.unwrap_or(f64::NAN),
         }
@@ -245,7 +245,7 @@ impl<'a> View<'a> {
 
 /// A method and its steps as one would type them.
 pub fn used(row: &Row) -> String {
-    row.job.pace.of(&row.label())
+    row.job.setting.of(&row.label())
 }
 
 fn compare(factor: f64, row: &Row) -> String {

@@ -10,19 +10,19 @@ use crate::integrate::registry::Family;
 /// How a run goes through time, as a study writes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Pace {
+pub enum StepSetting {
     /// [s] fixed steps of this size
     Step(f64),
     /// [-] adaptive steps within this share of the motion; the absolute tolerance is a hundredth of it, in metres
     Tolerance(f64),
 }
 
-impl Pace {
+impl StepSetting {
     /// A method with these steps, as one would type them.
     pub fn of(self, method: &str) -> String {
         match self {
-            Pace::Step(h) => format!("{method} at step {}", figures(h, 4)),
-            Pace::Tolerance(t) => format!("{method} with tolerance {t:e}"),
+            StepSetting::Step(h) => format!("{method} at step {}", figures(h, 4)),
+            StepSetting::Tolerance(t) => format!("{method} with tolerance {t:e}"),
         }
     }
 }
@@ -38,7 +38,7 @@ pub struct Job {
     pub method: Method,
     /// steps
     #[serde(flatten)]
-    pub pace: Pace,
+    pub setting: StepSetting,
 }
 
 /// How a run of a study ended.

@@ -7,18 +7,18 @@ use crate::case::schema::{Initial, Vectors};
 use crate::format_number::first_few;
 use crate::model::spec::SpringGroup;
 
-/// What the initial state is checked against.
+/// The network with which the initial state is checked.
 #[derive(Debug)]
 pub(super) struct Network<'a> {
     /// the mesh
     pub geometry: &'a Geometry,
-    /// which of x, y, z is fixed, one a node
+    /// which of x, y, z is fixed, `[n_nodes][3]`
     pub fixed: &'a [[bool; 3]],
     /// springs, whose ends must not meet
     pub springs: &'a [SpringGroup],
 }
 
-/// Initial vectors of every node; empty = zero.
+/// Initial vectors of every node, `[n_nodes][3]`; empty = zero.
 #[derive(Debug, Default)]
 pub(super) struct InitialState {
     /// [m]
@@ -51,14 +51,14 @@ pub(super) fn initial(
     start
 }
 
-/// One vector a node: a uniform one on the free degrees of freedom only.
+/// One vector per node, `[n_nodes][3]`; a uniform one acts on the free degrees of freedom only.
 fn each(at: &Pointer, vectors: &Vectors, fixed: &[[bool; 3]], faults: &mut Faults<'_>) -> Vec<[f64; 3]> {
     match vectors {
         Vectors::Same(v) => fixed.iter().map(|f| std::array::from_fn(|i| if f[i] { 0.0 } else { v[i] })).collect(),
         Vectors::Each(list) if list.len() == fixed.len() => list.clone(),
         Vectors::Each(list) => {
             let value = format!("{} vectors", list.len());
-            faults.add_value(at, value, format!("one vector, or a list of {} (one a node)", fixed.len()), None);
+            faults.add_value(at, value, format!("one vector, or a list of {} (one per node)", fixed.len()), None);
             Vec::new()
         }
     }
@@ -76,9 +76,9 @@ fn check_held(at: &Pointer, velocity: &[[f64; 3]], fixed: &[[bool; 3]], faults: 
     }
 }
 
-/// A displacement must not put both ends of a spring in one place, where the spring has no direction.
+/// A displacement must not move both ends of a spring to the same position, where the spring has no direction.
 fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>, faults: &mut Faults<'_>) {
-    // Empty where it was refused already: the mesh as given is no fault of the displacement.
+    // Empty if it was refused already: then the mesh as given is checked, which is no fault of the displacement.
     if displacement.is_empty() {
         return;
     }
@@ -86,7 +86,7 @@ fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>,
     let edges: Vec<u32> = network.springs.iter().flat_map(|g| g.edges.iter().copied()).filter(|e| meet(*e)).collect();
     if !edges.is_empty() {
         let value = format!("springs without length on edges {}", first_few(&edges));
-        let hint = "the displaced ends of a spring fall together, or too far away for a double".to_owned();
-        faults.add_value(at, value, "a displacement that leaves every spring a length", Some(hint));
+        let hint = "the displaced ends of a spring coincide, or are farther apart than a double can hold".to_owned();
+        faults.add_value(at, value, "a displacement after which every spring has a length", Some(hint));
     }
 }

@@ -1,6 +1,6 @@
 //! Lumped masses.
 
-use super::geometry::{Geometry, Needs, triangles};
+use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::not_negative;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -13,7 +13,8 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
     let Some(section) = section else { return mass };
     if let Some(density) = section.areal_density {
         let at = at.key("areal_density");
-        if not_negative(&at, density, faults) && triangles(&at, "a mass per area", geometry, Needs::Areas, faults) {
+        if not_negative(&at, density, faults) && triangles(&at, "a mass per area", geometry, TriangleUse::Areas, faults)
+        {
             for (corners, area) in geometry.mesh.triangles.iter().zip(&geometry.area) {
                 for &node in corners {
                     add(&mut mass, node, density * area / 3.0);
@@ -23,7 +24,7 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
     }
     match &section.nodal {
         None => {}
-        // A faulty mass is noted and not added.
+        // A faulty mass is reported and not added.
         Some(PerNode::Same(m)) if !not_negative(&at.key("nodal"), *m, faults) => {}
         Some(PerNode::Same(m)) => mass.iter_mut().for_each(|sum| *sum += m),
         Some(PerNode::Each(list)) => each(&at.key("nodal"), list, &mut mass, faults),
@@ -34,7 +35,7 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
 fn each(at: &Pointer, list: &[f64], mass: &mut [f64], faults: &mut Faults<'_>) {
     if list.len() != mass.len() {
         let value = format!("{} numbers", list.len());
-        faults.add_value(at, value, format!("one number, or a list of {} (one a node)", mass.len()), None);
+        faults.add_value(at, value, format!("one number, or a list of {} (one per node)", mass.len()), None);
         return;
     }
     for (i, (sum, m)) in mass.iter_mut().zip(list).enumerate() {

@@ -1,4 +1,4 @@
-//! Spring rules: which edge follows which rule, and what comes of it.
+//! Spring rules: which edge follows which rule, and the springs that result.
 
 use super::geometry::Geometry;
 use super::mass;
@@ -28,18 +28,18 @@ pub(super) fn springs(
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let values = values(&at, rule, faults);
-        // Which edges an unreadable rule takes is not known, and so neither what it leaves to the next.
+        // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
         let Some(edges) = claim(&at, rule, geometry, &mut taken, faults) else { continue };
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
             add_mass(density, &edges, geometry, mass);
         }
-        // Before the values are asked for, so that faults of both are reported at once.
+        // Before the values, so that faults of both are reported at once.
         let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
         if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()
-            && let Some(group) = group(&at, Members { rule, values, edges, rest_length, step }, geometry, faults)
+            && let Some(group) = group(&at, RuleEdges { rule, values, edges, rest_length, step }, geometry, faults)
         {
             groups.push(group);
         }
@@ -52,12 +52,12 @@ pub(super) fn springs(
 
 /// Values of a rule that need no edge.
 #[derive(Clone, Copy, Debug)]
-struct Values {
+struct RuleValues {
     stiffness: Stiffness,
     slack: Slack,
 }
 
-fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Values> {
+fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<RuleValues> {
     let stiffness = stiffness(at, rule, faults);
     if let Some(density) = rule.linear_density {
         not_negative(&at.key("linear_density"), density, faults);
@@ -74,10 +74,10 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Va
         }
     };
     let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
-    Some(Values { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
+    Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
 }
 
-/// The edges that follow this rule: the selected ones that no earlier rule took.
+/// The edges that follow this rule: the selected ones that follow no earlier rule.
 fn claim(
     at: &Pointer,
     rule: &SpringRule,
@@ -102,18 +102,18 @@ fn claim(
 
 /// A rule with the edges that follow it.
 #[derive(Debug)]
-struct Members<'a> {
+struct RuleEdges<'a> {
     rule: &'a SpringRule,
-    values: Values,
+    values: RuleValues,
     edges: Vec<u32>,
-    /// [m] one an edge
+    /// [m] one per edge
     rest_length: Vec<f64>,
-    /// how the run goes through time, if it is known
+    /// the steps of the run, if known
     step: Option<Step>,
 }
 
-fn group(at: &Pointer, members: Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
-    let Members { rule, values, edges, rest_length, step } = members;
+fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
+    let RuleEdges { rule, values, edges, rest_length, step } = members;
     let stiffness = values.stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
     let dashpot = match rule.dashpot {
         None => None,

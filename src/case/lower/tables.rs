@@ -10,20 +10,21 @@ use crate::warning::WarningCode;
 const STEPS: f64 = 2.0;
 /// [-] A pulse below this share of the table's range is noise.
 const NOISE: f64 = 1e-3;
-/// [-] A row this share of a step from the end of a step is at it.
+/// [-] A row closer to the end of a step than this share of the step counts as at the end.
 const AT_END: f64 = 1e-6;
 
 /// Times of a run in fixed steps.
 #[derive(Clone, Copy)]
-pub(super) struct Steps {
+pub(super) struct StepTimes {
     /// [s] step
     pub h: f64,
     /// [s] end of the run
     pub end: f64,
 }
 
-/// Warns, once a table, of the first pulse of a load or of the wind that is shorter than two steps and not met by them.
-pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: Steps, faults: &mut Faults<'_>) {
+/// Warns once per table: about the first pulse of a load or of the wind that is shorter than two steps and does not
+/// begin and end with steps.
+pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepTimes, faults: &mut Faults<'_>) {
     let loads = network.loads.iter().enumerate();
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
         let at = at.key("loads").index(i).key("table");
@@ -38,19 +39,19 @@ pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: Steps
 
 /// Short pulses of a table.
 #[derive(Clone, Copy, Default)]
-struct Pulses {
+struct ShortPulses {
     count: usize,
-    /// [s] time of the first and how long it lasts
+    /// [s] start and duration of the first
     first: [f64; 2],
 }
 
 /// A pulse goes up and then down, or down and then up.
-fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, Steps { h, end }: Steps) -> Pulses {
+fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, StepTimes { h, end }: StepTimes) -> ShortPulses {
     let extremes = |[low, high]: [f64; 2], [_, value]: [f64; 2]| [low.min(value), high.max(value)];
     let [low, high] = rows.clone().fold([f64::INFINITY, f64::NEG_INFINITY], extremes);
     let at_end = |t: f64| (t / h - (t / h).round()).abs() <= AT_END;
-    let mut found = Pulses::default();
-    // The last stretch that is not level: its start and rise, and whether all rows since lie at the ends of steps.
+    let mut found = ShortPulses::default();
+    // The last part that is not constant: its start and rise, and whether all rows since are at the ends of steps.
     let mut before: Option<([f64; 2], bool)> = None;
     for ([t, value], [t_next, next]) in rows.clone().zip(rows.skip(1)) {
         let rise = next - value;
@@ -73,14 +74,14 @@ fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, Steps { h, end }: Steps)
     found
 }
 
-fn warn(at: &Pointer, kept: &str, found: Pulses, Steps { h, .. }: Steps, faults: &mut Faults<'_>) {
-    let Pulses { count, first: [start, lasts] } = found;
+fn warn(at: &Pointer, kept: &str, found: ShortPulses, StepTimes { h, .. }: StepTimes, faults: &mut Faults<'_>) {
+    let ShortPulses { count, first: [start, lasts] } = found;
     if count == 0 {
         return;
     }
     let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
     let text = format!(
-        "{at}: the pulse at t = {} s lasts {} s, the step is {} s{more}; its {kept} is kept, its shape is not: take --step {} or less, or \
+        "{at}: the pulse at t = {} s lasts {} s, the step is {} s{more}; its {kept} is kept, but not its shape: take --step {} or less, or \
          --tolerance",
         figures(start, 6),
         figures(lasts, 4),

@@ -25,7 +25,8 @@ pub struct Load {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
     /// [s, -] Factor over time: rows of time and factor, times strictly increasing; linear between rows, constant
-    /// outside them. Not given: 1 at all times. Fixed steps that have rows inside keep the integral, not the shape.
+    /// outside them. Not given: 1 at all times. Fixed steps with rows inside them keep the integral of the factor, but
+    /// not its shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,

@@ -1,7 +1,7 @@
-//! The case file as serde reads it: one struct a section, keys as in the file, nothing checked but types and keys.
+//! The case file as serde reads it: one struct per section, with the keys of the file; only types and keys are checked.
 //!
-//! Ranges stand here twice, as attributes for the JSON Schema and in [`crate::case`]'s checks for the messages; a test
-//! holds the two together. Numbers are SI; the doc of a number begins with its unit.
+//! Ranges are given twice, here as attributes for the JSON Schema, and in the checks of [`crate::case`] for the
+//! messages; a test compares the two. Numbers are SI; the doc of a number begins with its unit.
 
 pub mod aero;
 pub mod loads;
@@ -34,22 +34,21 @@ pub use time::{Study, Time, Tolerance};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "canopy-fem case")]
 pub struct CaseFile {
-    /// Where the JSON Schema of this file is, by which an editor finds it; used by nothing else.
+    /// Path of the JSON Schema of this file, for editors; the program does not use it.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<String>,
     /// Name of the case; result files and the default output folder carry it. 1 to 200 characters.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
-    /// What the case is about, in words; shown to people, used by nothing.
+    /// Description for the reader; the program does not use it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// Kinds of warnings that are meant to be so, by the codes that `check` and `solve` print in brackets: they are not
-    /// printed again.
+    /// Codes of the warnings to accept, as `check` and `solve` print them in brackets: these warnings are not printed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub acknowledge: Vec<WarningCode>,
     /// What moves.
     pub system: System,
-    /// How long, by which method and in which steps.
+    /// End, method and steps of the run.
     pub time: Time,
     /// How the equations of an implicit method are solved; explicit methods do not need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,7 +56,7 @@ pub struct CaseFile {
     /// What is written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output: Option<Output>,
-    /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags win over it.
+    /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags take precedence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub study: Option<Study>,
 }

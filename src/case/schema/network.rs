@@ -1,4 +1,5 @@
-//! The network: mesh, mass, springs, supports and what acts on it. An absent section is absent physics.
+//! The network: mesh, mass, springs, supports and what acts on it. A section that is absent means physics that is not
+//! modelled.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,10 +17,10 @@ use crate::mesh::source::MeshSource;
 pub struct Network {
     /// Where the nodes, edges and triangles come from.
     pub mesh: MeshSource,
-    /// Mass of the nodes; every free node needs some, from here or from `springs[].linear_density`.
+    /// Mass of the nodes; every free node needs a mass, from here or from `springs[].linear_density`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
-    /// Springs on edges; the first rule that selects an edge counts.
+    /// Springs on edges; an edge follows the first rule that selects it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<SpringRule>,
     /// Nodes that are held.
@@ -37,12 +38,12 @@ pub struct Network {
     /// Damping of the network as a whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// Where the nodes start and how fast.
+    /// Initial displacements and velocities of the nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial: Option<Initial>,
 }
 
-/// Mass of the nodes. What is given adds up.
+/// Mass of the nodes: the sum of what is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mass {
@@ -50,7 +51,7 @@ pub struct Mass {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub areal_density: Option<f64>,
-    /// [kg] Mass of every node, or a list with one a node; none may be negative.
+    /// [kg] Mass of every node, or a list with one mass per node; none may be negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodal: Option<PerNode>,
 }
@@ -61,7 +62,7 @@ pub struct Mass {
 pub struct Support {
     /// Which nodes.
     pub on: NodeSelection,
-    /// Which directions are held: any of the letters x, y and z, each at most once. Supports add up.
+    /// Directions that are held: any of the letters x, y and z, each at most once. Several supports of a node add up.
     #[schemars(regex(pattern = r"^(x(yz?|zy?)?|y(xz?|zx?)?|z(xy?|yx?)?)$"))]
     pub fix: String,
 }
@@ -89,9 +90,9 @@ pub struct Rayleigh {
     pub stiffness: f64,
 }
 
-/// Where the nodes start and how fast.
+/// Initial displacements and velocities of the nodes.
 ///
-/// One vector acts on the free degrees of freedom only. A list with one vector a node may move supports too: a
+/// One vector acts on the free degrees of freedom only. A list with one vector per node may move supports too: a
 /// support holds its node where the initial displacement puts it. A velocity at a held degree of freedom must be 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

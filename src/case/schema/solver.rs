@@ -24,27 +24,27 @@ pub struct Newton {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub relative: Option<f64>,
-    /// [-] Iterations on the exact tangent after which a step counts as not solvable, and besides at most as many on
-    /// one that is kept; 100 if not given.
+    /// [-] Largest number of iterations with the exact tangent, after which a step counts as not solvable. With a kept
+    /// tangent, as many more are allowed; 100 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub max_iterations: Option<u32>,
-    /// When the tangent is made anew; `auto` if not given.
+    /// When the tangent is computed again; `auto` if not given.
     #[serde(default)]
     pub strategy: Strategy,
 }
 
-/// When the tangent is made anew.
+/// When the tangent is computed again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that
-    /// leads nowhere, as `full`.
+    /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;
+    /// otherwise, and where `quasi` fails, as `full`.
     #[default]
     Auto,
     /// In every iteration.
     Full,
-    /// Seldom: the factor of a symmetric tangent is used as long as it serves.
+    /// Seldom: the factor of a symmetric tangent is used as long as the iteration converges fast enough with it.
     Modified,
     /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,
@@ -54,8 +54,8 @@ pub enum Strategy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Linear {
-    /// Where a matrix is kept over many steps, Cholesky or conjugate gradients of it, by counted work; else Cholesky
-    /// for a symmetric tangent, LU for another.
+    /// Where a matrix is kept over many steps: Cholesky or conjugate gradients, whichever is less counted work.
+    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
     /// Sparse Cholesky; needs a symmetric tangent.
@@ -63,7 +63,7 @@ pub enum Linear {
     /// Sparse LU.
     Lu,
     /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
-    /// memory, for small steps and large meshes. Of the symmetric part where the tangent is not symmetric, for which
-    /// the strategy must not be `full`.
+    /// memory, for small steps and large meshes. If the tangent is not symmetric, its symmetric part is used; the
+    /// strategy must then not be `full`.
     Cg,
 }

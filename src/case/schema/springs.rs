@@ -23,7 +23,7 @@ pub struct SpringRule {
     /// Stiffness from a continuous sheet; for edges of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<Membrane>,
-    /// [m] Length l0 at which the spring is at rest; the edge's length on the mesh as given if not given.
+    /// [m] Rest length l0 of the spring; if not given, the length of the edge on the mesh as given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rest_length: Option<f64>,
@@ -35,7 +35,7 @@ pub struct SpringRule {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
-    /// When the spring is slack; not given: it pulls and pushes.
+    /// When the spring is slack; not given: it acts in tension and in compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.
@@ -59,13 +59,13 @@ pub struct Membrane {
 /// When a spring is slack; e = l - l0 is its elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum SlackRule {
-    /// T = k max(e, 0): it never pushes.
+    /// T = k max(e, 0): no compression.
     #[serde(rename = "tension-only")]
     TensionOnly,
-    /// [m] T = k max(e - eps, 0): it pulls once it is longer than l0 by this eps.
+    /// [m] T = k max(e - eps, 0): tension only, where the spring is longer than l0 by more than this eps.
     #[serde(rename = "dead_zone")]
     DeadZone(#[schemars(range(min = 0))] f64),
-    /// [m] T = k max(e, -eps): its push stops growing once it is shorter than l0 by this eps.
+    /// [m] T = k max(e, -eps): the compression is constant where the spring is shorter than l0 by more than this eps.
     #[serde(rename = "compression_limit")]
     CompressionLimit(#[schemars(range(min = 0))] f64),
 }
@@ -74,7 +74,7 @@ pub enum SlackRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dashpot {
-    /// c ldot along the spring; it goes slack with its spring.
+    /// c ldot along the spring; no force while the spring is slack.
     Axial(DashpotRule),
     /// c (vb - va), all three components, slack or not.
     Relative(DashpotRule),

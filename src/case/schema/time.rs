@@ -1,11 +1,11 @@
-//! How long, by which method and in which steps, and what a study of that tries.
+//! End, method and steps of a run, and what a study of the case tries.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::method::Method;
 
-/// How long, by which method and in which steps. Exactly one of `step` and `tolerance` is given.
+/// End, method and steps of the run. Exactly one of `step` and `tolerance` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
@@ -18,22 +18,21 @@ pub struct Time {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step: Option<f64>,
-    /// Error the run may make, for steps of the size it allows, by any method.
+    /// Error that the run may make; the size of the steps follows from it, with any method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
 }
 
 /// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as
-/// the root mean square over the free degrees of freedom. Each step may make its share of it by time. What errors
-/// really come to depends on the scene as well: on swinging pendulums and cloths they are within a factor of ten of
-/// this.
+/// the root mean square over the free degrees of freedom. Each step may make a share of it in proportion to its size.
+/// The error of a run also depends on the scene: on swinging pendulums and cloths it is within a factor of ten of this.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
     /// [-] Share of the largest displacement so far.
     #[schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1))]
     pub relative: f64,
-    /// [m] Error that is always allowed ([rad] for a pendulum); rules while the motion is small.
+    /// [m] Error that is always allowed ([rad] for a pendulum); it matters while the motion is small.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: f64,
 }
@@ -54,7 +53,7 @@ pub struct Study {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}))]
     pub tolerances: Option<Vec<f64>>,
-    /// [-] Times every run is repeated to measure its cost; the median counts.
+    /// [-] Number of times each run is made to measure its cost; the cost is their median.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub repeat: Option<u32>,

@@ -1,6 +1,6 @@
 //! Attempts at the next accepted state: one step of a fixed size, or adaptive ones until one is kept.
 
-use super::super::adaptive::{Bench, Dropped, Kept};
+use super::super::adaptive::{AdaptiveStep, AttemptContext, DropReason};
 use super::super::clock::Tick;
 use super::super::observer::Observer;
 use super::super::outcome::Status;
@@ -11,8 +11,7 @@ use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
 
 impl Run<'_> {
-    /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end
-    /// before.
+    /// Advances to the next accepted state, which may take several attempts, unless the run must end before.
     pub(crate) fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,
@@ -23,7 +22,7 @@ impl Run<'_> {
                 return Ok(Ok(()));
             }
             let kept = match &mut self.state.policy {
-                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
+                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(AdaptiveStep::Single),
                 StepPolicy::Adaptive(_) => match self.adaptive_step(stepper) {
                     Ok(Some(kept)) => Ok(kept),
                     Ok(None) => continue,
@@ -32,12 +31,14 @@ impl Run<'_> {
             };
             return match kept {
                 Err(stopped) => Ok(Err(stopped)),
-                Ok(Kept::Single(report)) => match self.accept_step(stepper, StepPart::Last, &report, observers)? {
-                    Ok(Accepted::Back) => continue,
-                    Ok(Accepted::Over) => Ok(Ok(())),
-                    Err(stopped) => Ok(Err(stopped)),
-                },
-                Ok(Kept::Halves([first, second])) => {
+                Ok(AdaptiveStep::Single(report)) => {
+                    match self.accept_step(stepper, StepPart::Last, &report, observers)? {
+                        Ok(Accepted::Back) => continue,
+                        Ok(Accepted::Over) => Ok(Ok(())),
+                        Err(stopped) => Ok(Err(stopped)),
+                    }
+                }
+                Ok(AdaptiveStep::Halves([first, second])) => {
                     match self.accept_step(stepper, StepPart::First, &first, observers)? {
                         Ok(Accepted::Back) => continue,
                         Ok(Accepted::Over) => {
@@ -66,17 +67,18 @@ impl Run<'_> {
             }
         };
         if !report.forces_at_end {
-            // The ledger and observers want them; the scheme does not, so they are not counted.
+            // The ledger and observers need these forces, but the scheme does not, so they are not counted.
             self.scene.evaluate(self.state.to.state.as_ref(), &mut self.state.to.forces);
             self.state.account_passes += 1;
         }
         Ok(report)
     }
 
-    /// One attempt; `None` when it is dropped and a smaller one is left to try.
-    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
+    /// One attempt; `None` if it is dropped and a smaller step can be tried.
+    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<AdaptiveStep>, Status> {
         let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
-        let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
+        let mut bench =
+            AttemptContext { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
         policy.begin(&mut bench, &self.state.from, &mut self.state.to);
         let Some(trial) = policy.next(self.state.from.state.t) else { return Ok(None) };
         let dropped = match policy.attempt(bench, trial, &self.state.from, &mut self.state.to) {
@@ -95,8 +97,8 @@ impl Run<'_> {
         }
         let context = self.context(Tick { h: trial.h, t: trial.t });
         self.state.failure = Some(match &dropped {
-            Dropped::Error(worst) => context.at_the_floor(*worst, floor),
-            Dropped::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
+            DropReason::Error(worst) => context.at_the_floor(*worst, floor),
+            DropReason::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
         });
         Err(Status::NotConverged)
     }

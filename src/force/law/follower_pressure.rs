@@ -4,9 +4,9 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use crate::force::kernel::batch::{Records, Wants};
+use crate::force::kernel::batch::{BufferReads, Records};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::triangle_pairs::{PressureLaw, Push};
+use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::{AreaVector, THIRD};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
@@ -21,7 +21,7 @@ pub type FollowerPressure = FaceBatch<FollowerData>;
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
 pub struct FollowerData {
-    /// vertices, right-handed about the side the pressure pushes to
+    /// vertices, right-handed about the direction of the pressure
     pub triangles: Arc<[[u32; 3]]>,
     /// [Pa] p
     pub pressure: f64,
@@ -30,7 +30,7 @@ pub struct FollowerData {
 }
 
 impl FaceKernel for FollowerData {
-    const WANTS: Wants = Wants { x: true, v: true };
+    const READS: BufferReads = BufferReads { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -38,7 +38,7 @@ impl FaceKernel for FollowerData {
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let pressure = self.pressure * factor(self.factor.as_ref(), block.t);
-        Tally { energy: 0.0, power: block.push(&FollowerLaw { pressure }, f) }
+        Tally { energy: 0.0, power: block.add_pressure(&FollowerLaw { pressure }, f) }
     }
 }
 
@@ -49,9 +49,9 @@ struct FollowerLaw {
 
 impl PressureLaw for FollowerLaw {
     #[inline(always)]
-    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+    fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
         let share = s[0].all(THIRD * self.pressure);
-        Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
+        PressureForce { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
     }
 }
 
@@ -71,7 +71,7 @@ impl ForceTerm for FollowerPressure {
         let p = data.pressure * factor(data.factor.as_ref(), at.t);
         for &nodes in data.triangles.iter() {
             let area = AreaVector::new(at.x, nodes);
-            // A symmetric part would be that of the surface's edge alone, of either sign: there is none.
+            // There is no symmetric form: it would come from the edge of the surface only, with either sign.
             let k = if form.symmetric { 0.0 } else { w.k };
             let row = [0, 1, 2].map(|j| area.derivative(j) * (-k * p / 3.0));
             sink.triangle(nodes, &[row; 3]);

@@ -4,7 +4,7 @@ use crate::force::law::step_samples::sampled_by_steps;
 use crate::model::spec::Series;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// A table, and what takes its place in a run of fixed steps: see `step_samples`.
+/// A table, and its replacement in a run of fixed steps: see `step_samples`.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
     given: Series<[f64; N]>,
@@ -17,7 +17,7 @@ impl<const N: usize> Table<N> {
         Arc::new(Table { given, sampled: RwLock::new(None) })
     }
 
-    /// Replaces the table by a constant until [`Tabled::sample`] is called.
+    /// Replaces the table by a constant until [`SampledTable::sample`] is called.
     pub fn hold(&self, value: [f64; N]) {
         let constant = Series { t: vec![0.0], value: vec![value] };
         *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = Some(constant);
@@ -30,13 +30,13 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// What a run does to a table before it begins.
-pub trait Tabled: Send + Sync {
+/// The preparation of a table for a run.
+pub trait SampledTable: Send + Sync {
     /// Makes the table ready for a run of fixed steps of `h` [s] from t = 0, or for any other run.
     fn sample(&self, h: Option<f64>);
 }
 
-impl<const N: usize> Tabled for Table<N> {
+impl<const N: usize> SampledTable for Table<N> {
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = made;
@@ -62,7 +62,7 @@ pub fn factor(table: Option<&Arc<Table<1>>>, t: f64) -> f64 {
     table.map_or(1.0, |table| table.at(t)[0])
 }
 
-/// A table of one number a row.
+/// A table with one number per row.
 pub fn scalar(series: &Series<f64>) -> Arc<Table<1>> {
     Table::new(Series { t: series.t.clone(), value: series.value.iter().map(|&v| [v]).collect() })
 }

@@ -7,10 +7,10 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{Plain, clamped};
-use crate::force::law::stretch::{InScene, Stretched, largest};
-pub use crate::force::law::tension::Carried;
-use crate::force::law::tension::Carrying;
+use crate::force::law::slack::{LinearLaw, clamped};
+use crate::force::law::stretch::{SpringLengths, WholeScene, largest};
+pub use crate::force::law::tension::SpringOutput;
+use crate::force::law::tension::TensionPass;
 use crate::force::outer;
 use crate::model::quad;
 use crate::model::spec::Slack;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub struct SpringData {
     /// end nodes a, b
     pub nodes: Arc<[[u32; 2]]>,
-    /// [m] rest length l0, one a spring
+    /// [m] rest length l0 of every spring
     pub rest_length: Arc<[f64]>,
     /// [N/m] stiffness k
     pub stiffness: Coefficient,
@@ -42,16 +42,16 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
-    /// Elastic tension and strain of every spring at positions `x` [m], each at its own of `to.places`, of which there
-    /// are as many as springs; what has no spring keeps what it holds.
+    /// Writes elastic tension and strain of every spring at positions `x` [m] `[n_nodes]` to its index in `to.places`
+    /// `[n_springs]`; other entries keep their values.
     ///
     /// # Panics
-    /// When a place lies beyond `to.tension` or `to.strain`.
-    pub fn carried(&self, x: &[Vector3<f64>], to: Carried<'_>) {
+    /// When an index is beyond the end of `to.tension` or `to.strain`.
+    pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
         let data = self;
         match clamped(self.slack) {
-            None => quad::run(Carrying { data, law: Plain, x, to }),
-            Some(law) => quad::run(Carrying { data, law, x, to }),
+            None => quad::run(TensionPass { data, law: LinearLaw, x, to }),
+            Some(law) => quad::run(TensionPass { data, law, x, to }),
         }
     }
 
@@ -63,10 +63,14 @@ impl SpringData {
 
     /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
     pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
-        largest(Stretched { ends: &self.nodes, rest_length: &self.rest_length, at: InScene(bytemuck::cast_slice(x)) })
+        largest(SpringLengths {
+            ends: &self.nodes,
+            rest_length: &self.rest_length,
+            at: WholeScene(bytemuck::cast_slice(x)),
+        })
     }
 
-    /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].
+    /// Whether some spring has turned by more than 90 degrees from positions `from` [m] to `to` [m].
     pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
         turns_over(self, from, to)
     }

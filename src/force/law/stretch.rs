@@ -1,32 +1,32 @@
-//! The largest stretch l^2/l0^2 of springs, of which the largest strain is sqrt(l^2/l0^2) - 1: a quotient a spring and
-//! no root.
+//! The largest stretch l^2/l0^2 of springs, from which the largest strain is sqrt(l^2/l0^2) - 1: one division per
+//! spring and no root.
 
 use crate::force::kernel::local_buffer::{Records, record};
 use crate::model::quad::{self, Quad, Real, VectorUnit};
 
-/// Springs by their ends, and where these are.
-pub(in crate::force) struct Stretched<'a, E, P> {
+/// Springs by their end nodes, and the positions of the nodes.
+pub(in crate::force) struct SpringLengths<'a, E, P> {
     pub ends: &'a [[E; 2]],
     /// [m]
     pub rest_length: &'a [f64],
     pub at: P,
 }
 
-/// Where nodes are; its function is `#[inline(always)]`.
+/// Positions of nodes; its function is `#[inline(always)]`.
 pub(in crate::force) trait Positions<E>: Copy {
-    /// [m] a node's coordinates, and a number that means nothing
+    /// [m] the coordinates of a node, and an unused number
     fn of(&self, node: E) -> [f64; 4];
 }
 
-/// Three numbers a node, of the whole scene.
+/// Positions of all nodes, `[n_dof]`.
 #[derive(Clone, Copy)]
-pub(in crate::force) struct InScene<'a>(pub &'a [f64]);
+pub(in crate::force) struct WholeScene<'a>(pub &'a [f64]);
 
 /// The records of a block.
 #[derive(Clone, Copy)]
-pub(in crate::force) struct InWindow<'a>(pub &'a Records);
+pub(in crate::force) struct InLocalBuffer<'a>(pub &'a Records);
 
-impl Positions<u32> for InScene<'_> {
+impl Positions<u32> for WholeScene<'_> {
     #[inline(always)]
     fn of(&self, node: u32) -> [f64; 4] {
         let from = &self.0[3 * node as usize..];
@@ -37,19 +37,19 @@ impl Positions<u32> for InScene<'_> {
     }
 }
 
-impl Positions<u16> for InWindow<'_> {
+impl Positions<u16> for InLocalBuffer<'_> {
     #[inline(always)]
     fn of(&self, node: u16) -> [f64; 4] {
         record(self.0, node)
     }
 }
 
-/// [-] Largest l^2/l0^2, -inf without springs. The same bits wherever its springs are cut into pieces.
-pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: Stretched<'_, E, P>) -> f64 {
+/// [-] Largest l^2/l0^2, -inf without springs. The bits do not depend on how the springs are divided.
+pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: SpringLengths<'_, E, P>) -> f64 {
     quad::run(springs)
 }
 
-impl<E: Copy, P: Positions<E>> quad::Pass for Stretched<'_, E, P> {
+impl<E: Copy, P: Positions<E>> quad::Pass for SpringLengths<'_, E, P> {
     type Output = f64;
 
     #[inline(always)]
@@ -70,7 +70,7 @@ impl<E: Copy, P: Positions<E>> quad::Pass for Stretched<'_, E, P> {
     }
 }
 
-impl<E: Copy, P: Positions<E>> Stretched<'_, E, P> {
+impl<E: Copy, P: Positions<E>> SpringLengths<'_, E, P> {
     #[inline(always)]
     fn four<U: VectorUnit>(&self, unit: U, ends: &[[E; 2]; 4], l0: [f64; 4]) -> U::Quad {
         let mut d = [unit.splat(0.0); 4];

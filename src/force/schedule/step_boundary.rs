@@ -1,9 +1,9 @@
-//! What a scheme does to nodes between the force passes of a block of steps.
+//! The updates of nodes between the force passes of a block of steps.
 //!
-//! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of
-//! the next, when that begins.
+//! Work is summed in halves: the work of the forces at the end of a step over this step, when it ends; and their work
+//! over the next step, when that begins.
 
-use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
@@ -14,32 +14,36 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// The steps' scheme, and what it needs of nodes.
+/// The scheme of the steps, and its data of nodes.
 #[derive(Clone, Copy)]
 pub struct StepBoundary<'a> {
-    /// what the steps are made of, and where the first begins
+    /// the scheme, and the point at which the first step begins
     pub block: KickDriftBlock<'a>,
-    /// [kg] one a node
+    /// [kg] `[n_nodes]`
     pub mass: &'a [f64],
     /// [1/kg] by degree of freedom, 0 at fixed ones
     pub inverse_mass: &'a [f64],
 }
 
 impl StepBoundary<'_> {
-    /// Moves nodes to where the first force pass finds them.
-    pub(in crate::force) fn begin(&self, Moving { first, x, v, .. }: Moving<'_>, workers: &Workers) {
+    /// Moves nodes to the positions of the first force pass.
+    pub(in crate::force) fn begin(&self, NodeStateMut { first, x, v, .. }: NodeStateMut<'_>, workers: &Workers) {
         let scheme = self.block.scheme;
         workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
     }
 
     /// The kick after the first force pass.
-    pub(in crate::force) fn kick_again(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn kick_again(
+        &self,
+        part: &WorkspaceView<'_>,
+        NodeStateMut { first, v, .. }: NodeStateMut<'_>,
+    ) {
         let start = self.start(3 * first..3 * first + v.len());
         self.block.scheme.kick_again(start, v, cast_slice(part.out[0]));
     }
 
     /// The same after the first force pass of a later step, whose kicked velocities are kept.
-    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, NodeStateMut { first, v, .. }: NodeStateMut<'_>) {
         let inverse_mass = &self.inverse_mass[3 * first..3 * first + v.len()];
         self.block.scheme.correct(v, cast_slice(part.aside[1]), inverse_mass, cast_slice(part.out[0]));
     }
@@ -49,7 +53,12 @@ impl StepBoundary<'_> {
     }
 
     /// Ends a step in a node block, and begins the next.
-    pub(in crate::force) fn end(&self, level: usize, part: WorkspaceView<'_>, Moving { first, x, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn end(
+        &self,
+        level: usize,
+        part: WorkspaceView<'_>,
+        NodeStateMut { first, x, v, .. }: NodeStateMut<'_>,
+    ) {
         let KickDriftBlock { scheme, from } = self.block;
         let WorkspaceView { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
         let (dofs, passes) = (3 * first..3 * first + x.len(), scheme.passes());
@@ -76,7 +85,7 @@ impl StepBoundary<'_> {
         let (ended, next) = scheme.end(nodes, another);
         sums[level] = NodeSums { work: begun.and(ended.work).halved(), ..ended };
         if another {
-            // Kept where the next step's first pass is, until that step ends.
+            // Kept at the level of the next step's first pass, until that step ends.
             sums[level + 1].work = next;
         }
     }

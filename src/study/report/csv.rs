@@ -3,20 +3,20 @@
 use crate::case::schema::Method;
 use crate::output::sanitize::csv_field;
 use crate::study::recommendations::{Pick, Recommendations};
-use crate::study::row::{Pace, Row};
+use crate::study::row::{Row, StepSetting};
 use crate::study::runner::Study;
 
 /// Columns of `tradeoff.csv`, with the text of a run's cell; other programs rely on them.
 type Column = (&'static str, fn(&Row) -> String);
 const COLUMNS: [Column; 13] = [
     ("method", |row| csv_field(&typed(&row.job.method))),
-    ("step", |row| match row.job.pace {
-        Pace::Step(h) => number(Some(h)),
-        Pace::Tolerance(_) => String::new(),
+    ("step", |row| match row.job.setting {
+        StepSetting::Step(h) => number(Some(h)),
+        StepSetting::Tolerance(_) => String::new(),
     }),
-    ("tolerance", |row| match row.job.pace {
-        Pace::Step(_) => String::new(),
-        Pace::Tolerance(tolerance) => number(Some(tolerance)),
+    ("tolerance", |row| match row.job.setting {
+        StepSetting::Step(_) => String::new(),
+        StepSetting::Tolerance(tolerance) => number(Some(tolerance)),
     }),
     ("status", |row| row.measured.status.word().to_owned()),
     ("error", |row| number(row.measured.error)),
@@ -59,7 +59,7 @@ fn number(value: Option<f64>) -> String {
 /// One row an accuracy and factor.
 pub(super) fn stiffness(answers: &Recommendations) -> String {
     let pick = |pick: &Option<Pick>| match pick {
-        Some(pick) => format!("{},{}", csv_field(&pick.pace.of(&pick.method)), number(Some(pick.cpu_seconds))),
+        Some(pick) => format!("{},{}", csv_field(&pick.setting.of(&pick.method)), number(Some(pick.cpu_seconds))),
         None => ",".to_owned(),
     };
     let lines = answers.stiffness.iter().map(|point| {

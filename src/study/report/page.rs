@@ -7,7 +7,7 @@ use super::{Machine, Rerun};
 use crate::study::error::StudyError;
 use crate::study::plan::{PROGRAM, Plan};
 use crate::study::recommendations::{Recommendations, unfinished};
-use crate::study::row::{Pace, Row};
+use crate::study::row::{Row, StepSetting};
 use crate::study::runner::Study;
 use crate::study::template::render;
 
@@ -58,9 +58,9 @@ pub(super) fn html(
 fn sorted(rows: &[Row]) -> Vec<&Row> {
     let key = |row: &Row| {
         let method = rows.iter().position(|other| other.job.method == row.job.method);
-        let (adaptive, size) = match row.job.pace {
-            Pace::Step(h) => (false, h),
-            Pace::Tolerance(tolerance) => (true, tolerance),
+        let (adaptive, size) = match row.job.setting {
+            StepSetting::Step(h) => (false, h),
+            StepSetting::Tolerance(tolerance) => (true, tolerance),
         };
         ((row.job.variant, method, adaptive), size)
     };

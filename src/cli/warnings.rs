@@ -1,5 +1,5 @@
-//! What shows only when the scene is built: a case that does not fit its solver, a step above the critical one, frames
-//! for which the disk has no room. `check` and `solve` say the same.
+//! Faults and warnings that need the built scene: a case that does not fit its solver, a step above the critical one,
+//! frames that do not fit on the disk. `check` and `solve` use the same.
 
 use std::path::Path;
 
@@ -19,11 +19,12 @@ use crate::warning::{Warning, WarningCode};
 /// Refuses a solver that cannot solve this scene's equations.
 pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
     let SolverSpec { newton, .. } = problem.solver;
-    let why = unfit(scene, problem.solver);
+    let why = unsuitable_solver(scene, problem.solver);
     match why.filter(|_| problem.method.info.family == Family::Implicit) {
         Some(why) => {
             let all = [LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg];
-            let fit = |linear: &LinearChoice| unfit(scene, SolverSpec { newton, linear: *linear }).is_none();
+            let fit =
+                |linear: &LinearChoice| unsuitable_solver(scene, SolverSpec { newton, linear: *linear }).is_none();
             let allowed: Vec<String> = all.iter().filter(|l| fit(l)).flat_map(serde_json::to_string).collect();
             let allowed = format!("{} for this scene and strategy", allowed.join(", "));
             Err(source.refuse(&problem.case_json, "/solver/linear", &allowed, why.to_string()))
@@ -32,10 +33,12 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
     }
 }
 
-fn unfit(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
+fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
     match linear {
-        // Only networks have a graph.
-        LinearChoice::Cg | LinearChoice::Cholesky if scene.abilities().graph.is_none() => Some(LinearError::NotByNodes),
+        // Only networks have a spring graph.
+        LinearChoice::Cg | LinearChoice::Cholesky if scene.interfaces().graph.is_none() => {
+            Some(LinearError::NotByNodes)
+        }
         _ => refusal(scene.symmetric(), newton.strategy, linear),
     }
 }
@@ -52,7 +55,7 @@ pub(super) fn of_scene(planned: Planned<'_>, problem: &Problem, limit: CriticalS
     all.into_iter().flatten().collect()
 }
 
-/// A warning for frames that will not fit on the disk of `out`.
+/// Warning for frames that will not fit on the disk of `out`.
 fn disk_warning(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<Warning> {
     let every = problem.output.frames_every;
     let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());
