@@ -108,8 +108,8 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
         None => AxisScale::around(axis.scale, values).ok_or_else(nothing),
     };
     // A chart with only a note or a margin panel is drawn, too.
-    let told = !chart.notes.is_empty() || chart.margin_panel.is_some();
-    if !told {
+    let has_texts = !chart.notes.is_empty() || chart.margin_panel.is_some();
+    if !has_texts {
         drawable().next().ok_or_else(nothing)?;
     }
     let x = scale(&chart.x, &mut drawable().map(|p| p.0))?;

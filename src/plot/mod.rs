@@ -2,9 +2,9 @@
 //!
 //! [`chart`] draws, without knowledge of runs; `results` reads a result folder; `view` makes charts of it.
 //!
-//! The charts do not come from a crate: those of plotters draw points beyond an axis at its end, so that lines follow
-//! the frame; they label all ticks of small numbers "0.0", and draw the legend over the curves. A crate would only draw
-//! lines and texts, which SVG has itself (`canvas`).
+//! The charts do not come from a crate. Those of plotters draw points beyond an axis at its end, so that lines follow
+//! the frame. They also label all ticks of small numbers "0.0", and draw the legend over the curves. A crate would only
+//! draw lines and texts, which SVG has itself (`canvas`).
 
 mod axis;
 mod canvas;

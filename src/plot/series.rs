@@ -131,11 +131,11 @@ pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     };
     let names = differ(&|r| r.name.clone());
     let (methods, steps) = (differ(&|r| r.method.clone()), differ(&step));
-    let told = |run: &Run| {
+    let labelled = |run: &Run| {
         let words = [names.then(|| run.name.clone()), methods.then(|| run.method.clone()), steps.then(|| step(run))];
         words.into_iter().flatten().collect::<Vec<_>>().join(", ")
     };
-    let distinct = runs.iter().map(told).collect::<BTreeSet<_>>().len() == runs.len();
+    let distinct = runs.iter().map(labelled).collect::<BTreeSet<_>>().len() == runs.len();
     let folder = |run: &Run| {
         let last = run.folder.file_name().map(|n| n.to_string_lossy().into_owned());
         last.unwrap_or_else(|| run.folder.display().to_string())
@@ -143,7 +143,7 @@ pub(super) fn labels(runs: &[Run]) -> Vec<String> {
     let folders_differ = differ(&folder);
     let name = |run: &Run| match (runs.len(), distinct, folders_differ) {
         (0 | 1, _, _) => String::new(),
-        (_, true, _) => told(run),
+        (_, true, _) => labelled(run),
         (_, false, true) => folder(run),
         (_, false, false) => run.folder.display().to_string(),
     };
