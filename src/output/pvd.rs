@@ -110,8 +110,8 @@ impl Collection {
         self.frames
     }
 
-    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a
-    /// second where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
+    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, and then at most ten
+    /// times per second. Beyond 1000 frames it is due after one per cent more, or a second.
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         if waiting == 0 {

@@ -37,7 +37,7 @@ pub(super) fn rows<'a>(path: &'a Path, text: &str, header: &str) -> Result<Vec<C
             rows.push(CsvRow { path, line, cells });
         }
     }
-    // The program writes whole lines only; a torn last one is what a full disk or a power cut leaves.
+    // The program writes complete lines only; a full disk or a power cut leaves an incomplete last one.
     if last_line.is_none() {
         return Err(fault(None, format!("is empty; expected the header \"{header}\"")));
     } else if !text.matches('"').count().is_multiple_of(2) {
@@ -57,10 +57,10 @@ impl CsvRow<'_> {
         self.cells.get(column).unwrap_or("")
     }
 
-    /// A cell as a number; NaN and inf are numbers a diverged run writes.
+    /// A cell as a number; a diverged run also writes NaN and inf.
     ///
     /// # Errors
-    /// A cell that is none.
+    /// A cell that is not a number.
     pub(super) fn number<T: FromStr>(&self, column: usize) -> Result<T, PlotError> {
         let text = self.text(column);
         text.parse().map_err(|_| PlotError::BadFile {
@@ -73,7 +73,7 @@ impl CsvRow<'_> {
     /// Consecutive cells as numbers.
     ///
     /// # Errors
-    /// A cell that is none.
+    /// A cell that is not a number.
     pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], PlotError> {
         let mut values = [0.0; N];
         for (i, value) in values.iter_mut().enumerate() {
