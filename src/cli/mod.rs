@@ -16,7 +16,6 @@ pub mod schema;
 mod solve;
 pub mod stability;
 pub mod tradeoff;
-mod tradeoff_text;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;

@@ -2,7 +2,6 @@
 
 use super::args::key_value;
 use super::interrupt::stop_on_interrupt;
-use super::tradeoff_text::{planned, shard_done, summary, written};
 use super::{CliError, Finished, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
@@ -13,6 +12,7 @@ use crate::study::plan::{Plan, Planner};
 use crate::study::recommendations::Recommendations;
 use crate::study::reference::ALLOWANCE;
 use crate::study::report::{self, Rerun};
+use crate::study::row::{Row, RowStatus};
 use crate::study::store::Store;
 use crate::study::{Runner, Shard, Study, StudyError, rows_of};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -152,7 +152,7 @@ impl Command<'_> {
             (None, _) => return Err(StudyError::NoPlan(self.out.clone()).into()),
         };
         if self.args.plan {
-            return Ok(done(if self.args.quiet { String::new() } else { planned(&plan, &store) }));
+            return Ok(done(if self.args.quiet { String::new() } else { report::planned(&plan, &store)? }));
         }
         let mut left = BTreeMap::new();
         match &self.args.merge {
@@ -166,17 +166,23 @@ impl Command<'_> {
         line.bar.finish_and_clear();
         let rows = rows_of(&plan, &store, &left)?;
         if let Some(shard) = self.args.shard {
-            return Ok(done(if self.args.quiet { String::new() } else { shard_done(shard, &rows, &self.out) }));
+            return Ok(done(if self.args.quiet { String::new() } else { self.shard_done(shard, &rows) }));
         }
-        let answers = Recommendations::of(&plan, &rows);
+        let answers = Recommendations::of(&plan, &rows)?;
         let study = Study { plan, rows };
         let here = Rerun::here(typed());
         // A study is made again by the command that planned it, not by one that joined its parts.
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
-        let text = if self.args.quiet { String::new() } else { summary(&study, &answers) + &written(&files) };
+        let text = if self.args.quiet { String::new() } else { report::summary(&study, &answers, &files)? };
         Ok(done(text))
+    }
+
+    fn shard_done(&self, Shard { part, of }: Shard, rows: &[Row]) -> String {
+        let finished = rows.iter().filter(|r| r.measured.status != RowStatus::NotRun).count();
+        let (all, out) = (rows.len(), self.out.display());
+        format!("shard {part}/{of} done; {finished} of {all} runs of the study are finished in {out}\n")
     }
 
     /// Refuses to write over results of a study whose plan is not there.

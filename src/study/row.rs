@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::case::schema::Method;
-use crate::format_number::figures;
 use crate::integrate::Counters;
 use crate::integrate::registry::Family;
 
@@ -15,16 +14,6 @@ pub enum Pace {
     Step(f64),
     /// [-] adaptive steps within this share of the motion; the absolute tolerance is a hundredth of it, in metres
     Tolerance(f64),
-}
-
-impl Pace {
-    /// A method with these steps, as one would type them.
-    pub fn of(self, method: &str) -> String {
-        match self {
-            Pace::Step(h) => format!("{method} at step {}", figures(h, 4)),
-            Pace::Tolerance(t) => format!("{method} with tolerance {t:e}"),
-        }
-    }
 }
 
 /// One run of a study, before it is made.

@@ -203,6 +203,24 @@ fn read(path: &Path) -> Result<Option<Vec<u8>>, StudyError> {
     }
 }
 
+/// Writes the files of a report into a folder, in the order of `all`, and removes those of `all` that were not made;
+/// returns the paths of those written.
+pub(super) fn write_files(out: &Path, all: &[&str], made: &[(&str, String)]) -> Result<Vec<PathBuf>, StudyError> {
+    fs::create_dir_all(out).map_err(|e| system(out, e))?;
+    let mut written = Vec::with_capacity(made.len());
+    for file in all {
+        let path = out.join(file);
+        match made.iter().find(|(name, _)| name == file) {
+            Some((_, content)) => {
+                replace_shared(&path, content.as_bytes(), Durability::Visible).map_err(|e| system(&path, e))?;
+                written.push(path);
+            }
+            None => remove(&path)?,
+        }
+    }
+    Ok(written)
+}
+
 /// Removes a file, if it is there.
 pub(super) fn remove(path: &Path) -> Result<(), StudyError> {
     gone(path, fs::remove_file(path))
