@@ -12,19 +12,19 @@ pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
-/// How often the tangent is factorised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// When the tangent is made anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As [`Strategy::Quasi`] if a factorisation costs many iterations on an old factor. Otherwise, and if that does
-    /// not converge, as [`Strategy::Full`].
+    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that
+    /// leads nowhere, as `full`.
     #[default]
     Auto,
-    /// The exact tangent in every iteration.
+    /// In every iteration.
     Full,
-    /// A symmetric tangent of an earlier iterate, reused as long as it converges fast enough.
+    /// Seldom: the factor of a symmetric tangent is used as long as it serves.
     Modified,
-    /// The same with L-BFGS corrections from the last steps of the iteration.
+    /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,
 }
 

@@ -9,6 +9,7 @@ use super::per_node::{PerNode, Vectors};
 use super::select::NodeSelection;
 use super::springs::SpringRule;
 use crate::mesh::source::MeshSource;
+use crate::model::spec::RayleighSpec;
 
 /// Point masses joined by springs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,7 +18,6 @@ pub struct Network {
     /// Where the nodes, edges and triangles come from.
     pub mesh: MeshSource,
     /// Mass of the nodes; every free node needs some, from here or from `springs[].linear_density`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
     /// Springs on edges; the first rule that selects an edge counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -26,19 +26,15 @@ pub struct Network {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<Support>,
     /// [m/s^2] Gravity, e.g. [0, 0, -9.81].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// The air; it acts on all triangles.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aero: Option<Aero>,
     /// Given pressures and forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
     /// Damping of the network as a whole.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
     /// Where the nodes start and how fast.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial: Option<Initial>,
 }
 
@@ -47,11 +43,9 @@ pub struct Network {
 #[serde(deny_unknown_fields)]
 pub struct Mass {
     /// [kg/m^2] Mass per area: a third of each triangle's area on the mesh as given goes to each of its nodes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub areal_density: Option<f64>,
     /// [kg] Mass of every node, or a list with one a node; none may be negative.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodal: Option<PerNode>,
 }
 
@@ -71,22 +65,7 @@ pub struct Support {
 #[serde(deny_unknown_fields)]
 pub struct Damping {
     /// Rayleigh damping.
-    pub rayleigh: Rayleigh,
-}
-
-/// Rayleigh damping f -= (alpha M + beta K0) v, with K0 = sum of k n n^T on the mesh as given: no slack, no geometric
-/// part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Rayleigh {
-    /// [1/s] Factor alpha of the mass; 0 if not given.
-    #[serde(default)]
-    #[schemars(range(min = 0))]
-    pub mass: f64,
-    /// [s] Factor beta of the initial stiffness; 0 if not given.
-    #[serde(default)]
-    #[schemars(range(min = 0))]
-    pub stiffness: f64,
+    pub rayleigh: RayleighSpec,
 }
 
 /// Where the nodes start and how fast.
@@ -97,9 +76,7 @@ pub struct Rayleigh {
 #[serde(deny_unknown_fields)]
 pub struct Initial {
     /// [m] Displacement from the mesh as given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vectors>,
 }
