@@ -1,6 +1,6 @@
 //! `canopy-fem tradeoff`: what accuracy costs, on the user's own scene.
 
-use super::args::key_value;
+use super::args::{duration, key_value};
 use super::interrupt::stop_on_interrupt;
 use super::{CliError, Finished, complain};
 use crate::case::Case;
@@ -33,27 +33,13 @@ pub struct TradeoffArgs {
     /// Case file (JSON; // comments and trailing commas are allowed); not needed where --out holds a plan
     #[arg(required_unless_present_any = ["shard", "merge"])]
     pub case: Option<PathBuf>,
-    /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
-    #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
-    pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's
-    /// periods]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub steps: Option<String>,
-    /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
-    /// given]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub tolerances: Option<String>,
-    /// Times every run is made; the median counts [default: 3]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
-    pub repeat: Option<u32>,
+    /// what to try
+    #[command(flatten)]
+    pub options: TypedOptions,
     /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given
     /// again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
-    /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
-    pub stiffness_sweep: Option<String>,
     /// Make the references and the list of runs, and stop there
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub plan: bool,
@@ -93,15 +79,10 @@ pub enum Budget {
 }
 
 fn budget(text: &str) -> Result<Budget, String> {
-    let text = text.trim();
-    if text == "none" {
-        return Ok(Budget::Unlimited);
+    match text.trim() {
+        "none" => Ok(Budget::Unlimited),
+        time => duration(time).map(Budget::Seconds).map_err(|expected| expected + ", or none"),
     }
-    let units = [("min", 60.0), ("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
-    let (number, unit) =
-        units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, *size))).unwrap_or((text, 1.0));
-    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit).filter(|s| *s > 0.0 && s.is_finite());
-    seconds.map(Budget::Seconds).ok_or_else(|| "expected a time such as 60s, 5min or 2h, or none".to_owned())
 }
 
 pub(super) fn run(args: &TradeoffArgs) -> Result<Finished, CliError> {
@@ -198,15 +179,7 @@ impl Command<'_> {
     }
 
     fn options(&self, case: &Case) -> Result<StudyOptions, StudyError> {
-        let a = self.args;
-        let typed = TypedOptions {
-            methods: a.methods.as_deref(),
-            steps: a.steps.as_deref(),
-            tolerances: a.tolerances.as_deref(),
-            repeat: a.repeat,
-            stiffness_sweep: a.stiffness_sweep.as_deref(),
-        };
-        StudyOptions::of(typed, case.file().study.as_ref())
+        StudyOptions::of(&self.args.options, case.file().study.as_ref())
     }
 
     /// [s] what the study may take
@@ -319,22 +292,4 @@ impl ProgressLine {
 /// The arguments as typed; what is not UTF-8 is shown as well as it can be.
 fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn budgets_as_typed() {
-        for (text, seconds) in
-            [("60s", 60.0), ("1.5", 1.5), ("5min", 300.0), ("5m", 300.0), ("2h", 7200.0), ("100ms", 0.1)]
-        {
-            assert_eq!(budget(text), Ok(Budget::Seconds(seconds)), "{text}");
-        }
-        assert_eq!(budget("none"), Ok(Budget::Unlimited));
-        for text in ["", "0s", "-1s", "soon", "inf"] {
-            assert!(budget(text).is_err(), "{text}");
-        }
-    }
 }

@@ -93,8 +93,8 @@ fn methods_can_be_given_again() {
             Some(quoted) => quoted.split_once("\",").expect("the quote ends").0.replace("\"\"", "\""),
             None => line.split_once(',').expect("a cell").0.to_owned(),
         };
-        let options =
-            StudyOptions::of(TypedOptions { methods: Some(&cell), ..TypedOptions::default() }, None).expect("a method");
+        let options = StudyOptions::of(&TypedOptions { methods: Some(cell.clone()), ..TypedOptions::default() }, None)
+            .expect("a method");
         assert_eq!(options.methods, Some(vec![row.job.method.clone()]), "{cell}");
     }
     assert_eq!(table.lines().count(), 1 + study.rows.len());
