@@ -29,7 +29,7 @@ pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
 pub use crate::scene::NodalForce;
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
 pub use error::{SetupError, SimulationError};
-pub use follow::{FollowSpec, Seen, follow};
+pub use follow::{FollowSpec, FollowedState, follow};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
@@ -64,7 +64,7 @@ pub fn bind<'a>(problem: &Problem, scene: &'a dyn Scene) -> Result<Stepper<'a>, 
 }
 
 fn bind_scheme<'a>(scheme: Scheme, method: &'static str, scene: &'a dyn Scene) -> Result<Stepper<'a>, SetupError> {
-    Stepper::bind(scheme, scene.abilities()).map_err(|source| SetupError::Method { method, source })
+    Stepper::bind(scheme, scene.interfaces()).map_err(|source| SetupError::Method { method, source })
 }
 
 /// A step that was made.
@@ -189,7 +189,7 @@ impl Simulation {
     /// As [`Simulation::step`]; the steps before a failed one are made.
     pub fn advance(&mut self, n: u64) -> Result<StepInfo, SimulationError> {
         let last = self.state.steps.saturating_add(n);
-        self.go(Until { step: last, t: f64::INFINITY }, &mut [])
+        self.go(StopAt { step: last, t: f64::INFINITY }, &mut [])
     }
 
     /// Makes steps up to the first that ends at time `t` [s] or later.
@@ -208,10 +208,10 @@ impl Simulation {
         if !t.is_finite() {
             return Err(SimulationError::NotFinite { what: "time [s]", row: 0 });
         }
-        self.go(Until { step: u64::MAX, t }, observers)
+        self.go(StopAt { step: u64::MAX, t }, observers)
     }
 
-    fn go(&mut self, until: Until, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
+    fn go(&mut self, until: StopAt, observers: &mut [&mut dyn Observer]) -> Result<StepInfo, SimulationError> {
         self.idle()?;
         let mut limit = until;
         let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|o| &mut **o as &mut dyn Observer).collect();
@@ -353,20 +353,20 @@ impl Simulation {
 
 /// Ends [`Simulation::go`]; as an observer it wants the state there.
 #[derive(Clone, Copy)]
-struct Until {
+struct StopAt {
     step: u64,
     /// [s]
     t: f64,
 }
 
-impl Until {
+impl StopAt {
     /// Whether a step that ends at `t` [s] is the last, up to rounding of the time.
     fn reached(self, step: u64, t: f64) -> bool {
         step >= self.step || t >= self.t - 8.0 * f64::EPSILON * self.t.abs()
     }
 }
 
-impl Observer for Until {
+impl Observer for StopAt {
     fn wants(&self, next: UpcomingStep) -> Wants {
         Wants::end_if(self.reached(next.step, next.t))
     }

@@ -141,14 +141,14 @@ impl Startup {
 
 /// A time on both clocks.
 #[derive(Clone, Copy, Debug)]
-struct Clock {
+struct Timestamps {
     wall: Instant,
     cpu: Option<f64>,
 }
 
-impl Clock {
+impl Timestamps {
     fn now() -> Self {
-        Clock { wall: Instant::now(), cpu: process::cpu_seconds() }
+        Timestamps { wall: Instant::now(), cpu: process::cpu_seconds() }
     }
 
     /// [s] wall and processor time since then
@@ -161,8 +161,8 @@ impl Clock {
 
 /// The measurements of a thread.
 #[derive(Clone, Copy, Debug)]
-struct Book {
-    began: Clock,
+struct PhaseTimes {
+    began: Timestamps,
     found: Startup,
     /// [s] time in phases inside the current one
     inside: f64,
@@ -171,20 +171,20 @@ struct Book {
 }
 
 thread_local! {
-    static BOOK: RefCell<Option<Book>> = const { RefCell::new(None) };
+    static BOOK: RefCell<Option<PhaseTimes>> = const { RefCell::new(None) };
 }
 
 /// Runs `work` and adds its time to the account of this thread, if it has one. Of factorisations only the first counts;
 /// matrices of the search for the largest stable step belong to that phase.
 pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
     let outside = BOOK.with_borrow_mut(|book| {
-        let first = |b: &Book| phase != Phase::Factorization || b.found.factorization == 0.0;
+        let first = |b: &PhaseTimes| phase != Phase::Factorization || b.found.factorization == 0.0;
         let book = book.as_mut().filter(|b| !b.whole && first(b))?;
         book.whole = phase == Phase::CriticalStep;
         Some(std::mem::take(&mut book.inside))
     });
     let Some(outside) = outside else { return work() };
-    let began = Clock::now();
+    let began = Timestamps::now();
     let done = work();
     let (_, seconds) = began.elapsed();
     BOOK.with_borrow_mut(|book| {
@@ -199,14 +199,14 @@ pub fn timed<T>(phase: Phase, work: impl FnOnce() -> T) -> T {
 
 /// The account of this thread while it makes a run ready; closed when dropped.
 #[derive(Debug)]
-pub struct Account(());
+pub struct StartupTimer(());
 
-impl Account {
+impl StartupTimer {
     /// Opens an account and discards an open one.
     pub fn open() -> Self {
-        let book = Book { began: Clock::now(), found: Startup::default(), inside: 0.0, whole: false };
+        let book = PhaseTimes { began: Timestamps::now(), found: Startup::default(), inside: 0.0, whole: false };
         BOOK.set(Some(book));
-        Account(())
+        StartupTimer(())
     }
 
     /// The measurements so far.
@@ -215,7 +215,7 @@ impl Account {
     }
 }
 
-impl Drop for Account {
+impl Drop for StartupTimer {
     fn drop(&mut self) {
         BOOK.set(None);
     }
@@ -239,11 +239,11 @@ mod tests {
     fn phases_are_counted_once() {
         // Other tests of this process only add to its time.
         let work = || {
-            let began = Clock::now();
+            let began = Timestamps::now();
             while began.elapsed().1 < 0.02 {}
         };
         timed(Phase::Mesh, work);
-        let account = Account::open();
+        let account = StartupTimer::open();
         assert_eq!(account.read(), Startup::default());
         timed(Phase::Parse, || {
             timed(Phase::Mesh, work);

@@ -71,7 +71,7 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
     let choice = MethodChoice::with_defaults(method).expect("registered");
     let newton = NewtonSpec { strategy, ..NewtonSpec::default() };
     let solver = SolverSpec { newton, linear };
-    let mut stepper = Stepper::bind(choice.scheme(solver), scene.abilities()).expect("a network");
+    let mut stepper = Stepper::bind(choice.scheme(solver), scene.interfaces()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     stepper.start(&from).expect("a small scene");
@@ -93,18 +93,18 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
 /// Heap blocks allocated by five blocks of steps after one.
 fn heap_blocks(scene: &Network, method: &str) -> u64 {
     let choice = MethodChoice::with_defaults(method).expect("registered");
-    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     let (mut to, mut counters, h) = (from.clone(), Counters::default(), 1e-3);
-    let mut passed = vec![StepSummary::default(); scene.longest_block()];
+    let mut summaries = vec![StepSummary::default(); scene.longest_block()];
     let mut advance = |n: u32| {
         for _ in 0..n {
             let t = from.state.t;
-            passed.iter_mut().zip(1..).for_each(|(passed, step)| passed.t = t + f64::from(step) * h);
-            let attempt = Attempt { from: &from, h, t_next: passed.last().map_or(t, |last| last.t) };
+            summaries.iter_mut().zip(1..).for_each(|(summary, step)| summary.t = t + f64::from(step) * h);
+            let attempt = Attempt { from: &from, h, t_next: summaries.last().map_or(t, |last| last.t) };
             assert!(
-                stepper.advance_block(attempt, &mut to, &mut passed, &mut counters),
+                stepper.advance_block(attempt, &mut to, &mut summaries, &mut counters),
                 "{method} has blocks of steps"
             );
             std::mem::swap(&mut from, &mut to);
@@ -152,7 +152,7 @@ impl Observer for Marks<'_> {
 /// Heap blocks allocated by 60 adaptive steps after 60 of warm-up.
 fn adaptive_blocks(scene: &Network, method: &str) -> u64 {
     let choice = MethodChoice::with_defaults(method).expect("registered");
-    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("a network");
     let relative = if choice.order() > 2 { 1e-9 } else { 1e-6 };
     let step = Step::Adaptive(Tolerance { relative, absolute: 0.01 * relative });
     let stop = AtomicBool::new(false);

@@ -17,7 +17,7 @@ use canopy_fem::solve::newton::Strategy;
 use canopy_fem::study::bench::{Bench, choice};
 use canopy_fem::study::experiment::{Experiment, Flow, Start};
 use canopy_fem::study::frames::{Frames, Sampler};
-use canopy_fem::study::row::Pace;
+use canopy_fem::study::row::StepSetting;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -105,8 +105,8 @@ fn run(bench: &Bench, line: &str) -> Result<String, Any> {
     let (name, full) = name.strip_suffix("-full").map_or((name, false), |name| (name, true));
     let method = choice(&Method { name: name.to_owned(), parameters: BTreeMap::new() })?;
     let value: f64 = value.parse()?;
-    let pace = if kind == "step" { Pace::Step(value) } else { Pace::Tolerance(value) };
-    let mut experiment = Experiment { single_steps: 0, ..bench.experiment(&method, pace.step()) };
+    let setting = if kind == "step" { StepSetting::Step(value) } else { StepSetting::Tolerance(value) };
+    let mut experiment = Experiment { single_steps: 0, ..bench.experiment(&method, setting.step()) };
     if full {
         experiment.solver.newton.strategy = Strategy::Full;
     }

@@ -291,7 +291,7 @@ fn who_acts(s: &mut Section) -> Result<(), Failed> {
 }
 
 /// A picture's state.
-struct Seen {
+struct FollowedState {
     /// [s]
     t: f64,
     /// [m]
@@ -300,8 +300,8 @@ struct Seen {
 }
 
 /// The last state of a run that is not after a time [s], and how the run went on.
-fn state_at(case: &Case, time: f64) -> Result<(Seen, Outcome), Failed> {
-    let mut seen = Seen { t: 0.0, positions: Vec::new(), reference: Vec::new() };
+fn state_at(case: &Case, time: f64) -> Result<(FollowedState, Outcome), Failed> {
+    let mut seen = FollowedState { t: 0.0, positions: Vec::new(), reference: Vec::new() };
     let outcome = run(case, |now| {
         if now.t <= time * (1.0 + 1e-9) {
             (seen.t, seen.positions) = (now.t, now.positions.to_vec());

@@ -3,7 +3,7 @@
 use canopy_fem::case::Case;
 use canopy_fem::drive::Outcome;
 use canopy_fem::process::cpu_seconds;
-use canopy_fem::simulation::{FollowSpec, Seen, follow};
+use canopy_fem::simulation::{FollowSpec, FollowedState, follow};
 use std::error::Error;
 use std::path::Path;
 
@@ -25,12 +25,12 @@ fn owned(sets: &[(&str, &str)]) -> Vec<(String, String)> {
 }
 
 /// Runs a case; `watch` sees every accepted state.
-pub fn run(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, Failed> {
+pub fn run(case: &Case, watch: impl FnMut(&FollowedState<'_>)) -> Result<Outcome, Failed> {
     Ok(follow(case.problem(), FollowSpec::default(), watch)?)
 }
 
 /// Runs a case past its blow-up, so that both times are known.
-pub fn run_to_the_end(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, Failed> {
+pub fn run_to_the_end(case: &Case, watch: impl FnMut(&FollowedState<'_>)) -> Result<Outcome, Failed> {
     Ok(follow(case.problem(), FollowSpec { keep_going: true, ..Default::default() }, watch)?)
 }
 

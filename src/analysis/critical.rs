@@ -109,7 +109,7 @@ pub fn implicit_for(rates: Rates, h: f64) -> &'static str {
 
 /// Limits on the cost of an analysis.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort<'a> {
+pub struct CostLimits<'a> {
     /// degrees of freedom up to which a proof may factorise
     pub factorise: usize,
     /// degrees of freedom up to which the step map is iterated
@@ -121,11 +121,13 @@ pub struct Effort<'a> {
     pub stop: Stop<'a>,
 }
 
-impl Effort<'static> {
+impl CostLimits<'static> {
     /// For a command of its own: seconds on the largest scenes.
-    pub const FULL: Self = Effort { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
+    pub const FULL: Self =
+        CostLimits { factorise: 200_000, step: 20_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
     /// For the start of a run: a small part of its time.
-    pub const START: Self = Effort { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
+    pub const START: Self =
+        CostLimits { factorise: 20_000, step: 6_000, sharpen_below: f64::INFINITY, stop: Stop::NEVER };
 }
 
 /// Degrees of freedom up to which the spectrum is cheap enough to be computed always.

@@ -5,11 +5,11 @@
 
 use super::oscillator::Oscillator;
 use super::rates::Rates;
-use crate::assembly::Abilities;
+use crate::assembly::SceneInterfaces;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::integrate::{Carried, Counters};
+use crate::integrate::{CarriedState, Counters};
 use crate::model::point::Point;
 use crate::model::system::System;
 
@@ -85,11 +85,11 @@ pub fn swing(method: &MethodChoice, rates: Rates, h: f64) -> Option<f64> {
 /// Largest energy of a motion from (x, v), in units of that of x = 1.
 fn highest(method: &MethodChoice, oscillator: Oscillator, h: f64, [x, v]: [f64; 2]) -> Option<f64> {
     let system = &oscillator;
-    let abilities = Abilities { system, tangent: system, graph: None };
+    let interfaces = SceneInterfaces { system, tangent: system, graph: None };
     let mut from = Point { state: system.initial_state(), forces: system.new_forces() };
     (from.state.x[0], from.state.v[0]) = (x, v);
     system.evaluate(from.state.as_ref(), &mut from.forces);
-    let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
+    let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
     stepper.start(&from).ok()?;
     let mut to = from.clone();
     let mut most = 0.0_f64;
@@ -137,23 +137,23 @@ fn squared(map: &[Vec<f64>]) -> Vec<Vec<f64>> {
 /// Columns of the linear map that one step of the scheme is on (x, v, carried numbers).
 fn step_map(method: &MethodChoice, oscillator: Oscillator, h: f64) -> Option<Vec<Vec<f64>>> {
     let system = &oscillator;
-    let abilities = Abilities { system, tangent: system, graph: None };
+    let interfaces = SceneInterfaces { system, tangent: system, graph: None };
     let start = Point { state: system.initial_state(), forces: system.new_forces() };
-    let mut probe = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
+    let mut probe = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
     probe.start(&start).ok()?;
     // Vectors of another length are energy sums and do not act on the motion.
     let shape = probe.save().vectors;
     let moving: Vec<usize> = (0..shape.len()).filter(|&i| shape[i].len() == 1).collect();
     let column = |j: usize| {
         let unit = |i: usize| if i == j { 1.0 } else { 0.0 };
-        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
         let mut from = start.clone();
         (from.state.x[0], from.state.v[0]) = (unit(0), unit(1));
         system.evaluate(from.state.as_ref(), &mut from.forces);
         stepper.start(&from).ok()?;
         let mut carried: Vec<Vec<f64>> = shape.iter().map(|v| vec![0.0; v.len()]).collect();
         moving.iter().enumerate().for_each(|(m, &i)| carried[i][0] = unit(2 + m));
-        stepper.restore(&Carried { vectors: carried, ..Carried::default() }).ok()?;
+        stepper.restore(&CarriedState { vectors: carried, ..CarriedState::default() }).ok()?;
         let mut to = from.clone();
         stepper.attempt(Attempt { from: &from, h, t_next: h }, &mut to, &mut Counters::default()).ok()?;
         stepper.accept();
@@ -186,11 +186,11 @@ mod tests {
     /// States (x, v) of steps of `h` [s] from x = 1, the start among them.
     fn states(method: &MethodChoice, (oscillator, v): (Oscillator, f64), h: f64, steps: u32) -> Vec<[f64; 2]> {
         let system = &oscillator;
-        let abilities = Abilities { system, tangent: system, graph: None };
+        let interfaces = SceneInterfaces { system, tangent: system, graph: None };
         let mut from = Point { state: system.initial_state(), forces: system.new_forces() };
         from.state.v[0] = v;
         system.evaluate(from.state.as_ref(), &mut from.forces);
-        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).unwrap();
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).unwrap();
         stepper.start(&from).unwrap();
         let mut states = vec![[1.0, v]];
         for n in 1..=steps {

@@ -15,7 +15,7 @@
 //! its step map also grows in the scene.
 
 use super::certificate::Certifier;
-use super::critical::{Confidence, CriticalStep, Effort, has_limit};
+use super::critical::{Confidence, CostLimits, CriticalStep, has_limit};
 use super::lanczos::{self, Ritz};
 use super::modes::{Mode, Modes};
 use super::operators::{DAMPING, Linearised, STIFFNESS};
@@ -39,7 +39,7 @@ const ROUNDING: f64 = 1e-10;
 /// A scene linearised about a state. Finds the limits of methods and stores what several of them need.
 pub struct Spectrum<'a> {
     linear: Linearised<'a>,
-    effort: Effort<'a>,
+    effort: CostLimits<'a>,
     damped: bool,
     /// largest eigenvalue of the symmetric part of K [1/s^2] and its mode
     stiffest: Ritz,
@@ -57,11 +57,11 @@ impl<'a> Spectrum<'a> {
     /// Linearises a scene and finds its fastest mode. Takes some tens to hundreds of tangent products and, on symmetric
     /// scenes of up to 200 000 degrees of freedom, up to three factorisations.
     pub fn of(scene: &'a dyn Scene, at: StateRef<'a>) -> Self {
-        Self::with(scene, at, Effort::FULL)
+        Self::with(scene, at, CostLimits::FULL)
     }
 
     /// The same within limits of cost; what cannot be proved within them is an estimate.
-    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: Effort<'a>) -> Self {
+    pub fn with(scene: &'a dyn Scene, at: StateRef<'a>, effort: CostLimits<'a>) -> Self {
         let linear = Linearised::of(scene, at, effort.stop);
         let stiffest = largest(&linear, STIFFNESS);
         let most_damped = if scene.velocity_dependent() { largest(&linear, DAMPING) } else { Ritz::default() };

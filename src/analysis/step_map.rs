@@ -7,7 +7,7 @@ use super::arnoldi::{Krylov, most_moving_dof};
 use super::modes::ModeShape;
 use super::operators::{Linearised, Matrices};
 use super::vectors::norm;
-use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
+use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
 use crate::integrate::Counters;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
@@ -182,8 +182,8 @@ impl LinearScene {
     fn step_map<'s>(&'s self, method: &MethodChoice, h: f64, unit: f64) -> Option<impl FnMut(&[f64], &mut [f64]) + 's> {
         let root = &self.root;
         let n = root.len();
-        let abilities = Abilities { system: self, tangent: self, graph: None };
-        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), abilities).ok()?;
+        let interfaces = SceneInterfaces { system: self, tangent: self, graph: None };
+        let mut stepper = Stepper::bind(method.scheme(SolverSpec::default()), interfaces).ok()?;
         let mut from = Point { state: self.initial_state(), forces: self.new_forces() };
         let mut to = from.clone();
         stepper.start(&from).ok()?;

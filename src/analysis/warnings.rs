@@ -1,7 +1,7 @@
 //! Warnings about a step, before a run: above the critical step, or above what the scene needs once its slack springs
 //! are taut.
 
-use super::critical::{Confidence, CriticalStep, Effort, has_limit, plainly_stable, remedy};
+use super::critical::{Confidence, CostLimits, CriticalStep, has_limit, plainly_stable, remedy};
 use super::rates::Rates;
 use super::spectrum::Spectrum;
 use crate::format_number::figures;
@@ -39,7 +39,7 @@ fn limit_at(Planned { scene, method, step, stop }: Planned<'_>, at: StateRef<'_>
     }
     let plain = step.and_then(|h| plainly_stable(scene, at, method, h));
     // With adaptive steps it still characterises the scene.
-    let effort = Effort { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..Effort::START };
+    let effort = CostLimits { sharpen_below: 2.0 * step.unwrap_or(0.0), stop, ..CostLimits::START };
     plain.unwrap_or_else(|| {
         let found = Spectrum::with(scene, at, effort).critical_step(method);
         // A stopped search has no valid result.

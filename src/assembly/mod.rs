@@ -17,4 +17,4 @@ pub use assembler::{Assembler, MatrixSink, Nodes};
 pub use export::{ExportError, write_matrix_market};
 pub use pattern::{Pattern, PatternError};
 pub use record::{Emission, Recorder};
-pub use system::{Abilities, TangentSystem};
+pub use system::{SceneInterfaces, TangentSystem};

@@ -53,7 +53,7 @@ pub trait TangentSystem: System {
 
 /// The interfaces of a scene that a scheme is bound to.
 #[derive(Clone, Copy)]
-pub struct Abilities<'a> {
+pub struct SceneInterfaces<'a> {
     /// forces
     pub system: &'a (dyn System + 'static),
     /// tangents

@@ -109,7 +109,7 @@ pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a s
 #[derive(Debug)]
 pub(crate) struct Faults<'a> {
     json: &'a Value,
-    found: Findings,
+    found: FaultList,
     /// faults kept back as consequences of others
     kept_back: usize,
     warnings: Vec<Warning>,
@@ -117,7 +117,7 @@ pub(crate) struct Faults<'a> {
 
 impl<'a> Faults<'a> {
     /// Starts a collection for the case whose values messages quote, with what an earlier pass has found.
-    pub fn new(json: &'a Value, found: Findings) -> Self {
+    pub fn new(json: &'a Value, found: FaultList) -> Self {
         Self { json, found, kept_back: 0, warnings: Vec::new() }
     }
 
@@ -188,8 +188,8 @@ impl<'a> Faults<'a> {
     }
 
     /// Ends the collection: the warnings if there was no fault, else the faults.
-    pub fn finish(self) -> Result<Vec<Warning>, Reported> {
-        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.told()) }
+    pub fn finish(self) -> Result<Vec<Warning>, FaultReport> {
+        if self.found.count() == 0 { Ok(self.warnings) } else { Err(self.found.report()) }
     }
 
     fn shown(&self, at: &Pointer) -> String {
@@ -202,7 +202,7 @@ const SHOWN: usize = 50;
 
 /// Faults, and what they leave unread.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Findings {
+pub(crate) struct FaultList {
     list: Vec<Fault>,
     dropped: usize,
     /// places with a stand-in, and keys that were taken away
@@ -213,14 +213,14 @@ pub(crate) struct Findings {
 
 /// What is reported of the faults of a case.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Reported {
+pub(crate) struct FaultReport {
     /// the faults that are shown
     pub faults: Vec<Fault>,
     /// number of those that are not
     pub more: usize,
 }
 
-impl Findings {
+impl FaultList {
     /// Notes a fault; it is only made if it will be shown.
     pub fn note(&mut self, fault: impl FnOnce() -> Fault) {
         if self.list.len() < SHOWN {
@@ -270,12 +270,12 @@ impl Findings {
     }
 
     /// Ends the search: the faults with pointers as the file spells them.
-    pub fn told(mut self) -> Reported {
+    pub fn report(mut self) -> FaultReport {
         let mut faults = std::mem::take(&mut self.list);
         for fault in &mut faults {
             fault.pointer = self.written(&fault.pointer);
         }
-        Reported { faults, more: self.dropped }
+        FaultReport { faults, more: self.dropped }
     }
 
     /// A pointer with the keys that are in the file.
@@ -304,7 +304,7 @@ mod tests {
     /// A place is doubtful with what is above and below it; its neighbours, also those of a similar name, are not.
     #[test]
     fn unread_places_reach_up_and_down() {
-        let mut found = Findings::default();
+        let mut found = FaultList::default();
         found.leave_unread(&at("/a/b"));
         for (path, readable) in [("", false), ("/a", false), ("/a/b", false), ("/a/b/0", false), ("/a/bc", true)] {
             assert_eq!(found.readable(&at(path)), readable, "{path}");
@@ -315,7 +315,7 @@ mod tests {
     /// Misspelt keys at several depths lead back to the text.
     #[test]
     fn pointers_are_spelt_as_in_the_file() {
-        let mut found = Findings::default();
+        let mut found = FaultList::default();
         found.rename(&at("/system"), &at("/sytem"));
         found.rename(&at("/system/network"), &at("/system/netwrk"));
         for (read, written) in

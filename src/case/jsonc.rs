@@ -15,7 +15,7 @@ use jsonc_parser::tokens::Token;
 use jsonc_parser::{CollectOptions, ParseOptions, Scanner, ScannerOptions, parse_to_ast};
 use serde_json::{Map, Number, Value};
 
-use super::diagnostics::{Fault, FaultTarget, Findings, excerpt};
+use super::diagnostics::{Fault, FaultList, FaultTarget, excerpt};
 use super::error::CaseError;
 use super::pointer::Pointer;
 use super::span::Location;
@@ -54,7 +54,7 @@ pub(crate) fn decode(mut bytes: Vec<u8>, path: &str) -> Result<String, CaseError
 
 /// Why a text is not a JSON value.
 #[derive(Clone, Debug)]
-pub(crate) enum NoJson {
+pub(crate) enum ParseFailure {
     /// There is nothing but white space and comments.
     Empty,
     /// The first thing that is not JSON; `None` if that is a repeated key.
@@ -65,7 +65,7 @@ pub(crate) enum NoJson {
 ///
 /// # Errors
 /// The first thing that is not JSON.
-pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
+pub(crate) fn parse(text: &str) -> Result<Value, ParseFailure> {
     let strict = ParseOptions {
         allow_comments: true,
         allow_trailing_commas: true,
@@ -78,9 +78,9 @@ pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
         allow_non_finite_numbers: false,
         allow_extended_string_escapes: false,
     };
-    let mut found = Findings::default();
+    let mut found = FaultList::default();
     match parse_to_ast(text, &CollectOptions::default(), &strict).map(|tree| tree.value) {
-        Ok(None) => return Err(NoJson::Empty),
+        Ok(None) => return Err(ParseFailure::Empty),
         Ok(Some(root)) => {
             let value = Tree { text, root }.value(&mut found);
             // White space that only the parser takes for white space.
@@ -93,12 +93,12 @@ pub(crate) fn parse(text: &str) -> Result<Value, NoJson> {
     }
     let clean = blank(text).map_err(|offset| {
         let reason = "this block comment is never closed";
-        NoJson::Broken(Some(Box::new(no_json(text, offset, reason, "a comment that ends with */"))))
+        ParseFailure::Broken(Some(Box::new(no_json(text, offset, reason, "a comment that ends with */"))))
     })?;
     match serde_json::from_str(&clean) {
         Ok(value) if found.count() == 0 => Ok(value),
-        Ok(_) => Err(NoJson::Broken(None)),
-        Err(error) => Err(NoJson::Broken(Some(Box::new(broken(text, &error))))),
+        Ok(_) => Err(ParseFailure::Broken(None)),
+        Err(error) => Err(ParseFailure::Broken(Some(Box::new(broken(text, &error))))),
     }
 }
 
@@ -178,7 +178,7 @@ pub(crate) struct Tree<'a> {
 }
 
 /// One thing in the text that JSON does not have.
-struct Slip {
+struct NonJson {
     range: Range<usize>,
     value: String,
     allowed: &'static str,
@@ -200,8 +200,8 @@ impl<'a> Tree<'a> {
 
     /// The value, with every slip noted; commas are looked for in a text without comments. Of a repeated key the first
     /// value is taken.
-    pub fn value(&self, findings: &mut Findings) -> Value {
-        Reader { text: self.text, findings }.value(&self.root, Place::Root)
+    pub fn value(&self, findings: &mut FaultList) -> Value {
+        Reader { text: self.text, findings }.value(&self.root, ValuePath::Root)
     }
 
     /// How much of a pointer leads to something in the text: `/time` of `/time/step`, where there is no step.
@@ -254,29 +254,29 @@ fn span(node: &impl Ranged) -> Range<usize> {
 
 /// Where the reader is; most places are never asked for their pointer.
 #[derive(Clone, Copy)]
-enum Place<'p> {
+enum ValuePath<'p> {
     Root,
-    Key(&'p Place<'p>, &'p str),
-    Entry(&'p Place<'p>, usize),
+    Key(&'p ValuePath<'p>, &'p str),
+    Entry(&'p ValuePath<'p>, usize),
 }
 
-impl Place<'_> {
+impl ValuePath<'_> {
     fn pointer(self) -> Pointer {
         match self {
-            Place::Root => Pointer::root(),
-            Place::Key(above, key) => above.pointer().key(key),
-            Place::Entry(above, index) => above.pointer().index(index),
+            ValuePath::Root => Pointer::root(),
+            ValuePath::Key(above, key) => above.pointer().key(key),
+            ValuePath::Entry(above, index) => above.pointer().index(index),
         }
     }
 }
 
 struct Reader<'a, 'f> {
     text: &'a str,
-    findings: &'f mut Findings,
+    findings: &'f mut FaultList,
 }
 
 impl Reader<'_, '_> {
-    fn value(&mut self, node: &ast::Value<'_>, at: Place<'_>) -> Value {
+    fn value(&mut self, node: &ast::Value<'_>, at: ValuePath<'_>) -> Value {
         match node {
             ast::Value::NullKeyword(_) => Value::Null,
             ast::Value::BooleanLit(b) => Value::Bool(b.value),
@@ -287,7 +287,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn number(&mut self, node: &ast::NumberLit<'_>, at: Place<'_>) -> Value {
+    fn number(&mut self, node: &ast::NumberLit<'_>, at: ValuePath<'_>) -> Value {
         if let Ok(number) = serde_json::from_str::<Number>(node.value) {
             return Value::Number(number);
         }
@@ -297,13 +297,13 @@ impl Reader<'_, '_> {
         } else {
             "a number that fits a double, whose size is at most 1.797e308; NaN and Infinity are not JSON"
         };
-        self.slip(at, Slip { range: span(node), value: node.value.to_owned(), allowed });
+        self.slip(at, NonJson { range: span(node), value: node.value.to_owned(), allowed });
         // A whole number, so that it is a number wherever one may stand.
         self.findings.leave_unread(&at.pointer());
         Value::from(1)
     }
 
-    fn string(&mut self, node: &ast::StringLit<'_>, at: Place<'_>) -> Value {
+    fn string(&mut self, node: &ast::StringLit<'_>, at: ValuePath<'_>) -> Value {
         let range = span(node);
         let written = self.text.get(range.clone()).unwrap_or_default();
         if let Ok(text) = serde_json::from_str::<String>(written) {
@@ -315,16 +315,16 @@ impl Reader<'_, '_> {
             "a text in double quotes"
         };
         let value = excerpt(&Value::from(written));
-        self.slip(at, Slip { range, value, allowed });
+        self.slip(at, NonJson { range, value, allowed });
         Value::String(node.value.as_ref().to_owned())
     }
 
-    fn array(&mut self, node: &ast::Array<'_>, at: Place<'_>) -> Value {
+    fn array(&mut self, node: &ast::Array<'_>, at: ValuePath<'_>) -> Value {
         self.commas(at, &node.elements);
-        Value::Array(node.elements.iter().enumerate().map(|(i, e)| self.value(e, Place::Entry(&at, i))).collect())
+        Value::Array(node.elements.iter().enumerate().map(|(i, e)| self.value(e, ValuePath::Entry(&at, i))).collect())
     }
 
-    fn object(&mut self, node: &ast::Object<'_>, at: Place<'_>) -> Value {
+    fn object(&mut self, node: &ast::Object<'_>, at: ValuePath<'_>) -> Value {
         self.commas(at, &node.properties);
         let mut map = Map::new();
         for property in &node.properties {
@@ -335,15 +335,15 @@ impl Reader<'_, '_> {
                 },
                 ObjectPropName::Word(word) => {
                     let allowed = "keys in double quotes";
-                    self.slip(at, Slip { range: span(word), value: format!("the key {}", word.value), allowed });
+                    self.slip(at, NonJson { range: span(word), value: format!("the key {}", word.value), allowed });
                     word.value.to_owned()
                 }
             };
-            let below = Place::Key(&at, &name);
+            let below = ValuePath::Key(&at, &name);
             if map.contains_key(&name) {
                 let value = format!("the key \"{name}\" is given twice in the same object");
                 let allowed = "one of the two; the later one does not win";
-                self.slip(below, Slip { range: span(&property.name), value, allowed });
+                self.slip(below, NonJson { range: span(&property.name), value, allowed });
                 continue;
             }
             let value = self.value(&property.value, below);
@@ -353,17 +353,17 @@ impl Reader<'_, '_> {
     }
 
     /// One comma between two entries.
-    fn commas(&mut self, at: Place<'_>, entries: &[impl Ranged]) {
+    fn commas(&mut self, at: ValuePath<'_>, entries: &[impl Ranged]) {
         for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
             let gap = entry.range().end..next.range().start;
             if !self.text.get(gap.clone()).is_some_and(|between| between.contains(',')) {
                 let value = "a missing comma".to_owned();
-                self.slip(at, Slip { range: gap, value, allowed: "a comma between two entries" });
+                self.slip(at, NonJson { range: gap, value, allowed: "a comma between two entries" });
             }
         }
     }
 
-    fn slip(&mut self, at: Place<'_>, slip: Slip) {
+    fn slip(&mut self, at: ValuePath<'_>, slip: NonJson) {
         self.findings.note(|| Fault {
             pointer: at.pointer().as_str().to_owned(),
             value: slip.value,
@@ -383,11 +383,11 @@ mod tests {
     #[test]
     fn slips_are_noted_and_read_over() {
         let text = "{\"a\": [1, 2 ], b: 'x' \"c\": NaN, \"a\": 3, \"d\": +1,\n \"e\": \"1\t2\", \"f\": [1 2] }";
-        let mut findings = Findings::default();
+        let mut findings = FaultList::default();
         let tree = Tree::parse(text).expect("readable");
         let value = tree.value(&mut findings);
         assert_eq!(value, json!({"a": [1, 2], "b": "x", "c": 1, "d": 1, "e": "1\t2", "f": [1, 2]}));
-        let faults = findings.told().faults;
+        let faults = findings.report().faults;
         let found: Vec<(&str, &str)> = faults.iter().map(|f| (f.pointer.as_str(), f.value.as_str())).collect();
         let expected = [
             ("", "a missing comma"),

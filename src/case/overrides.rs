@@ -28,7 +28,7 @@ pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), Case
     }
     // As strict as the file: duplicate keys inside the value are refused too.
     let new = super::jsonc::parse(value).unwrap_or_else(|_| Value::String(value.to_owned()));
-    put(place, last, new, parents).map_err(fail)
+    assign(place, last, new, parents).map_err(fail)
 }
 
 fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a mut Value, String> {
@@ -42,7 +42,7 @@ fn descend<'a>(place: &'a mut Value, step: &str, above: &[&str]) -> Result<&'a m
     }
 }
 
-fn put(place: &mut Value, step: &str, new: Value, above: &[&str]) -> Result<(), String> {
+fn assign(place: &mut Value, step: &str, new: Value, above: &[&str]) -> Result<(), String> {
     match place {
         Value::Object(map) => {
             if new.is_null() {

@@ -7,29 +7,29 @@
 
 use serde_json::{Map, Value, json};
 
-use super::diagnostics::Findings;
+use super::diagnostics::FaultList;
 use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one_of};
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
 /// Finds every wrong type and key of a case and puts stand-ins in their places.
-pub(crate) fn walk(json: &mut Value, findings: &mut Findings) {
+pub(crate) fn walk(json: &mut Value, findings: &mut FaultList) {
     let root = json_schema();
-    Walk { root: &root, findings }.visit(&root, json, &Pointer::root());
+    SchemaCheck { root: &root, findings }.visit(&root, json, &Pointer::root());
 }
 
-struct Walk<'a> {
+struct SchemaCheck<'a> {
     root: &'a Value,
-    findings: &'a mut Findings,
+    findings: &'a mut FaultList,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> SchemaCheck<'a> {
     fn visit(&mut self, schema: &'a Value, value: &mut Value, at: &Pointer) {
         if value.is_null() && nullable(schema) {
             return;
         }
         let schema = meant(self.root, schema);
-        if let Some(choice) = Choice::new(self.root, schema) {
+        if let Some(choice) = OneOf::new(self.root, schema) {
             return self.choose(&choice, schema, value, at);
         }
         match (kind(schema), &mut *value) {
@@ -92,7 +92,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn choose(&mut self, choice: &Choice<'a>, schema: &'a Value, value: &mut Value, at: &Pointer) {
+    fn choose(&mut self, choice: &OneOf<'a>, schema: &'a Value, value: &mut Value, at: &Pointer) {
         match &mut *value {
             Value::String(word) if choice.words.contains(&word.as_str()) => {}
             Value::String(word) if choice.tag(word).is_some() => {
@@ -118,7 +118,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Visits an object whose one key is a name of the choice; whether what is left of it can be read.
-    fn tagged(&mut self, choice: &Choice<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
+    fn tagged(&mut self, choice: &OneOf<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
         let mut keys = map.keys().cloned();
         let (Some(key), None) = (keys.next(), keys.next()) else {
             let allowed =
@@ -153,7 +153,7 @@ impl<'a> Walk<'a> {
 }
 
 /// A `oneOf` sorted by how its branches differ.
-struct Choice<'a> {
+struct OneOf<'a> {
     /// plain words: `"all"`
     words: Vec<&'a str>,
     /// objects with one key: `{"ids": [...]}`
@@ -162,7 +162,7 @@ struct Choice<'a> {
     others: Vec<&'a Value>,
 }
 
-impl<'a> Choice<'a> {
+impl<'a> OneOf<'a> {
     /// The choice that a schema is, if it is one.
     fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
         let mut choice = Self { words: Vec::new(), tags: Vec::new(), others: Vec::new() };
@@ -266,7 +266,7 @@ fn largest(schema: &Value) -> u64 {
 /// What is allowed, in the words of a case file.
 fn describe(root: &Value, schema: &Value) -> String {
     let schema = meant(root, schema);
-    if let Some(choice) = Choice::new(root, schema) {
+    if let Some(choice) = OneOf::new(root, schema) {
         return choice.describe(root);
     }
     match (kind(schema), length(schema)) {

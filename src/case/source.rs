@@ -6,10 +6,10 @@ use std::sync::Arc;
 use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
-use super::diagnostics::{Fault, Faults, Findings, Reported, excerpt};
-use super::jsonc::{NoJson, Tree, blank, no_json, parse};
+use super::diagnostics::{Fault, FaultList, FaultReport, Faults, excerpt};
+use super::jsonc::{ParseFailure, Tree, blank, no_json, parse};
 use super::lower::geometry::Geometry;
-use super::lower::{Built, build};
+use super::lower::{LoweredCase, build};
 use super::pointer::Pointer;
 use super::schema::CaseFile;
 use super::schema_check::walk;
@@ -33,7 +33,7 @@ impl Source {
     /// The error for a fault that shows only when the case is made ready: the value at a JSON pointer of `case_json`
     /// does not go with the rest.
     pub fn refuse(self, case_json: &Value, pointer: &str, allowed: &str, hint: String) -> CaseError {
-        let mut faults = Faults::new(case_json, Findings::default());
+        let mut faults = Faults::new(case_json, FaultList::default());
         faults.add_hint(&Pointer::root().below(pointer), allowed, hint);
         let faults = faults.finish().err().unwrap_or_default();
         self.refused(faults)
@@ -46,8 +46,8 @@ impl Source {
                 let json = self.overridden(json)?;
                 self.resolve(json, None)
             }
-            Err(NoJson::Empty) => Err(CaseError::Empty { path: self.path }),
-            Err(NoJson::Broken(first)) => Err(self.broken(first)),
+            Err(ParseFailure::Empty) => Err(CaseError::Empty { path: self.path }),
+            Err(ParseFailure::Broken(first)) => Err(self.broken(first)),
         }
     }
 
@@ -55,7 +55,7 @@ impl Source {
     pub(crate) fn resolve(self, mut json: Value, known: Option<Arc<Geometry>>) -> Result<Case, CaseError> {
         let first = match typed(&json) {
             Ok(file) => {
-                return match self.build(&json, &file, Findings::default(), known) {
+                return match self.build(&json, &file, FaultList::default(), known) {
                     Ok((mut problem, geometry)) => {
                         problem.case_json = json;
                         Ok(Case { source: self, file, problem, geometry })
@@ -65,7 +65,7 @@ impl Source {
             }
             Err(first) => first,
         };
-        let mut found = Findings::default();
+        let mut found = FaultList::default();
         walk(&mut json, &mut found);
         if found.count() == 0 {
             found.note(|| *first);
@@ -78,7 +78,7 @@ impl Source {
     fn broken(self, first: Option<Box<Fault>>) -> CaseError {
         // The tolerant reader would see a comment that is open to the end as nonsense.
         let clean = blank(&self.text).unwrap_or_default();
-        let mut found = Findings::default();
+        let mut found = FaultList::default();
         let mut json = match Tree::parse(&clean) {
             Ok(tree) => tree.value(&mut found),
             Err(later) => {
@@ -91,7 +91,7 @@ impl Source {
                     let value = "not JSON either, and nothing can be read from here on".to_owned();
                     faults.push(Fault { value, ..no_json(&self.text, later, "", "JSON") });
                 }
-                return self.refused(Reported { faults, more: 0 });
+                return self.refused(FaultReport { faults, more: 0 });
             }
         };
         // What the tolerant reader allows and JSON does not, it notes; white space is the rest.
@@ -115,14 +115,14 @@ impl Source {
     }
 
     /// The faults of a case in which faults were found, with those of its ranges and meaning.
-    fn rest(&self, json: &Value, mut found: Findings, known: Option<Arc<Geometry>>) -> Reported {
+    fn rest(&self, json: &Value, mut found: FaultList, known: Option<Arc<Geometry>>) -> FaultReport {
         match typed(json) {
             Ok(file) => self.build(json, &file, found, known).err().unwrap_or_default(),
             Err(fault) => {
                 if found.readable(&Pointer::root().below(&fault.pointer)) {
                     found.note(|| *fault);
                 }
-                found.told()
+                found.report()
             }
         }
     }
@@ -131,9 +131,9 @@ impl Source {
         &self,
         json: &Value,
         file: &CaseFile,
-        found: Findings,
+        found: FaultList,
         known: Option<Arc<Geometry>>,
-    ) -> Result<Built, Reported> {
+    ) -> Result<LoweredCase, FaultReport> {
         let mut faults = Faults::new(json, found);
         let built = build(file, &self.base, known, &mut faults);
         let warnings = faults.finish()?;
@@ -149,14 +149,14 @@ impl Source {
                     hint: Some("this is a defect of the program: please report it with the case".to_owned()),
                     ..Fault::default()
                 };
-                Err(Reported { faults: vec![fault], more: 0 })
+                Err(FaultReport { faults: vec![fault], more: 0 })
             }
         }
     }
 
     /// The error that shows these faults at their places.
-    fn refused(self, told: Reported) -> CaseError {
-        let Reported { mut faults, more } = told;
+    fn refused(self, told: FaultReport) -> CaseError {
+        let FaultReport { mut faults, more } = told;
         let tree = Tree::parse(&self.text).ok();
         Written { text: &self.text, tree, overrides: &self.overrides }.locate(&mut faults);
         CaseError::Faults { path: self.path, text: self.text, faults, more }

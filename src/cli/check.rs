@@ -2,7 +2,7 @@
 //! would make, and what to take for an accuracy, found by trial runs; nothing is written.
 
 use super::check_json::Report;
-use super::doubts::{check_solver, of_scene, planned};
+use super::warnings::{check_solver, of_scene, planned};
 use super::{CheckArgs, CliError};
 use crate::analysis::critical::{Confidence, CriticalStep, ElementBounds, outside_filter};
 use crate::analysis::spectrum::Spectrum;
@@ -92,7 +92,7 @@ impl<'a> Limits<'a> {
 /// Every method, the case's with its own parameters, with its limit at the start.
 fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> Vec<Candidate> {
     let known = |method: &MethodChoice| {
-        let needs_network = method.info.family == Family::MatrixFree && scene.abilities().graph.is_none();
+        let needs_network = method.info.family == Family::MatrixFree && scene.interfaces().graph.is_none();
         !needs_network && !outside_filter(method, scene)
     };
     let mut limit = |method: &MethodChoice| known(method).then(|| limits.critical_step(method));
@@ -159,7 +159,7 @@ fn describe_limits(
         writeln!(text, "\n  method                critical step [s]   this step / critical   known by          set by");
     for Candidate { method, limit } in candidates {
         let name = method.info.name;
-        if method.info.family == Family::MatrixFree && scene.abilities().graph.is_none() {
+        if method.info.family == Family::MatrixFree && scene.interfaces().graph.is_none() {
             let _ = writeln!(text, "  {name:<20}  needs a network");
             continue;
         }

@@ -3,7 +3,6 @@
 mod args;
 mod check;
 mod check_json;
-mod doubts;
 mod error;
 pub mod init;
 mod interrupt;
@@ -16,6 +15,7 @@ pub mod schema;
 mod solve;
 pub mod stability;
 pub mod tradeoff;
+mod warnings;
 
 pub use args::{Args, CaseArgs, CheckArgs, Command, SolveArgs};
 pub use error::CliError;
@@ -32,7 +32,7 @@ pub fn main() -> ExitCode {
     interrupt::catch_interrupts();
     let args = Args::parse();
     match dispatch(&args.command) {
-        Ok(Finished { text, code }) => {
+        Ok(CommandOutput { text, code }) => {
             let mut out = std::io::stdout().lock();
             match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
                 // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
@@ -56,13 +56,13 @@ fn complain(line: &str) {
 }
 
 /// What a command leaves: text for standard output, and its exit status.
-struct Finished {
+struct CommandOutput {
     text: String,
     code: u8,
 }
 
-fn dispatch(command: &Command) -> Result<Finished, CliError> {
-    let done = |text: String| Finished { text, code: 0 };
+fn dispatch(command: &Command) -> Result<CommandOutput, CliError> {
+    let done = |text: String| CommandOutput { text, code: 0 };
     match command {
         Command::Solve(args) => solve::run(args),
         Command::Check(args) => check::run(args).map(done),

@@ -40,14 +40,14 @@ pub struct Progress {
     /// steps until the clock is read next
     countdown: u64,
     every: u64,
-    since: Since,
+    since: WorkSince,
     /// whether energy that the scheme makes is acknowledged, so that nothing is said of it
     acknowledged: bool,
 }
 
 /// Counted since the line was drawn last.
 #[derive(Clone, Copy, Debug, Default)]
-struct Since {
+struct WorkSince {
     steps: u64,
     newton: u64,
 }
@@ -93,7 +93,16 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{percent:>3}% [{bar:24}] {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, display, end, clock: None, countdown: 1, every: 1, since: Since::default(), acknowledged: false }
+        Self {
+            bar,
+            display,
+            end,
+            clock: None,
+            countdown: 1,
+            every: 1,
+            since: WorkSince::default(),
+            acknowledged: false,
+        }
     }
 
     /// The same, silent about energy that the scheme makes where that is acknowledged.
@@ -110,13 +119,13 @@ impl Progress {
             self.since.newton += u64::from(newton);
             self.countdown -= 1;
             if self.countdown == 0 {
-                self.look(t, step_size);
+                self.refresh(t, step_size);
             }
         }
     }
 
     /// Reads the clock: adapts the steps between so that this happens several times an update, and draws when due.
-    fn look(&mut self, t: f64, step_size: f64) {
+    fn refresh(&mut self, t: f64, step_size: f64) {
         let Some(clock) = &mut self.clock else { return };
         let now = Instant::now();
         let gap = now.duration_since(clock.looked);
@@ -144,7 +153,7 @@ impl Progress {
             rates: clock.rates,
         };
         let done = ((t - clock.start) / (self.end - clock.start)).clamp(0.0, 1.0);
-        self.since = Since::default();
+        self.since = WorkSince::default();
         // A share that is not a number becomes 0.
         self.bar.set_position((done * TICKS) as u64);
         self.bar.set_message(line.text());
@@ -177,7 +186,7 @@ impl Observer for Progress {
         Ok(())
     }
 
-    fn doubted(&mut self, warning: &str) {
+    fn warned(&mut self, warning: &str) {
         if self.display != Display::Quiet && !self.acknowledged {
             let warning = Warning::new(WarningCode::EnergyMade, warning);
             self.bar.suspend(|| complain(&format!("warning: {warning}")));
@@ -274,7 +283,7 @@ mod tests {
         }
         assert!(progress.every == RAREST, "{}", progress.every);
         std::thread::sleep(REDRAW * 2);
-        progress.look(0.1, 0.1);
+        progress.refresh(0.1, 0.1);
         assert_eq!(progress.every, 1);
         assert_eq!(progress.bar.position(), 100);
         assert_eq!(progress.since.steps, 0, "counted anew after drawing");

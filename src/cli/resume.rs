@@ -10,7 +10,7 @@ use crate::output::summary::Summary;
 use std::path::Path;
 
 /// What a folder holds of a case.
-pub(super) enum Earlier {
+pub(super) enum EarlierRun {
     /// a run that has reached the end asked for
     Done(Box<Summary>),
     /// a run to go on with
@@ -18,13 +18,13 @@ pub(super) enum Earlier {
 }
 
 /// Looks at the folder; changes nothing.
-pub(super) fn look(dir: &Path, problem: &Problem, case: &Fingerprint) -> Result<Earlier, CliError> {
+pub(super) fn find_earlier_run(dir: &Path, problem: &Problem, case: &Fingerprint) -> Result<EarlierRun, CliError> {
     let folder = ResultFolder::reopen(dir, &problem.name)?;
     if let Some(summary) = Summary::read(&folder.file(SUMMARY)).filter(|summary| is_done(summary, problem, case)) {
-        return Ok(Earlier::Done(Box::new(summary)));
+        return Ok(EarlierRun::Done(Box::new(summary)));
     }
     let checkpoint = Checkpoint::read(&folder.file(CHECKPOINT), case)?;
-    Ok(Earlier::Checkpoint(folder, Box::new(checkpoint)))
+    Ok(EarlierRun::Checkpoint(folder, Box::new(checkpoint)))
 }
 
 /// Whether this very case has reached this very end.

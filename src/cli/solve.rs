@@ -1,10 +1,10 @@
 //! `canopy-fem solve`: the main job.
 
-use super::doubts::{check_solver, of_scene, planned};
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
-use super::resume::{self, Earlier};
-use super::{CliError, Finished, SolveArgs, complain};
+use super::resume::{self, EarlierRun};
+use super::warnings::{check_solver, of_scene, planned};
+use super::{CliError, CommandOutput, SolveArgs, complain};
 use crate::analysis::critical::{CriticalStep, has_limit};
 use crate::analysis::warnings::{limit_at_start, worth};
 use crate::assembly::write_matrix_market;
@@ -25,7 +25,7 @@ use crate::output::summary::Summary;
 use crate::process::Stopwatch;
 use crate::scene::Scene;
 use crate::simulation::{RunSettings, Simulation, bind, build_scene};
-use crate::startup::{Account, Phase, timed};
+use crate::startup::{Phase, StartupTimer, timed};
 use crate::warning::{Warning, WarningCode};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -36,8 +36,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
 const LOST: f64 = 0.8;
 
-pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
-    let account = Account::open();
+pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
+    let account = StartupTimer::open();
     let (mut problem, source) =
         timed(Phase::Parse, || Case::from_file(&args.case.case, &args.case.overrides()))?.split();
     if !args.quiet {
@@ -45,10 +45,10 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(file_stem(&problem.name)));
     let fingerprint = Fingerprint::of(&problem)?;
-    let earlier = args.resume.then(|| resume::look(&out, &problem, &fingerprint)).transpose()?;
-    if let Some(Earlier::Done(summary)) = &earlier {
+    let earlier = args.resume.then(|| resume::find_earlier_run(&out, &problem, &fingerprint)).transpose()?;
+    if let Some(EarlierRun::Done(summary)) = &earlier {
         let text = if args.quiet { String::new() } else { already_done(summary, &problem, &out) };
-        return Ok(Finished { text, code: 0 });
+        return Ok(CommandOutput { text, code: 0 });
     }
     let scene: Arc<dyn Scene> =
         timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
@@ -58,7 +58,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
     // Before any file is made, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let (folder, checkpoint) = match earlier {
-        Some(Earlier::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
+        Some(EarlierRun::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
         _ => (timed(Phase::Files, || ResultFolder::prepare(&out, &problem.name, args.force))?, None),
     };
     let plan = planned(&problem, &*scene, Stop::on(&stop));
@@ -72,7 +72,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         let state = scene.initial_state();
         write_matrix_market(&*scene, state.as_ref(), dir, &|dof| scene.name_of(dof))?;
     }
-    let job = Job { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
+    let job = PreparedRun { args, problem: &problem, scene: &scene, folder: &folder, limit, account };
     let (outcome, summary, seen) = job.integrate(fingerprint, checkpoint, &stop)?;
     if !args.quiet {
         let found = [energy_made(&outcome), energy_dissipated(&problem, &outcome)].into_iter().flatten();
@@ -90,21 +90,21 @@ pub(super) fn run(args: &SolveArgs) -> Result<Finished, CliError> {
         Status::Diverged | Status::NotConverged => 3,
         Status::Interrupted => 130,
     };
-    Ok(Finished { text, code })
+    Ok(CommandOutput { text, code })
 }
 
 /// A run that is ready.
-struct Job<'a> {
+struct PreparedRun<'a> {
     args: &'a SolveArgs,
     problem: &'a Problem,
     scene: &'a Arc<dyn Scene>,
     folder: &'a ResultFolder,
     limit: CriticalStep,
-    account: Account,
+    account: StartupTimer,
 }
 
 /// What was seen of a run besides its results.
-struct Watch<'a> {
+struct RunNotes<'a> {
     limit: CriticalStep,
     least: Option<LeastStep>,
     farthest: MaxDisplacement<'a>,
@@ -112,15 +112,15 @@ struct Watch<'a> {
     last_frame: Option<f64>,
 }
 
-impl<'a> Job<'a> {
+impl<'a> PreparedRun<'a> {
     /// Runs from the start or from the checkpoint, and leaves all files.
     fn integrate(
         &self,
         case: Fingerprint,
         checkpoint: Option<Checkpoint>,
         stop: &AtomicBool,
-    ) -> Result<(Outcome, Summary, Watch<'a>), CliError> {
-        let &Job { args, problem, folder, limit, .. } = self;
+    ) -> Result<(Outcome, Summary, RunNotes<'a>), CliError> {
+        let &PreparedRun { args, problem, folder, limit, .. } = self;
         let scene = &**self.scene;
         let spec = problem.run_spec(args.keep_going);
         let recorded = RecorderSpec::of(problem, folder.dir());
@@ -174,7 +174,7 @@ impl<'a> Job<'a> {
             folder.remove_checkpoint()?;
         }
         let least = monitor.and_then(|monitor| monitor.least());
-        Ok((outcome, summary, Watch { limit, least, farthest, last_frame: recorder.shown() }))
+        Ok((outcome, summary, RunNotes { limit, least, farthest, last_frame: recorder.shown() }))
     }
 }
 
@@ -203,7 +203,13 @@ fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
 
-fn report(problem: &Problem, outcome: &Outcome, summary: &Summary, folder: &ResultFolder, seen: &Watch<'_>) -> String {
+fn report(
+    problem: &Problem,
+    outcome: &Outcome,
+    summary: &Summary,
+    folder: &ResultFolder,
+    seen: &RunNotes<'_>,
+) -> String {
     let status = match outcome.status {
         Status::Completed => "completed",
         Status::Diverged => "diverged",

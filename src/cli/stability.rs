@@ -1,7 +1,7 @@
 //! `canopy-fem stability CASE`: predicted and measured largest stable step of every method.
 
 use super::args::duration;
-use super::{CaseArgs, CliError, Finished, complain};
+use super::{CaseArgs, CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::integrate::registry::MethodChoice;
 use crate::output::sanitize::file_stem;
@@ -49,7 +49,7 @@ fn methods(text: &str) -> Result<MethodList, String> {
     serde_json::to_string(&list).map(MethodList).map_err(|e| e.to_string())
 }
 
-pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     let case = Case::from_file(&args.case.case, &overrides(args))?;
     let wanted = case.file().study.clone().unwrap_or_default();
     let (mut problem, _) = case.split();
@@ -89,7 +89,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<Finished, CliError> {
     for path in written {
         let _ = writeln!(text, "{}", path.display());
     }
-    Ok(Finished { text: if args.quiet { String::new() } else { text }, code })
+    Ok(CommandOutput { text: if args.quiet { String::new() } else { text }, code })
 }
 
 /// The flags of a study as values of the case's study section, so that they are checked as those are.

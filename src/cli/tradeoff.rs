@@ -2,7 +2,7 @@
 
 use super::args::{duration, key_value};
 use super::interrupt::stop_on_interrupt;
-use super::{CliError, Finished, complain};
+use super::{CliError, CommandOutput, complain};
 use crate::case::Case;
 use crate::output::sanitize::file_stem;
 use crate::study::bench::fingerprint_of;
@@ -85,7 +85,7 @@ fn budget(text: &str) -> Result<Budget, String> {
     }
 }
 
-pub(super) fn run(args: &TradeoffArgs) -> Result<Finished, CliError> {
+pub(super) fn run(args: &TradeoffArgs) -> Result<CommandOutput, CliError> {
     let overrides: Vec<(String, String)> =
         args.set.iter().cloned().chain(args.end.clone().map(|end| ("time.end".to_owned(), end))).collect();
     let case =
@@ -112,7 +112,7 @@ struct Command<'a> {
 }
 
 impl Command<'_> {
-    fn run(&self, case: Option<(&Path, Case)>) -> Result<Finished, CliError> {
+    fn run(&self, case: Option<(&Path, Case)>) -> Result<CommandOutput, CliError> {
         let store = Store::in_folder(&self.out);
         if self.args.force {
             store.clear()?;
@@ -259,8 +259,8 @@ impl Command<'_> {
     }
 }
 
-fn done(text: String) -> Finished {
-    Finished { text, code: 0 }
+fn done(text: String) -> CommandOutput {
+    CommandOutput { text, code: 0 }
 }
 
 /// The progress line on a terminal.

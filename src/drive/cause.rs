@@ -1,7 +1,7 @@
 //! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is
 //! held.
 
-use crate::analysis::critical::{Confidence, CriticalStep, Effort, has_limit, implicit_for, remedy};
+use crate::analysis::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
 use crate::analysis::rates::Rates;
 use crate::analysis::spectrum::Spectrum;
@@ -26,7 +26,7 @@ const NEAR: f64 = 0.9;
 
 /// What is asked about.
 #[derive(Clone, Copy)]
-pub(super) struct Question<'a> {
+pub(super) struct DiagnosisInput<'a> {
     pub scene: &'a dyn Scene,
     pub method: &'a MethodChoice,
     /// last good state
@@ -41,7 +41,7 @@ pub(super) struct Question<'a> {
 
 /// What was found, and what to do about it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Answer {
+pub(super) struct Diagnosis {
     /// why, in words; empty if nothing was seen
     pub why: String,
     pub advice: String,
@@ -51,16 +51,16 @@ pub(super) struct Answer {
     pub dof: Option<usize>,
 }
 
-impl Answer {
+impl Diagnosis {
     /// Of a search that whoever waits for it has ended; `h` [s] is the step.
     fn cut_short(h: f64) -> Self {
-        Answer {
+        Diagnosis {
             why: "the search for the cause was cut short by a signal".to_owned(),
             advice: format!(
                 "take a step of {} s or smaller, or run it again and let the search end",
                 figures(0.1 * h, 2)
             ),
-            ..Answer::default()
+            ..Diagnosis::default()
         }
     }
 }
@@ -72,13 +72,13 @@ struct Limit {
     when: &'static str,
 }
 
-impl Question<'_> {
+impl DiagnosisInput<'_> {
     /// Why the scheme has made energy.
-    pub fn gain(&self) -> Answer {
+    pub fn gain(&self) -> Diagnosis {
         let start = self.scene.initial_state();
         let found = self.explicit(&start).or_else(|| self.unresolved(&start));
         if self.stop.asked() {
-            return Answer::cut_short(self.h);
+            return Diagnosis::cut_short(self.h);
         }
         let mut answer = found.unwrap_or_default();
         if answer.advice.is_empty() {
@@ -90,7 +90,7 @@ impl Question<'_> {
         self.with_units(answer)
     }
 
-    fn with_units(&self, mut answer: Answer) -> Answer {
+    fn with_units(&self, mut answer: Diagnosis) -> Diagnosis {
         let start = self.scene.initial_state();
         let steps = answer.critical.map_or(0.0, |critical| self.end / critical);
         if let Some((why, check)) = self.units(&start, steps) {
@@ -102,10 +102,10 @@ impl Question<'_> {
     }
 
     /// Why nodes have left the scene although no energy was made: `error` is that of the account.
-    pub fn flight(&self, error: f64) -> Answer {
+    pub fn flight(&self, error: f64) -> Diagnosis {
         let found = self.explicit(&self.scene.initial_state());
         if self.stop.asked() {
-            return Answer::cut_short(self.h);
+            return Diagnosis::cut_short(self.h);
         }
         if let Some(answer) = found {
             return self.with_units(answer);
@@ -114,7 +114,7 @@ impl Question<'_> {
             return self.gain();
         }
         let unheld = self.unheld(0).map_or(String::new(), |words| format!("; {words}"));
-        Answer {
+        Diagnosis {
             why: format!(
                 "the energy account is right to {} %, so loads or speeds carry the nodes away: no equilibrium is in reach{unheld}",
                 figures(100.0 * error, 2)
@@ -123,12 +123,12 @@ impl Question<'_> {
                 "check loads, wind, speeds and supports; or end the run before t = {} s, or use --keep-going",
                 figures(self.last.t, 3)
             ),
-            ..Answer::default()
+            ..Diagnosis::default()
         }
     }
 
     /// The step against the limit of the scheme on the tangent at the start, else in the last good state.
-    fn explicit(&self, start: &State) -> Option<Answer> {
+    fn explicit(&self, start: &State) -> Option<Diagnosis> {
         let method = self.method;
         if self.method.info.family == Family::MatrixFree {
             return self.outside_filter(start).or_else(|| self.outside_filter(self.last));
@@ -155,7 +155,7 @@ impl Question<'_> {
     }
 
     fn spectrum<'a>(&'a self, at: &'a State) -> Spectrum<'a> {
-        Spectrum::with(self.scene, at.as_ref(), Effort { stop: self.stop, ..Effort::FULL })
+        Spectrum::with(self.scene, at.as_ref(), CostLimits { stop: self.stop, ..CostLimits::FULL })
     }
 
     /// A limit from row sums of the springs' stiffness (Gershgorin), where products with the tangent overflow.
@@ -167,7 +167,7 @@ impl Question<'_> {
         found.then_some(CriticalStep { step, confidence: Confidence::Estimate, dof, rates })
     }
 
-    fn too_long(&self, found: &Limit) -> Answer {
+    fn too_long(&self, found: &Limit) -> Diagnosis {
         let &Limit { critical: CriticalStep { step, confidence, dof, rates }, when, .. } = found;
         let about = if matches!(confidence, Confidence::Certified { .. }) { "" } else { "about " };
         let motion = self.motion(dof, rates);
@@ -178,7 +178,7 @@ impl Question<'_> {
             self.method.info.name,
             figures(step, 3),
         );
-        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
+        Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
     }
 
     /// An oscillation, or a force that follows a velocity at once.
@@ -228,7 +228,7 @@ impl Question<'_> {
         squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Answer {
+    fn always_grows(&self, method: &MethodChoice, found: &Limit) -> Diagnosis {
         let CriticalStep { dof, rates, .. } = found.critical;
         let factor = growth(method, rates, self.h).map_or(1.0, |r| r * r);
         let swells = if !factor.is_finite() {
@@ -243,12 +243,12 @@ impl Question<'_> {
             self.method.info.name,
             self.motion(dof, rates)
         );
-        Answer { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
+        Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
     }
 
     /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not
     /// tell.
-    fn outside_filter(&self, at: &State) -> Option<Answer> {
+    fn outside_filter(&self, at: &State) -> Option<Diagnosis> {
         let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
         let loaded = self.scene.terms().iter().any(outside);
         let rates = self.spectrum(at).rates();
@@ -269,11 +269,11 @@ impl Question<'_> {
         );
         let step = (SAFE * critical).min(RESOLVED / rates.frequency);
         let advice = format!("take a step of {} s or smaller, or {}", figures(step, 2), implicit_for(rates, self.h));
-        Some(Answer { why, advice, critical: Some(critical), dof: Some(dof) })
+        Some(Diagnosis { why, advice, critical: Some(critical), dof: Some(dof) })
     }
 
     /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
-    fn unresolved(&self, start: &State) -> Option<Answer> {
+    fn unresolved(&self, start: &State) -> Option<Diagnosis> {
         let rates = |at: &State| self.spectrum(at).rates();
         let (first, last) = (rates(start), rates(self.last));
         let found = if last.frequency > first.frequency { last } else { first };
@@ -301,7 +301,7 @@ impl Question<'_> {
             _ => ", or --method backward-euler",
         };
         let advice = format!("take a step of {} s or smaller{damping}", figures(RESOLVED / found.frequency, 2));
-        Some(Answer { why, advice, critical: None, dof: Some(found.frequency_dof) })
+        Some(Diagnosis { why, advice, critical: None, dof: Some(found.frequency_dof) })
     }
 
     fn place(&self, dof: usize) -> String {

@@ -4,7 +4,7 @@
 //! and only then is anything said.
 
 use crate::analysis::critical::step_by_bounds;
-use crate::analysis::critical::{CriticalStep, Effort, remedy};
+use crate::analysis::critical::{CostLimits, CriticalStep, remedy};
 use crate::analysis::spectrum::Spectrum;
 use crate::analysis::warnings::worth;
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
@@ -127,17 +127,17 @@ impl<'a> CriticalStepMonitor<'a> {
             while self.next <= step {
                 self.next += (self.next / EARLY).clamp(1, self.every);
             }
-            self.look(end.state.as_ref(), h);
+            self.estimate(end.state.as_ref(), h);
         }
     }
 
-    fn look(&mut self, at: StateRef<'_>, h: f64) {
+    fn estimate(&mut self, at: StateRef<'_>, h: f64) {
         let now = step_by_bounds(self.monitored.scene, at, &mut self.room);
         let estimate = self.ratio.unwrap_or(1.0) * now;
         if estimate < NEAR * h && !self.warned && now < self.ask_below && self.asked < MOST_ASKED {
             self.asked += 1;
             self.ask_below = FALLEN * now;
-            let effort = Effort { stop: self.monitored.stop, ..Effort::START };
+            let effort = CostLimits { stop: self.monitored.stop, ..CostLimits::START };
             let mut spectrum = Spectrum::with(self.monitored.scene, at, effort);
             let found = spectrum.critical_step(self.monitored.method);
             if spectrum.stopped() {
@@ -181,7 +181,7 @@ impl<'a> CriticalStepMonitor<'a> {
 
 impl Observer for CriticalStepMonitor<'_> {
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
-        self.look(at.state.as_ref(), self.monitored.step);
+        self.estimate(at.state.as_ref(), self.monitored.step);
         Ok(())
     }
 

@@ -1,9 +1,9 @@
 //! Why a run was stopped, in words a person can act on.
 
-use super::cause::{Answer, Question};
+use super::cause::{Diagnosis, DiagnosisInput};
 use super::observer::LedgerRow;
 use super::outcome::Explain;
-use super::watch::{Gain, Trouble};
+use super::watch::{DivergenceKind, EnergyGain};
 use crate::format_number::figures;
 use crate::integrate::StepError;
 use crate::integrate::registry::MethodChoice;
@@ -64,11 +64,11 @@ pub(super) struct FailureContext<'a> {
 
 /// The state that is wrong, and its account.
 pub(super) struct DivergedState<'a> {
-    pub trouble: Trouble,
+    pub trouble: DivergenceKind,
     pub to: &'a Point,
     pub before: LedgerRow,
     pub after: LedgerRow,
-    pub gain: Gain,
+    pub gain: EnergyGain,
 }
 
 impl FailureContext<'_> {
@@ -86,9 +86,9 @@ impl FailureContext<'_> {
         let how = self.how(diverged, worst, &suspect);
         let looked_for = self.explain != Explain::Nothing;
         let answer = match diverged.trouble {
-            _ if !looked_for => Answer::default(),
+            _ if !looked_for => Diagnosis::default(),
             // Less than everything that was supplied: the motion is real.
-            Trouble::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
+            DivergenceKind::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
             _ => self.question().gain(),
         };
         let cause = match &*answer.why {
@@ -103,7 +103,7 @@ impl FailureContext<'_> {
     }
 
     /// A warning about energy that the scheme has made.
-    pub(super) fn doubt(&self, gain: Gain) -> String {
+    pub(super) fn doubt(&self, gain: EnergyGain) -> String {
         let made = format!(
             "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in",
             figures(self.t, 4),
@@ -115,7 +115,7 @@ impl FailureContext<'_> {
         if self.explain != Explain::All {
             return made;
         }
-        let Answer { why, advice, .. } = self.question().gain();
+        let Diagnosis { why, advice, .. } = self.question().gain();
         let joint = if why.is_empty() { "" } else { ": " };
         format!("{made}{joint}{why}; {advice}")
     }
@@ -156,8 +156,8 @@ impl FailureContext<'_> {
         self.report(suspect, cause, advice)
     }
 
-    fn question(&self) -> Question<'_> {
-        Question {
+    fn question(&self) -> DiagnosisInput<'_> {
+        DiagnosisInput {
             scene: self.scene,
             method: self.method,
             last: &self.from.state,
@@ -174,16 +174,18 @@ impl FailureContext<'_> {
     }
 
     fn how(&self, diverged: &DivergedState<'_>, worst: usize, suspect: &Suspect) -> String {
-        let grows = |gain: Gain| match gain.growth {
+        let grows = |gain: EnergyGain| match gain.growth {
             Some(growth) if growth > 1.0 => {
                 format!("; what the scheme makes grew {}-fold in this step", figures(growth, 3))
             }
             _ => String::new(),
         };
         match diverged.trouble {
-            Trouble::NotFinite => "a value is not finite".to_owned(),
-            Trouble::Spread { times, .. } => format!("the nodes have spread beyond {times:.0e} times the scene's size"),
-            Trouble::Gain(gain) => format!(
+            DivergenceKind::NotFinite => "a value is not finite".to_owned(),
+            DivergenceKind::Spread { times, .. } => {
+                format!("the nodes have spread beyond {times:.0e} times the scene's size")
+            }
+            DivergenceKind::Energy(gain) => format!(
                 "{} itself has made {} J of energy, where {} J were there or were put in{}{}",
                 self.method.info.name,
                 figures(gain.made, 3),
@@ -191,7 +193,7 @@ impl FailureContext<'_> {
                 self.speed(diverged, worst, gain),
                 grows(gain)
             ),
-            Trouble::Strain { elastic, gain } => format!(
+            DivergenceKind::Strain { elastic, gain } => format!(
                 "the springs hold {} J, where {} J were there or were put in{}{}",
                 figures(elastic, 3),
                 figures(gain.supplied, 3),
@@ -202,7 +204,7 @@ impl FailureContext<'_> {
     }
 
     /// A speed that all energy there is could not give.
-    fn speed(&self, diverged: &DivergedState<'_>, worst: usize, gain: Gain) -> String {
+    fn speed(&self, diverged: &DivergedState<'_>, worst: usize, gain: EnergyGain) -> String {
         let inverse = self.scene.inverse_mass().get(worst).copied().unwrap_or(0.0);
         let speed = diverged.to.state.v.get(worst).map_or(0.0, |v| v.abs());
         let possible = (2.0 * gain.supplied * inverse).sqrt();
@@ -220,7 +222,7 @@ impl FailureContext<'_> {
 
     /// The spring with the most energy where the springs are at fault, and a degree of freedom at its end.
     fn fullest_spring(&self, diverged: &DivergedState<'_>) -> Option<(u32, usize)> {
-        let Trouble::Strain { .. } = diverged.trouble else { return None };
+        let DivergenceKind::Strain { .. } = diverged.trouble else { return None };
         let (scene, reference) = (self.scene, self.scene.reference());
         let (mut tension, mut strain) = (vec![0.0; scene.edges().len()], vec![0.0; scene.edges().len()]);
         scene.edge_tension(diverged.to.state.as_ref(), &mut tension, &mut strain);

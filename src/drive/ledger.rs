@@ -83,7 +83,7 @@ impl Ledger {
     }
 
     /// The same for a step of a block.
-    pub fn passed(&mut self, system: &dyn System, end: &StepSummary) -> LedgerRow {
+    pub fn close_with(&mut self, system: &dyn System, end: &StepSummary) -> LedgerRow {
         self.work.external += end.nodes.work.external;
         self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)

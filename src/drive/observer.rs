@@ -1,7 +1,7 @@
 //! What a run shows its observers: the energy account of every accepted step, and the states they ask for.
 
 pub use super::snapshot::{Occasion, Resumable};
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 pub use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 
@@ -117,7 +117,7 @@ impl<'a> AcceptedStep<'a> {
     }
 
     /// [m/s] largest speed at its end
-    pub fn max_speed(&self, picture: &dyn Picture) -> f64 {
+    pub fn max_speed(&self, picture: &dyn Observables) -> f64 {
         match (self.summary, self.end) {
             (Some(summary), _) => summary.max_speed(),
             (None, Some(end)) => picture.max_speed(end.state.as_ref()),
@@ -126,7 +126,7 @@ impl<'a> AcceptedStep<'a> {
     }
 
     /// [-] largest strain at its end, where [`Wants::strain`] or the state was asked for
-    pub fn max_strain(&self, picture: &dyn Picture) -> f64 {
+    pub fn max_strain(&self, picture: &dyn Observables) -> f64 {
         match (self.summary, self.end) {
             (Some(summary), _) => summary.max_strain(),
             (None, Some(end)) => picture.max_strain(end.state.as_ref()),
@@ -192,7 +192,7 @@ pub trait Observer {
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError>;
 
     /// Once, when the scheme has made energy worth a warning; the run goes on.
-    fn doubted(&mut self, _warning: &str) {}
+    fn warned(&mut self, _warning: &str) {}
 
     /// Before [`Observer::finished`] where the run has failed. States right before the end that are not
     /// [credible](AcceptedStep::credible) are not worth showing.

@@ -3,7 +3,7 @@
 
 mod accept;
 mod attempt;
-mod reach;
+mod scene_limits;
 mod step_block;
 
 use super::clock::Tick;
@@ -22,7 +22,7 @@ use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::startup::{Phase, timed};
-use reach::Reach;
+use scene_limits::SceneLimits;
 use std::sync::atomic::AtomicBool;
 
 /// How many times its size a scene may spread before it counts as blown up.
@@ -159,7 +159,7 @@ pub(crate) struct RunState {
     pub steps: u64,
     /// [m] extent beyond which the scene counts as blown up
     limit: f64,
-    reach: Reach,
+    scene_limits: SceneLimits,
     pub failure: Option<Failure>,
     new_doubt: Option<String>,
     doubt: Option<String>,
@@ -167,7 +167,7 @@ pub(crate) struct RunState {
 }
 
 /// What a run begins with.
-struct Begun {
+struct RunStart {
     from: Point,
     policy: StepPolicy,
     ledger: Ledger,
@@ -196,7 +196,7 @@ impl RunState {
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
         let policy = StepPolicy::of(scene, stepper, spec, None);
-        Ok(RunState { counters, ..RunState::at(scene, Begun { from, policy, ledger, watch, row }) })
+        Ok(RunState { counters, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
     }
 
     /// Where a snapshot was taken. Starts the scheme.
@@ -223,12 +223,12 @@ impl RunState {
             steps,
             failure,
             doubt,
-            ..RunState::at(scene, Begun { from, policy, ledger, watch, row })
+            ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row })
         })
     }
 
     /// Before its first step.
-    fn at(scene: &dyn Scene, Begun { from, policy, ledger, watch, row }: Begun) -> Self {
+    fn new_at(scene: &dyn Scene, RunStart { from, policy, ledger, watch, row }: RunStart) -> Self {
         let size = scene.size();
         RunState {
             policy,
@@ -241,7 +241,7 @@ impl RunState {
             row,
             steps: 0,
             limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
-            reach: Reach::of(scene),
+            scene_limits: SceneLimits::of(scene),
             failure: None,
             new_doubt: None,
             doubt: None,
@@ -279,7 +279,7 @@ impl RunState {
             counters: self.counters,
             account_passes: self.account_passes,
             energy_error: self.ledger.energy_error(self.steps),
-            energy_made: self.watch.share(&self.from, &self.row, self.steps),
+            energy_made: self.watch.gain_share(&self.from, &self.row, self.steps),
             doubt: self.doubt.clone(),
             ledger: self.row,
             failure: self.failure.clone(),

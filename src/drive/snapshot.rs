@@ -7,9 +7,9 @@ use super::failure::Failure;
 use super::ledger::Ledger;
 use super::observer::LedgerRow;
 use super::outcome::RunSpec;
-use super::watch::Account;
+use super::watch::EnergyAccount;
 use crate::integrate::stepper::Stepper;
-use crate::integrate::{Carried, Counters};
+use crate::integrate::{CarriedState, Counters};
 use crate::model::point::Point;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ pub struct Snapshot {
     /// [m/s] (or [rad/s]) their velocities
     pub v: Vec<f64>,
     /// what the scheme carries
-    pub carried: Carried,
+    pub carried: CarriedState,
     /// work done so far
     pub counters: Counters,
     /// running energy account
@@ -37,7 +37,7 @@ pub struct Snapshot {
     /// the account at this state
     pub row: LedgerRow,
     /// what the watch remembers
-    pub watch: Account,
+    pub watch: EnergyAccount,
     /// first trouble of a run that was let go on past it
     pub failure: Option<Failure>,
     /// the warning the run has given
@@ -97,7 +97,7 @@ pub struct Resumable<'a> {
     /// work done so far
     pub counters: Counters,
     pub(super) ledger: &'a Ledger,
-    pub(super) watch: &'a Account,
+    pub(super) watch: &'a EnergyAccount,
     pub(super) failure: Option<&'a Failure>,
     pub(super) doubt: Option<&'a String>,
     pub(super) stepper: &'a Stepper<'a>,

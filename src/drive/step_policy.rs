@@ -1,6 +1,6 @@
 //! The choice of the next step of a run: from a fixed size, or from what the tolerance allows.
 
-use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, Trial};
+use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, PlannedStep};
 use super::clock::{FixedSteps, Step, Tick};
 use super::outcome::RunSpec;
 use crate::integrate::registry::Family;
@@ -36,7 +36,7 @@ impl StepPolicy {
     pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
         match self {
             StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
-            StepPolicy::Adaptive(policy) => policy.next(t).map(|Trial { h, t, .. }| Tick { h, t }),
+            StepPolicy::Adaptive(policy) => policy.next(t).map(|PlannedStep { h, t, .. }| Tick { h, t }),
         }
     }
 

@@ -89,7 +89,7 @@ impl TangentForm {
 }
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
-pub trait ForceTerm: kernel::batch::Summand {
+pub trait ForceTerm: kernel::batch::BlockForces {
     /// Of each of its parts: name in reports, role in the ledger, and what diagnoses ask of it; the same at every
     /// state. Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
     fn parts(&self) -> &[TermInfo];

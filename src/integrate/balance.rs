@@ -123,7 +123,7 @@ pub(super) fn go_on(s: f64, before: &[f64], a: &[f64], out: &mut [f64]) {
 
 /// Whether the accelerations `a` are nearer to the expected ones than to those at the start, in the mean square.
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn came_as(expected: &[f64], a_n: &[f64], a: &[f64]) -> bool {
+pub(super) fn is_nearer_to_expected(expected: &[f64], a_n: &[f64], a: &[f64]) -> bool {
     let (mut gained, mut last) = (Lanes::default(), 0.0);
     let ((expected, others), (a_n, starts), (a, ends)) =
         (expected.as_chunks::<LANES>(), a_n.as_chunks::<LANES>(), a.as_chunks::<LANES>());

@@ -50,9 +50,9 @@ impl Counters {
         system: &S,
         to: &mut Point,
         block: KickDriftBlock<'_>,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
     ) {
-        self.force_evaluations += (block.scheme.passes() * passed.len().max(1)) as u64;
-        system.advance(&mut to.state, &mut to.forces, block, passed);
+        self.force_evaluations += (block.scheme.passes() * summaries.len().max(1)) as u64;
+        system.advance(&mut to.state, &mut to.forces, block, summaries);
     }
 }

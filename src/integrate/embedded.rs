@@ -12,7 +12,7 @@
 //! they are added to y_n, so that they lose no digits to a far origin.
 
 use super::updates::{acceleration, accumulate, power};
-use super::{Counters, ErrorOut, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
+use super::{Counters, ErrorEstimate, Integrator, PairInfo, StageWork, StepError, StepInput, StepReport};
 use crate::model::forces::Forces;
 use crate::model::point::Point;
 use crate::model::state::StateRef;
@@ -129,7 +129,7 @@ impl Integrator<dyn System> for Embedded {
         &mut self,
         StepInput { system, h, .. }: StepInput<'_, dyn System>,
         to: &Point,
-        out: ErrorOut<'_>,
+        out: ErrorEstimate<'_>,
     ) {
         if let Some(last) = self.slopes.last_mut() {
             last.x.copy_from_slice(&to.state.v);

@@ -9,13 +9,13 @@ use super::Counters;
 use super::balance::{Forces, Sizes, Start, displace, rounding, unbalanced};
 use super::factor_cache::{FactorCache, FactorRequest};
 use super::stage::StageMap;
-use super::tangents::{Tangents, Which};
+use super::tangents::{TangentKind, Tangents};
 use crate::assembly::TangentSystem;
 use crate::model::point::Point;
 use crate::model::system::Weights;
 use crate::solve::newton::{Curvature, NonlinearProblem, Scales};
 use crate::solve::norms::norm;
-use crate::solve::{Accuracy, Expected, Inertia, LinearError};
+use crate::solve::{Accuracy, ExpectedUse, Inertia, LinearError};
 
 /// F(z) = 0 of one step. The unknown z is the displacement of the free degrees of freedom [m].
 pub(super) struct Equations<'a> {
@@ -200,7 +200,7 @@ impl NonlinearProblem for Equations<'_> {
         });
     }
 
-    fn retreat(&mut self, z: &mut [f64]) -> bool {
+    fn replace_far_guess(&mut self, z: &mut [f64]) -> bool {
         if self.guess == Guess::Rest {
             return false;
         }
@@ -231,7 +231,7 @@ impl NonlinearProblem for Equations<'_> {
         self.linear.tangents.factor(self.system, self.to.state.as_ref(), w, curvature, self.counters)
     }
 
-    fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
+    fn freeze(&mut self, expected: ExpectedUse) -> Result<bool, LinearError> {
         let w = self.weights();
         for make in [false, true].map(|convex| FactorRequest { convex, expected }) {
             match self.linear.tangents.freeze(self.system, self.to.state.as_ref(), w, make, self.counters)? {
@@ -246,8 +246,8 @@ impl NonlinearProblem for Equations<'_> {
         Ok(false)
     }
 
-    fn prefers_another(&self, expected: Expected) -> bool {
-        self.linear.tangents.prefers_another(expected)
+    fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
+        self.linear.tangents.prefers_other_solver(expected)
     }
 
     fn cg_iterations(&self) -> u64 {
@@ -256,15 +256,15 @@ impl NonlinearProblem for Equations<'_> {
 
     fn take_frozen(&mut self) {
         self.linear.mass_weight = Some(self.linear.cache.weights().m);
-        self.linear.tangents.take(Which::Frozen);
+        self.linear.tangents.take(TangentKind::Frozen);
     }
 
-    fn keeps(&self) -> bool {
-        self.linear.tangents.keeps()
+    fn reuses_factors(&self) -> bool {
+        self.linear.tangents.reuses_factors()
     }
 
-    fn ask(&mut self, accuracy: Accuracy) {
-        self.linear.tangents.ask(accuracy);
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.linear.tangents.set_accuracy(accuracy);
     }
 
     fn stopping_force(&mut self) -> f64 {
@@ -279,7 +279,7 @@ impl NonlinearProblem for Equations<'_> {
         match self.linear.tangents.solve(b, self.counters) {
             // A reused matrix that is not factorised shows this only in a solve.
             Err(LinearError::Indefinite { .. })
-                if self.linear.tangents.solves_with(Which::Frozen) && self.make_convex()? =>
+                if self.linear.tangents.solves_with(TangentKind::Frozen) && self.make_convex()? =>
             {
                 self.linear.tangents.solve(b, self.counters)
             }

@@ -4,7 +4,7 @@
 
 use crate::model::state::{State, StateRef};
 use crate::model::system::Weights;
-use crate::solve::Expected;
+use crate::solve::ExpectedUse;
 use crate::solve::quasi_newton::FactorHistory;
 
 /// Ratio of mass weights beyond which the factor of one step size is of no use to another.
@@ -22,7 +22,7 @@ pub struct CachedFactor {
     /// whether it is a factor of the convex tangent
     convex: bool,
     /// its expected use
-    made_for: Expected,
+    made_for: ExpectedUse,
 }
 
 /// How a reused factor is made.
@@ -31,7 +31,7 @@ pub(super) struct FactorRequest {
     /// from the convex tangent
     pub convex: bool,
     /// its expected use
-    pub expected: Expected,
+    pub expected: ExpectedUse,
 }
 
 /// Whether the factor in memory is that of the last accepted step.
@@ -86,7 +86,7 @@ impl FactorCache {
     pub fn history_for(&self, w: Weights) -> FactorHistory {
         let ratio = w.m / weights(self.accepted).m;
         let near = ratio < OTHER_STEP && ratio > 1.0 / OTHER_STEP;
-        if near { self.accepted.frozen } else { self.accepted.frozen.of_another_step() }
+        if near { self.accepted.frozen } else { self.accepted.frozen.after_step_change() }
     }
 
     /// Records a new factor of this attempt.

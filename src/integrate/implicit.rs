@@ -5,14 +5,14 @@
 //! where the origin is. An iteration takes one force pass and one solve, with W = cm M + cc C + ck K of the iterate, or
 //! with a reused matrix (`factor_cache`).
 
-use super::balance::{came_as, go_on};
+use super::balance::{go_on, is_nearer_to_expected};
 use super::equations::{DofData, Equations, Guess, LinearState, StepStart, Workspace, scales};
 use super::factor_cache::FactorCache;
 use super::stage::{NewmarkParameters, StageMap};
 use super::tangents::Tangents;
 pub use super::tangents::{Factor, cached_factor, refusal};
 use super::updates::acceleration;
-use super::{Carried, Counters, Integrator, StepError, StepInput, StepReport, Trend};
+use super::{CarriedState, Counters, Integrator, StepError, StepInput, StepReport, Trend};
 use crate::assembly::TangentSystem;
 use crate::model::point::Point;
 use crate::solve::newton::{Newton, NewtonFailure, NewtonSpec};
@@ -124,7 +124,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         let map = if bridge { StageMap::newmark(TRAPEZOIDAL, h) } else { own };
         to.state.copy_from(from.state.as_ref());
         to.state.t = t_next;
-        let lag = Lag { h, made_with: self.made_with, a: &self.a };
+        let lag = LaggedAcceleration { h, made_with: self.made_with, a: &self.a };
         lag.carry_over(map, from, system.inverse_mass(), &mut s.a);
         let guess = first_guess(&self.trend, lag, &mut s.expected);
         self.attempted = h;
@@ -157,7 +157,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
     fn accept(&mut self) {
         if let Some(s) = &mut self.solver {
             // The first step has no predecessor to compare with.
-            let straight = self.made_with == 0.0 || came_as(&s.expected, &s.a, &s.workspace.a_next);
+            let straight = self.made_with == 0.0 || is_nearer_to_expected(&s.expected, &s.a, &s.workspace.a_next);
             self.trend.straight = straight && s.guessed_well;
             self.trend.before.copy_from_slice(&self.a);
             std::mem::swap(&mut self.a, &mut s.workspace.a_next);
@@ -174,13 +174,13 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         (self.made_with, self.anew) = (0.0, true);
     }
 
-    fn save(&self) -> Carried {
+    fn save(&self) -> CarriedState {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));
-        Carried { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
+        CarriedState { vectors, made_with: self.made_with, anew: self.anew, trend: self.trend.clone(), factor }
     }
 
-    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+    fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
         (self.made_with, self.anew) = (carried.made_with, carried.anew);
         if carried.trend.before.len() == self.trend.before.len() {
             self.trend.clone_from(&carried.trend);
@@ -205,7 +205,7 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         for (&dof, b) in s.linear.tangents.dof.iter().zip(&mut s.z) {
             *b = weight * (s.dofs.mass[dof as usize] * e[dof as usize]);
         }
-        s.linear.tangents.ask(Accuracy::to(FILTER_RELATIVE));
+        s.linear.tangents.set_accuracy(Accuracy::to(FILTER_RELATIVE));
         match s.linear.tangents.solve(&mut s.z, counters) {
             // If conjugate gradients fail, the unfiltered estimate is too large, never too small.
             Err(LinearError::Indefinite { .. } | LinearError::Stalled { .. }) => return Ok(()),
@@ -237,7 +237,7 @@ fn lag_behind(lag: f64, a_n: &[f64], (f, inverse_mass): (&[f64], &[f64]), a: &mu
 }
 
 /// The first guess of a step; `expected` [m/s^2] becomes the accelerations for a linear change `[n_dof]`.
-fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
+fn first_guess(trend: &Trend, lag: LaggedAcceleration<'_>, expected: &mut [f64]) -> Guess {
     if lag.made_with > 0.0 {
         go_on(lag.h / lag.made_with, &trend.before, lag.a, expected);
     }
@@ -246,19 +246,19 @@ fn first_guess(trend: &Trend, lag: Lag<'_>, expected: &mut [f64]) -> Guess {
 
 /// The acceleration a scheme carries into a step of `h` [s].
 #[derive(Clone, Copy)]
-struct Lag<'a> {
+struct LaggedAcceleration<'a> {
     h: f64,
     made_with: f64,
     a: &'a [f64],
 }
 
-impl Lag<'_> {
+impl LaggedAcceleration<'_> {
     /// Writes the acceleration for a step of this size into `out` [m/s^2]. HHT and generalised alpha carry an
     /// acceleration of another time than the state, by a share of the step: a - M^-1 f is proportional to the step that
     /// produced it, and is scaled to the next step's size. Otherwise every change of the step would make an error of
     /// order h in a.
     fn carry_over(&self, map: StageMap, from: &Point, inverse_mass: &[f64], out: &mut [f64]) {
-        let &Lag { h, made_with, a } = self;
+        let &LaggedAcceleration { h, made_with, a } = self;
         if made_with == 0.0 || made_with == h || map.am == 0.0 && map.af == 0.0 {
             out.copy_from_slice(a);
             return;

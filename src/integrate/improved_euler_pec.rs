@@ -10,7 +10,7 @@
 //! never evaluated by the scheme.
 
 use super::updates::{acceleration, accumulate, add_scaled, power, weigh};
-use super::{Carried, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
+use super::{CarriedState, Counters, Integrator, StageWork, StepError, StepInput, StepReport};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::system::System;
@@ -75,12 +75,12 @@ impl Integrator<dyn System> for ImprovedEulerPec {
         self.now.power = power(system, &at.forces);
     }
 
-    fn save(&self) -> Carried {
+    fn save(&self) -> CarriedState {
         let power = vec![self.now.power.external, self.now.power.dissipated];
-        Carried { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], ..Carried::default() }
+        CarriedState { vectors: vec![self.now.x.clone(), self.now.v.clone(), power], ..CarriedState::default() }
     }
 
-    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+    fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
         let n = self.now.x.len();
         match carried.vectors.as_slice() {
             [x, v, power] if x.len() == n && v.len() == n && power.len() == 2 => {

@@ -142,7 +142,7 @@ struct Step<'a> {
 }
 
 /// The forces outside the filter: as they enter the total of all forces, and as they act beside F.
-type Outside<'a, const N: usize> = [[&'a [f64]; N]; 2];
+type OuterForces<'a, const N: usize> = [[&'a [f64]; N]; 2];
 
 impl Step<'_> {
     /// Makes both sweeps; the second moves the nodes.
@@ -150,7 +150,7 @@ impl Step<'_> {
         &self,
         (f, sweep): (&mut [f64], &mut [f64]),
         state: (&mut [f64], &mut [f64]),
-        [in_total, beside]: Outside<'_, N>,
+        [in_total, beside]: OuterForces<'_, N>,
     ) {
         let Step { system, from, h, inverse_d, .. } = *self;
         let workers = system.workers();
@@ -166,7 +166,7 @@ impl Step<'_> {
                 None => system.neighbour_sums(sweep, r.clone(), v),
             }
             let (f, inverse_d) = (&f[r.clone()], &inverse_d[r.clone()]);
-            let with = Advance { f, inverse_d, inverse_mass: &system.inverse_mass()[r.clone()], h };
+            let with = SecondSweep { f, inverse_d, inverse_mass: &system.inverse_mass()[r.clone()], h };
             let outside = beside.map(|part| &part[r.clone()]);
             advance((x, v), (&from.state.x[r.clone()], &from.state.v[r]), with, outside);
         });
@@ -222,7 +222,7 @@ fn filter<const N: usize>((f, sweep): (&mut [f64], &mut [f64]), with: Filter<'_>
 }
 
 /// Inputs of the second sweep, in the letters of the module's equations.
-struct Advance<'a> {
+struct SecondSweep<'a> {
     f: &'a [f64],
     inverse_d: &'a [f64],
     inverse_mass: &'a [f64],
@@ -234,10 +234,10 @@ struct Advance<'a> {
 fn advance<const N: usize>(
     (x, v): (&mut [f64], &mut [f64]),
     (x_n, v_n): (&[f64], &[f64]),
-    with: Advance<'_>,
+    with: SecondSweep<'_>,
     outside: [&[f64]; N],
 ) {
-    let (Advance { f, inverse_d, inverse_mass, h }, n) = (with, x.len());
+    let (SecondSweep { f, inverse_d, inverse_mass, h }, n) = (with, x.len());
     let (v, x_n, v_n, f) = (&mut v[..n], &x_n[..n], &v_n[..n], &f[..n]);
     let (inverse_d, inverse_mass) = (&inverse_d[..n], &inverse_mass[..n]);
     let outside = outside.map(|part| &part[..n]);

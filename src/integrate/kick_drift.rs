@@ -31,13 +31,13 @@ impl Integrator<dyn System> for KickDrift {
         &mut self,
         step: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
-        debug_assert!(passed.last().is_none_or(|last| last.t == step.t_next));
-        let makes_blocks = step.system.longest_block() >= 2 && !passed.is_empty();
+        debug_assert!(summaries.last().is_none_or(|last| last.t == step.t_next));
+        let makes_blocks = step.system.longest_block() >= 2 && !summaries.is_empty();
         if makes_blocks {
-            self.advance(step, to, passed, counters);
+            self.advance(step, to, summaries, counters);
         }
         makes_blocks
     }
@@ -48,11 +48,11 @@ impl KickDrift {
         self,
         StepInput { system, from, h, t_next }: StepInput<'_, dyn System>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) {
         to.state.t = t_next;
         let scheme = (self.step)(h, system.velocity_dependent());
-        counters.advance(system, to, KickDriftBlock { scheme, from }, passed);
+        counters.advance(system, to, KickDriftBlock { scheme, from }, summaries);
     }
 }

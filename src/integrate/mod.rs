@@ -100,7 +100,7 @@ pub struct StageWork {
 
 /// What a scheme carries from step to step besides the state, to be saved in a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Carried {
+pub struct CarriedState {
     /// vectors over all degrees of freedom, in an order the scheme defines
     pub vectors: Vec<Vec<f64>>,
     /// [s] the step that made them, for schemes that scale them to another; 0 where that does not matter
@@ -132,7 +132,7 @@ pub struct PairInfo {
 
 /// Room for an error estimate.
 #[derive(Debug)]
-pub struct ErrorOut<'a> {
+pub struct ErrorEstimate<'a> {
     /// [m] of the positions
     pub x: &'a mut [f64],
     /// [m/s] of the velocities
@@ -185,17 +185,17 @@ pub trait Integrator<S: ?Sized>: Send {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError>;
 
-    /// Makes several steps into `to`, of one size and an entry of `passed` each, which has its time; `step.t_next` is
-    /// that of the last. Their bits are those of steps attempted and accepted one by one. `false`, and `to` means
+    /// Makes several steps into `to`, of one size and an entry of `summaries` each, which has its time; `step.t_next`
+    /// is that of the last. Their bits are those of steps attempted and accepted one by one. `false`, and `to` means
     /// nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
     fn advance_block(
         &mut self,
         step: StepInput<'_, S>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
-        let _ = (step, to, passed, counters);
+        let _ = (step, to, summaries, counters);
         false
     }
 
@@ -207,15 +207,15 @@ pub trait Integrator<S: ?Sized>: Send {
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
     /// What is carried, for a checkpoint.
-    fn save(&self) -> Carried {
-        Carried::default()
+    fn save(&self) -> CarriedState {
+        CarriedState::default()
     }
 
     /// Restores what was carried; called after [`Integrator::start`].
     ///
     /// # Errors
     /// When the saved state does not fit.
-    fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+    fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
         carried.take_into(&mut [])
     }
 
@@ -238,7 +238,7 @@ pub trait Integrator<S: ?Sized>: Send {
     /// Writes the estimate that the embedded pair makes of the step attempted last, which ended at `to`. It falls as
     /// h^p in steps of h by a scheme of order p, as the error at the end of a run does; the error of the step itself
     /// falls as h^(p+1) ([`PairInfo`]). Schemes without a pair leave `out`.
-    fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorOut<'_>) {}
+    fn embedded_error(&mut self, _step: StepInput<'_, S>, _to: &Point, _out: ErrorEstimate<'_>) {}
 
     /// Degree of freedom of an unknown; the same number for schemes without unknowns.
     fn dof_of_unknown(&self, unknown: usize) -> usize {
@@ -251,7 +251,7 @@ pub trait Integrator<S: ?Sized>: Send {
     }
 }
 
-impl Carried {
+impl CarriedState {
     /// Copies the saved vectors into `targets`.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! A scheme bound to a scene that can do what the scheme needs.
 
-use super::{Carried, Counters, ErrorOut, Integrator, PairInfo, StepError, StepInput, StepReport};
-use crate::assembly::{Abilities, TangentSystem};
+use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StepError, StepInput, StepReport};
+use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 use crate::model::system::{SpringGraph, System};
@@ -23,9 +23,9 @@ pub enum Scheme {
 pub struct NeedsNetwork;
 
 /// A scheme bound to a scene.
-pub struct Stepper<'a>(Bound<'a>);
+pub struct Stepper<'a>(BoundScheme<'a>);
 
-enum Bound<'a> {
+enum BoundScheme<'a> {
     Explicit(Box<dyn Integrator<dyn System>>, &'a (dyn System + 'static)),
     Implicit(Box<dyn Integrator<dyn TangentSystem>>, &'a (dyn TangentSystem + 'static)),
     Graph(Box<dyn Integrator<dyn SpringGraph>>, &'a (dyn SpringGraph + 'static)),
@@ -45,9 +45,9 @@ pub struct Attempt<'a> {
 macro_rules! each {
     ($self:expr, $scheme:ident, $system:ident => $body:expr) => {
         match $self {
-            Bound::Explicit($scheme, $system) => $body,
-            Bound::Implicit($scheme, $system) => $body,
-            Bound::Graph($scheme, $system) => $body,
+            BoundScheme::Explicit($scheme, $system) => $body,
+            BoundScheme::Implicit($scheme, $system) => $body,
+            BoundScheme::Graph($scheme, $system) => $body,
         }
     };
 }
@@ -57,20 +57,20 @@ impl<'a> Stepper<'a> {
     ///
     /// # Errors
     /// When the scheme needs a spring network and the scene has none.
-    pub fn bind(scheme: Scheme, scene: Abilities<'a>) -> Result<Self, NeedsNetwork> {
+    pub fn bind(scheme: Scheme, scene: SceneInterfaces<'a>) -> Result<Self, NeedsNetwork> {
         Ok(Stepper(match scheme {
-            Scheme::Explicit(s) => Bound::Explicit(s, scene.system),
-            Scheme::Implicit(s) => Bound::Implicit(s, scene.tangent),
-            Scheme::Graph(s) => Bound::Graph(s, scene.graph.ok_or(NeedsNetwork)?),
+            Scheme::Explicit(s) => BoundScheme::Explicit(s, scene.system),
+            Scheme::Implicit(s) => BoundScheme::Implicit(s, scene.tangent),
+            Scheme::Graph(s) => BoundScheme::Graph(s, scene.graph.ok_or(NeedsNetwork)?),
         }))
     }
 
     /// The scheme alone, with all that it carries; bound to the same scene again it goes on as if nothing had been.
     pub fn unbind(self) -> Scheme {
         match self.0 {
-            Bound::Explicit(s, _) => Scheme::Explicit(s),
-            Bound::Implicit(s, _) => Scheme::Implicit(s),
-            Bound::Graph(s, _) => Scheme::Graph(s),
+            BoundScheme::Explicit(s, _) => Scheme::Explicit(s),
+            BoundScheme::Implicit(s, _) => Scheme::Implicit(s),
+            BoundScheme::Graph(s, _) => Scheme::Graph(s),
         }
     }
 
@@ -102,11 +102,11 @@ impl<'a> Stepper<'a> {
         &mut self,
         Attempt { from, h, t_next }: Attempt<'_>,
         to: &mut Point,
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
         counters: &mut Counters,
     ) -> bool {
         each!(&mut self.0, scheme, system => {
-            scheme.advance_block(StepInput { system: *system, from, h, t_next }, to, passed, counters)
+            scheme.advance_block(StepInput { system: *system, from, h, t_next }, to, summaries, counters)
         })
     }
 
@@ -121,7 +121,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// See [`Integrator::save`].
-    pub fn save(&self) -> Carried {
+    pub fn save(&self) -> CarriedState {
         each!(&self.0, scheme, _system => scheme.save())
     }
 
@@ -129,7 +129,7 @@ impl<'a> Stepper<'a> {
     ///
     /// # Errors
     /// When the saved state does not fit.
-    pub fn restore(&mut self, carried: &Carried) -> Result<(), StepError> {
+    pub fn restore(&mut self, carried: &CarriedState) -> Result<(), StepError> {
         each!(&mut self.0, scheme, _system => scheme.restore(carried))
     }
 
@@ -147,7 +147,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// See [`Integrator::embedded_error`].
-    pub fn embedded_error(&mut self, Attempt { from, h, t_next }: Attempt<'_>, to: &Point, out: ErrorOut<'_>) {
+    pub fn embedded_error(&mut self, Attempt { from, h, t_next }: Attempt<'_>, to: &Point, out: ErrorEstimate<'_>) {
         each!(&mut self.0, scheme, system => {
             scheme.embedded_error(StepInput { system: *system, from, h, t_next }, to, out);
         });

@@ -12,8 +12,8 @@ use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
 use crate::solve::{
-    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Work, reusing_solver_for,
-    solver_for,
+    Accuracy, ExpectedUse, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, SolverWork,
+    reusing_solver_for, solver_for,
 };
 
 /// A matrix with its solver.
@@ -57,7 +57,7 @@ pub fn cached_factor(
     let Some(assembler) = system.symmetric_assembler()? else { return Ok(None) };
     let factor = Factor::for_reuse(assembler, choice, system.workers())?;
     // Conjugate gradients are cheap to set up and cheaper to reuse.
-    let keeps = choice == LinearChoice::Cg || strategy.keeps(factor.cost(), factor.assembler.pattern.n());
+    let keeps = choice == LinearChoice::Cg || strategy.reuses_factors(factor.cost(), factor.assembler.pattern.n());
     Ok(keeps.then_some(factor))
 }
 
@@ -71,14 +71,14 @@ pub fn refusal(symmetric: bool, strategy: Strategy, choice: LinearChoice) -> Opt
     }
 }
 
-fn count(counters: &mut Counters, before: Work, after: Work) {
+fn count(counters: &mut Counters, before: SolverWork, after: SolverWork) {
     counters.factorizations += after.factorizations - before.factorizations;
     counters.cg_iterations += after.iterations - before.iterations;
 }
 
 /// One of the two tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Which {
+pub(super) enum TangentKind {
     Exact,
     Frozen,
 }
@@ -90,7 +90,7 @@ pub(super) struct Tangents {
     exact: Option<Factor>,
     frozen: Option<Factor>,
     /// the factor that solves use
-    current: Which,
+    current: TangentKind,
     /// degree of freedom of every unknown
     pub dof: Arc<[u32]>,
 }
@@ -117,7 +117,7 @@ impl Tangents {
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
         // If the symmetric part does not converge, only LU is left.
         let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
-        Ok(Tangents { symmetric, choice, exact, frozen, current: Which::Exact, dof })
+        Ok(Tangents { symmetric, choice, exact, frozen, current: TangentKind::Exact, dof })
     }
 
     /// [-] Cost of a factorisation in iterations without one.
@@ -126,7 +126,7 @@ impl Tangents {
     }
 
     /// Whether a matrix is reused over many solves.
-    pub fn keeps(&self) -> bool {
+    pub fn reuses_factors(&self) -> bool {
         self.frozen.is_some()
     }
 
@@ -136,7 +136,7 @@ impl Tangents {
     }
 
     /// Makes further solves use this tangent.
-    pub fn take(&mut self, which: Which) {
+    pub fn take(&mut self, which: TangentKind) {
         self.current = which;
     }
 
@@ -152,7 +152,7 @@ impl Tangents {
         curvature: Curvature,
         counters: &mut Counters,
     ) -> Result<Inertia, LinearError> {
-        self.current = Which::Exact;
+        self.current = TangentKind::Exact;
         let symmetric = self.symmetric;
         let slot = if symmetric && self.frozen.is_some() { &mut self.frozen } else { &mut self.exact };
         let factor = match slot {
@@ -177,8 +177,8 @@ impl Tangents {
     }
 
     /// Whether another solver would have been chosen for the reused tangent with this expected use.
-    pub fn prefers_another(&self, expected: Expected) -> bool {
-        self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_another(expected))
+    pub fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
+        self.frozen.as_ref().is_some_and(|factor| factor.linear.prefers_other_solver(expected))
     }
 
     /// Factorises the symmetric tangent, or its convex part on request; `None` if the scene reuses none.
@@ -194,10 +194,10 @@ impl Tangents {
         counters: &mut Counters,
     ) -> Result<Option<Inertia>, LinearError> {
         let Some(factor) = &mut self.frozen else { return Ok(None) };
-        self.current = Which::Frozen;
+        self.current = TangentKind::Frozen;
         system.assemble_symmetric(at, w, convex, &mut factor.assembler);
         let before = factor.linear.work();
-        factor.linear.anticipate(expected);
+        factor.linear.set_expected_use(expected);
         let made = factor.linear.prepare(factor.assembler.values());
         counters.tangent_assemblies += 1;
         count(counters, before, factor.linear.work());
@@ -220,18 +220,18 @@ impl Tangents {
     /// The factor that solves use.
     fn in_use(&mut self) -> Option<&mut Factor> {
         let shared = self.symmetric && self.frozen.is_some();
-        if shared || self.current == Which::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
+        if shared || self.current == TangentKind::Frozen { self.frozen.as_mut() } else { self.exact.as_mut() }
     }
 
     /// Whether solves use this tangent.
-    pub fn solves_with(&self, which: Which) -> bool {
+    pub fn solves_with(&self, which: TangentKind) -> bool {
         self.current == which
     }
 
     /// Sets the accuracy of further solves.
-    pub fn ask(&mut self, accuracy: Accuracy) {
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
         for factor in self.frozen.iter_mut().chain(&mut self.exact) {
-            factor.linear.ask(accuracy);
+            factor.linear.set_accuracy(accuracy);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Parameters of the annulus and the disc, the two domains of the graded generator.
 
-use super::layout::Request;
+use super::layout::GradedRequest;
 use super::sdf::Ring;
 use super::source::{FaultSink, MAX_NODES, check_count, check_length};
 use super::{Mesh, MeshError, distmesh};
@@ -97,10 +97,10 @@ impl AnnulusParameters {
         check_counts(at, &self.request(), [6, MAX_SEAMS], faults);
     }
 
-    fn request(&self) -> Request {
+    fn request(&self) -> GradedRequest {
         let Self { inner_radius, outer_radius, nodes, boundary_nodes, seams, grading, .. } = *self;
         let ring = Ring { inner: inner_radius, outer: outer_radius };
-        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
+        GradedRequest { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
     }
 
     /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
@@ -119,10 +119,10 @@ impl DiscParameters {
         check_counts(at, &self.request(), [3, MAX_DISC_SEAMS], faults);
     }
 
-    fn request(&self) -> Request {
+    fn request(&self) -> GradedRequest {
         let Self { radius, nodes, boundary_nodes, seams, grading, .. } = *self;
         let ring = Ring { inner: 0.0, outer: radius };
-        Request { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
+        GradedRequest { ring, nodes, boundary_nodes, seams: seams.unwrap_or(0), grading }
     }
 
     /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
@@ -135,7 +135,7 @@ impl DiscParameters {
 }
 
 /// Checks what annulus and disc have in common, given the fewest nodes on the loops and the most seams.
-fn check_counts(at: &str, request: &Request, [least_boundary, most_seams]: [usize; 2], faults: FaultSink<'_>) {
+fn check_counts(at: &str, request: &GradedRequest, [least_boundary, most_seams]: [usize; 2], faults: FaultSink<'_>) {
     let nodes = request.nodes;
     check_count(at, "nodes", nodes, [least_boundary + 1, MAX_NODES], faults);
     if let Some(count) = request.boundary_nodes {

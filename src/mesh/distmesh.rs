@@ -12,7 +12,7 @@
 
 use super::delaunay::{sorted, triangulate};
 use super::flips::Flips;
-use super::layout::{Freedom, Layout, MeshPlan, Request};
+use super::layout::{Freedom, GradedRequest, Layout, MeshPlan};
 use super::polish::polish;
 use super::random::SplitMix64;
 use super::sdf::{SizeFunction, turned_off_seams};
@@ -47,7 +47,7 @@ const LEAST_ANGLE: f64 = 20.0;
 ///
 /// # Errors
 /// Counts that do not go together, a relaxation that finds no rest, or no attempt with acceptable angles.
-pub(super) fn generate(request: &Request, seed: u64) -> Result<Mesh, MeshError> {
+pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshError> {
     let plan = request.plan()?;
     let mut best: Option<(f64, Layout, Vec<[u32; 3]>)> = None;
     let mut failure = None;

@@ -24,7 +24,7 @@ const SEAMS_WITH_HUB: usize = 6;
 
 /// What a graded mesh is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Request {
+pub(super) struct GradedRequest {
     pub ring: Ring,
     pub nodes: usize,
     pub boundary_nodes: Option<usize>,
@@ -70,7 +70,7 @@ pub(super) struct Layout {
     pub loop_edges: usize,
 }
 
-impl Request {
+impl GradedRequest {
     /// Finds sizes and counts.
     ///
     /// # Errors

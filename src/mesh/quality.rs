@@ -137,7 +137,7 @@ pub(super) fn smallest_angle_of([a, b, c]: [Vector2<f64>; 3]) -> f64 {
 
 /// The sharpest triangle of a plane mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sharpest {
+pub(super) struct SharpestTriangle {
     /// [deg] its smallest angle
     pub degrees: f64,
     /// [m] its centroid
@@ -145,13 +145,13 @@ pub(super) struct Sharpest {
 }
 
 /// Finds the sharpest triangle; an infinite angle if there is none.
-pub(super) fn smallest_angle(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> Sharpest {
-    let mut worst = Sharpest { degrees: f64::INFINITY, at: Vector2::zeros() };
+pub(super) fn smallest_angle(points: &[Vector2<f64>], triangles: &[[u32; 3]]) -> SharpestTriangle {
+    let mut worst = SharpestTriangle { degrees: f64::INFINITY, at: Vector2::zeros() };
     for triangle in triangles {
         let corners = triangle.map(|n| points[n as usize]);
         let degrees = smallest_angle_of(corners);
         if degrees < worst.degrees {
-            worst = Sharpest { degrees, at: (corners[0] + corners[1] + corners[2]) / 3.0 };
+            worst = SharpestTriangle { degrees, at: (corners[0] + corners[1] + corners[2]) / 3.0 };
         }
     }
     worst

@@ -5,7 +5,7 @@ pub mod bounds;
 pub mod forces;
 pub mod lanes;
 pub mod motion;
-pub mod picture;
+pub mod observables;
 pub mod point;
 pub mod quad;
 pub mod spec;

@@ -13,24 +13,24 @@ pub struct Motion {
 
 /// Of nodes with velocities `v` [m/s], three a node, and masses [kg].
 pub fn motion(v: &[f64], mass: &[f64]) -> Motion {
-    quad::run(Moving { v, mass })
+    quad::run(MotionPass { v, mass })
 }
 
 /// Nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
 pub(in crate::model) const BLOCK: usize = 64;
 
 /// The motion of nodes that are added four by four, block after block.
-pub(super) struct Sum<Q> {
+pub(super) struct MotionSum<Q> {
     /// [J] twice the kinetic energy of whole blocks
     doubled: f64,
     block: Q,
     largest: Q,
 }
 
-impl<Q: Quad> Sum<Q> {
+impl<Q: Quad> MotionSum<Q> {
     #[inline(always)]
     pub fn new<U: VectorUnit<Quad = Q>>(unit: U) -> Self {
-        Sum { doubled: 0.0, block: unit.splat(0.0), largest: unit.splat(0.0) }
+        MotionSum { doubled: 0.0, block: unit.splat(0.0), largest: unit.splat(0.0) }
     }
 
     /// Four nodes by their masses [kg] and the components of their velocities [m/s].
@@ -56,17 +56,17 @@ impl<Q: Quad> Sum<Q> {
     }
 }
 
-struct Moving<'a> {
+struct MotionPass<'a> {
     v: &'a [f64],
     mass: &'a [f64],
 }
 
-impl quad::Pass for Moving<'_> {
+impl quad::Pass for MotionPass<'_> {
     type Output = Motion;
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> Motion {
-        let mut sum = Sum::new(unit);
+        let mut sum = MotionSum::new(unit);
         for (v, mass) in self.v.chunks(3 * BLOCK).zip(self.mass.chunks(BLOCK)) {
             let ((v, v_last), (mass, mass_last)) = (v.as_chunks::<12>(), mass.as_chunks::<4>());
             for (v, mass) in v.iter().zip(mass) {
@@ -107,7 +107,7 @@ mod tests {
             let found = motion(&v, &mass);
             assert_eq!(found.largest_square, squares.iter().copied().fold(0.0, f64::max));
             assert!((found.kinetic - kinetic).abs() <= 1e-14 * kinetic, "{n} nodes: {} for {kinetic}", found.kinetic);
-            assert_eq!(found, Moving { v: &v, mass: &mass }.run(Portable));
+            assert_eq!(found, MotionPass { v: &v, mass: &mass }.run(Portable));
         }
     }
 }

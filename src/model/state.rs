@@ -2,8 +2,8 @@
 //!
 //! Degrees of freedom are in the engine's own numbering, which keeps neighbours together (`scene/numbering`), not in
 //! that of the mesh. [`Scene::name_of`](crate::scene::Scene::name_of) names the node and axis of one,
-//! [`Picture::trace`](crate::model::picture::Picture::trace) gives positions and velocities node by node as the mesh
-//! has them.
+//! [`Observables::trace`](crate::model::observables::Observables::trace) gives positions and velocities node by node as
+//! the mesh has them.
 
 /// Time, positions and velocities of all degrees of freedom (fixed ones included), `x0 y0 z0 x1 …` in the engine's
 /// numbering ([above](self)).

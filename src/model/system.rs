@@ -66,12 +66,12 @@ pub trait System: Send + Sync {
     }
 
     /// Makes a block of steps from a point on: moves `at` to the end of the last and overwrites `out` with the forces
-    /// there. `passed` has an entry a step, of which it tells time and summary; it is empty for a single step, of which
-    /// nothing but `out` is told. The time at the end is in `at` before. Bits are those of steps made one by one.
+    /// there. `summaries` has an entry a step, of which it tells time and summary; it is empty for a single step, of
+    /// which nothing but `out` is told. The time at the end is in `at` before. Bits are those of steps made one by one.
     ///
     /// Systems whose [`System::longest_block`] is below two make the single step alone.
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [StepSummary]) {
-        debug_assert!(passed.is_empty(), "this system makes steps one by one");
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
+        debug_assert!(summaries.is_empty(), "this system makes steps one by one");
         single_step(self, at, out, block);
     }
 

@@ -152,7 +152,7 @@ impl ResultFolder {
         for name in [SUMMARY, HISTORY, PROBES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections) {
             let path = self.dir.join(name);
             for path in [part_path(&path), path] {
-                if let Some(there) = look(&path)? {
+                if let Some(there) = metadata_of(&path)? {
                     if there.is_dir() {
                         return Err(FolderError::InTheWay { path: path.display().to_string(), what: "a folder" });
                     }
@@ -169,14 +169,14 @@ impl ResultFolder {
     /// What the files of another case are named after, where the summary is of one.
     fn other_stem(&self) -> Option<String> {
         let path = self.file(SUMMARY);
-        look(&path).ok()?.filter(Metadata::is_file)?;
+        metadata_of(&path).ok()?.filter(Metadata::is_file)?;
         let summary: serde_json::Value = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
         Some(file_stem(summary["case"]["name"].as_str()?)).filter(|stem| *stem != self.stem)
     }
 
     fn earlier_frames(&self, stem: &str) -> Result<Vec<PathBuf>, FolderError> {
         let folder = self.dir.join(FRAMES);
-        match look(&folder)? {
+        match metadata_of(&folder)? {
             None => return Ok(Vec::new()),
             Some(there) if there.is_dir() => {}
             Some(there) => {
@@ -196,7 +196,7 @@ fn refuse_file(dir: &Path) -> Result<(), FolderError> {
 }
 
 /// What is at a path itself, links not followed.
-fn look(path: &Path) -> Result<Option<Metadata>, FolderError> {
+fn metadata_of(path: &Path) -> Result<Option<Metadata>, FolderError> {
     match fs::symlink_metadata(path) {
         Ok(there) => Ok(Some(there)),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),

@@ -8,14 +8,14 @@ use super::hermite::interpolate;
 use super::request::{check, files_spec};
 use super::rows::HistoryRow;
 use super::schedule::CheckpointSchedule;
-use super::schedule::{Due, Moment, Rows, Schedule, tolerance};
+use super::schedule::{FrameDue, RowSchedule, Schedule, TimeInStep, tolerance};
 use super::writer::{Message, ResultWriter};
 use crate::case::spec::RowEvery;
 use crate::drive::observer::{
     AcceptedStep, LedgerRow, ObserveError, Observer, Occasion, Point, Resumable, UpcomingStep, Wants,
 };
 use crate::model::forces::Forces;
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
@@ -41,11 +41,11 @@ pub struct RecorderState {
 /// tensions evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
 /// [credible](AcceptedStep::credible) are taken away again, and the last state that is becomes the last frame.
 pub struct Recorder<'a> {
-    picture: &'a dyn Picture,
+    picture: &'a dyn Observables,
     fields: Fields,
     frames_every: Option<f64>,
     history_every: RowEvery,
-    rows: Rows,
+    rows: RowSchedule,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
@@ -54,7 +54,7 @@ pub struct Recorder<'a> {
     between: State,
     forces: Forces,
     writer: ResultWriter,
-    keeper: Option<CheckpointSchedule>,
+    checkpoints: Option<CheckpointSchedule>,
     /// the last credible state, if newer ones are not
     last_good: Option<LastGood>,
     failed: bool,
@@ -72,7 +72,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// When the request is out of range or a file cannot be created.
-    pub fn new(picture: &'a dyn Picture, spec: &RecorderSpec) -> Result<Self, RecorderError> {
+    pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
         let writer = ResultWriter::start(&files_spec(picture, spec))?;
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
@@ -84,7 +84,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// When the request is out of range, or the files do not hold what they held or cannot be opened.
     pub fn resume(
-        picture: &'a dyn Picture,
+        picture: &'a dyn Observables,
         spec: &RecorderSpec,
         checkpoint: &Checkpoint,
     ) -> Result<Self, RecorderError> {
@@ -93,21 +93,21 @@ impl<'a> Recorder<'a> {
         Ok(Self::around(picture, spec, writer, checkpoint.recorder))
     }
 
-    fn around(picture: &'a dyn Picture, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
+    fn around(picture: &'a dyn Observables, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
         let RecorderState { next_frame, shown, waiting, history_every } = mark;
         Self {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
             history_every,
-            rows: Rows::of(history_every),
+            rows: RowSchedule::of(history_every),
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
             between: picture.initial_state(),
             forces: picture.new_forces(),
             writer,
-            keeper: None,
+            checkpoints: None,
             last_good: None,
             failed: false,
         }
@@ -121,14 +121,14 @@ impl<'a> Recorder<'a> {
     /// Also writes `checkpoint.bin`, which a recorder without this does not.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
-        Self { keeper: Some(CheckpointSchedule::new(spec)), ..self }
+        Self { checkpoints: Some(CheckpointSchedule::new(spec)), ..self }
     }
 
-    fn show(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
+    fn send_frame(&mut self, at: StateRef<'_>, forces: &Forces) -> Result<(), ObserveError> {
         let mut frame = self.writer.empty_frame()?;
         self.fill(&mut frame, at, forces);
         if !frame.is_finite() {
-            self.writer.forget(frame);
+            self.writer.recycle(frame);
             return Ok(());
         }
         self.shown = Some(at.t);
@@ -153,7 +153,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn show_between(&mut self, [start, end]: [&Point; 2], moment: Moment) -> Result<(), ObserveError> {
+    fn show_between(&mut self, [start, end]: [&Point; 2], moment: TimeInStep) -> Result<(), ObserveError> {
         // Taken out and put back, because `show` needs the rest of `self`.
         let (mut state, mut forces) = (std::mem::take(&mut self.between), std::mem::take(&mut self.forces));
         interpolate(start.state.as_ref(), end.state.as_ref(), moment.fraction, &mut state);
@@ -162,7 +162,7 @@ impl<'a> Recorder<'a> {
         if self.fields.force || self.fields.reaction {
             self.picture.evaluate(state.as_ref(), &mut forces);
         }
-        let shown = self.show(state.as_ref(), &forces);
+        let shown = self.send_frame(state.as_ref(), &forces);
         (self.between, self.forces) = (state, forces);
         shown
     }
@@ -185,7 +185,7 @@ impl<'a> Recorder<'a> {
 
     /// Whether a checkpoint is due at the end of a step, at `t` [s].
     fn keeps_at(&self, t: f64) -> bool {
-        self.keeper.as_ref().is_some_and(|keeper| keeper.due(t))
+        self.checkpoints.as_ref().is_some_and(|checkpoints| checkpoints.due(t))
     }
 }
 
@@ -195,7 +195,7 @@ impl Observer for Recorder<'_> {
         self.schedule = Schedule::new(self.frames_every, state.t);
         self.rows.skip(state.t);
         self.write_row(HistoryRow { t: state.t, ledger, ..HistoryRow::default() }, state)?;
-        self.show(state, &at.forces)
+        self.send_frame(state, &at.forces)
     }
 
     /// Wants the end state of a step that ends at a frame or a checkpoint, and both states if a frame lies within it.
@@ -213,8 +213,8 @@ impl Observer for Recorder<'_> {
         }
         while let Some(due) = self.schedule.next_in(step.from, step.t) {
             match (due, step.start, step.end) {
-                (Due::End, _, Some(end)) => self.show(end.state.as_ref(), &end.forces)?,
-                (Due::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
+                (FrameDue::End, _, Some(end)) => self.send_frame(end.state.as_ref(), &end.forces)?,
+                (FrameDue::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
                 // The run gives every state that was asked for.
                 _ => {}
             }
@@ -233,8 +233,8 @@ impl Observer for Recorder<'_> {
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         self.rows.skip(at.state.t);
-        if let Some(keeper) = &mut self.keeper {
-            keeper.skip(at.state.t);
+        if let Some(checkpoints) = &mut self.checkpoints {
+            checkpoints.skip(at.state.t);
         }
         Ok(())
     }
@@ -246,7 +246,7 @@ impl Observer for Recorder<'_> {
         }
         let Self { shown, waiting, history_every, .. } = *self;
         let mark = RecorderState { next_frame: self.schedule.position(), shown, waiting, history_every };
-        match self.keeper.as_mut().and_then(|keeper| keeper.keep(run, mark)) {
+        match self.checkpoints.as_mut().and_then(|checkpoints| checkpoints.checkpoint_if_due(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),
         }
@@ -273,7 +273,7 @@ impl Observer for Recorder<'_> {
         let state = last.state.as_ref();
         let same = |shown: f64| (shown - state.t).abs() <= tolerance(state.t, state.t);
         if !self.shown.is_some_and(same) {
-            self.show(state, &last.forces)?;
+            self.send_frame(state, &last.forces)?;
         }
         self.writer.finish()
     }

@@ -8,7 +8,7 @@ use super::resume::ResumeError;
 use super::sanitize::file_stem;
 use crate::case::spec::{ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::vtk::VtuFormat;
 
 /// Frames a run may be asked for; their numbers have six digits.
@@ -97,7 +97,7 @@ pub enum RecorderError {
 }
 
 /// What the writing thread must know of a request.
-pub(super) fn files_spec<'a>(picture: &'a dyn Picture, spec: &'a RecorderSpec) -> FilesSpec<'a> {
+pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpec) -> FilesSpec<'a> {
     FilesSpec {
         folder: spec.out_dir.clone(),
         stem: file_stem(&spec.name),

@@ -13,7 +13,7 @@ const COINCIDENT: f64 = 1e-9;
 
 /// A time within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct TimeInStep {
     /// [s] time of the frame, k * every
     pub time: f64,
     /// [-] share of the step that lies before it
@@ -22,9 +22,9 @@ pub struct Moment {
 
 /// Where in a step a frame lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Due {
+pub enum FrameDue {
     /// within the step
-    Between(Moment),
+    Between(TimeInStep),
     /// at the end of the step
     End,
 }
@@ -56,14 +56,14 @@ impl Schedule {
     /// The states that the next frame needs of a step before which it is not due: both ends if it lies within the step.
     pub fn states(mut self, step: UpcomingStep) -> States {
         match self.next_in(step.from, step.t) {
-            Some(Due::Between(_)) => States::BothEnds,
-            Some(Due::End) => States::End,
+            Some(FrameDue::Between(_)) => States::BothEnds,
+            Some(FrameDue::End) => States::End,
             None => States::None,
         }
     }
 
     /// The next frame in the step from `from` to `to` [s], if there is one left.
-    pub fn next_in(&mut self, from: f64, to: f64) -> Option<Due> {
+    pub fn next_in(&mut self, from: f64, to: f64) -> Option<FrameDue> {
         let every = self.every?;
         let slack = tolerance(from, to);
         let time = self.next as f64 * every;
@@ -76,9 +76,9 @@ impl Schedule {
         if time >= to - slack {
             // Further frame times at this same end would show the same picture.
             self.next = self.next.max(first_after(to + slack, every));
-            return Some(Due::End);
+            return Some(FrameDue::End);
         }
-        Some(Due::Between(Moment { time, fraction: ((time - from) / (to - from)).clamp(0.0, 1.0) }))
+        Some(FrameDue::Between(TimeInStep { time, fraction: ((time - from) / (to - from)).clamp(0.0, 1.0) }))
     }
 }
 
@@ -149,7 +149,11 @@ impl CheckpointSchedule {
 
     /// A checkpoint, if one is due: at t = 0, at each interval, and before the last step, but only if the case asks for
     /// them; when interrupted in any case.
-    pub(super) fn keep(&mut self, run: &Resumable<'_>, recorder: RecorderState) -> Option<Box<Checkpoint>> {
+    pub(super) fn checkpoint_if_due(
+        &mut self,
+        run: &Resumable<'_>,
+        recorder: RecorderState,
+    ) -> Option<Box<Checkpoint>> {
         let last = run.occasion == Occasion::LastStep;
         let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);
         (asked || run.occasion == Occasion::Interrupted).then(|| {
@@ -167,25 +171,25 @@ impl CheckpointSchedule {
 
 /// When rows of the history are due.
 #[derive(Clone, Copy, Debug)]
-pub enum Rows {
+pub enum RowSchedule {
     /// every so many steps
     Steps(u64),
     /// once in each interval of time
     Time(Intervals),
 }
 
-impl Rows {
+impl RowSchedule {
     /// From t = 0.
     pub fn of(every: RowEvery) -> Self {
         match every {
-            RowEvery::Steps(steps) => Rows::Steps(steps),
-            RowEvery::Time(every) => Rows::Time(Intervals::new(every)),
+            RowEvery::Steps(steps) => RowSchedule::Steps(steps),
+            RowEvery::Time(every) => RowSchedule::Time(Intervals::new(every)),
         }
     }
 
     /// Skips what is due until `t` [s].
     pub fn skip(&mut self, t: f64) {
-        if let Rows::Time(intervals) = self {
+        if let RowSchedule::Time(intervals) = self {
             intervals.skip(t);
         }
     }
@@ -193,8 +197,8 @@ impl Rows {
     /// Whether the end of step number `step`, at `t` [s], has a row.
     pub fn due(&mut self, step: u64, t: f64) -> bool {
         match self {
-            Rows::Steps(every) => step.is_multiple_of(*every),
-            Rows::Time(intervals) => intervals.reached(t),
+            RowSchedule::Steps(every) => step.is_multiple_of(*every),
+            RowSchedule::Time(intervals) => intervals.reached(t),
         }
     }
 }
@@ -213,7 +217,7 @@ pub fn tolerance(from: f64, to: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn all(schedule: &mut Schedule, from: f64, to: f64) -> Vec<Due> {
+    fn all(schedule: &mut Schedule, from: f64, to: f64) -> Vec<FrameDue> {
         std::iter::from_fn(|| schedule.next_in(from, to)).collect()
     }
 
@@ -222,16 +226,15 @@ mod tests {
     fn frames_fall_where_they_should() {
         let mut schedule = Schedule::new(Some(0.1), 0.0);
         assert_eq!(all(&mut schedule, 0.0, 0.05), []);
-        assert_eq!(all(&mut schedule, 0.05, 0.1), [Due::End]);
+        assert_eq!(all(&mut schedule, 0.05, 0.1), [FrameDue::End]);
         let wide = all(&mut schedule, 0.1, 0.3);
-        assert!(
-            matches!(wide[..], [Due::Between(at), Due::End] if at.time == 0.2 && (at.fraction - 0.5).abs() < 1e-15)
-        );
+        use FrameDue::{Between, End};
+        assert!(matches!(wide[..], [Between(at), End] if at.time == 0.2 && (at.fraction - 0.5).abs() < 1e-15));
         let mut many = Schedule::new(Some(1e-12), 0.0);
         let mut t = 0.0;
         for k in 0..1000 {
             let to = t + 1e-12;
-            assert_eq!(all(&mut many, t, to), [Due::End], "step {k}");
+            assert_eq!(all(&mut many, t, to), [FrameDue::End], "step {k}");
             t = to;
         }
     }
@@ -256,7 +259,7 @@ mod tests {
     fn later_start() {
         let mut schedule = Schedule::new(Some(0.1), 0.3);
         assert_eq!(all(&mut schedule, 0.3, 0.35), []);
-        assert_eq!(all(&mut schedule, 0.35, 0.4), [Due::End]);
+        assert_eq!(all(&mut schedule, 0.35, 0.4), [FrameDue::End]);
         assert_eq!(all(&mut Schedule::new(None, 0.0), 0.0, 1e9), []);
     }
 }

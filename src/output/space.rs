@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::frame::Fields;
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::vtk::{Precision, Width};
 
 /// [byte] The XML around the arrays of a frame, about.
@@ -11,7 +11,7 @@ const HEAD: u64 = 2000;
 
 /// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is
 /// at most that.
-pub fn frame_bytes(picture: &dyn Picture, fields: Fields, precision: Precision) -> u64 {
+pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precision) -> u64 {
     let count = |n: usize| n as u64;
     let (points, triangles, edges) =
         (count(picture.reference().len()), count(picture.triangles().len()), count(picture.edges().len()));

@@ -45,7 +45,7 @@ pub(super) enum Message {
 }
 
 /// The thread's ends of the channels.
-struct Ends {
+struct WriterChannels {
     messages: Receiver<Message>,
     give_back: SyncSender<Frame>,
     /// frames not yet given back
@@ -94,7 +94,7 @@ impl ResultWriter {
         let (to_thread, messages) = sync_channel(WAITING);
         let (give_back, returned) = sync_channel(most);
         let (tell_kept, kept) = sync_channel(CHECKPOINTS);
-        let ends = Ends { messages, give_back, written: Vec::with_capacity(most), most, kept: tell_kept };
+        let ends = WriterChannels { messages, give_back, written: Vec::with_capacity(most), most, kept: tell_kept };
         let thread = std::thread::Builder::new()
             .name("results".to_owned())
             .spawn(move || write_all(files, ends))
@@ -125,7 +125,7 @@ impl ResultWriter {
     }
 
     /// Takes back a frame that is not to be written after all.
-    pub fn forget(&mut self, frame: Frame) {
+    pub fn recycle(&mut self, frame: Frame) {
         self.spare = Some(frame);
     }
 
@@ -171,7 +171,7 @@ impl Drop for ResultWriter {
     }
 }
 
-impl Ends {
+impl WriterChannels {
     /// The next message, if one comes in time; called after another.
     fn next(&mut self) -> Result<Message, RecvTimeoutError> {
         match self.messages.try_recv() {
@@ -203,13 +203,13 @@ impl Ends {
 }
 
 /// The thread: ends when the channel closes or at the first fault, and then saves what it still can.
-fn write_all(mut files: ResultFiles, mut ends: Ends) -> Result<(), ObserveError> {
+fn write_all(mut files: ResultFiles, mut ends: WriterChannels) -> Result<(), ObserveError> {
     let ended = listen(&mut files, &mut ends);
     // All files are tried; the first fault is the one to report.
     ended.and(files.finish())
 }
 
-fn listen(files: &mut ResultFiles, ends: &mut Ends) -> Result<(), ObserveError> {
+fn listen(files: &mut ResultFiles, ends: &mut WriterChannels) -> Result<(), ObserveError> {
     loop {
         match ends.next() {
             Ok(Message::Frame(frame)) => {

@@ -47,7 +47,7 @@ const STAR: [(f64, f64); 10] = [
 
 /// How a line looks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct LineStyle {
     /// number in the palette; where that ends, it begins again with dashes
     pub color: usize,
     /// how points are joined
@@ -58,7 +58,7 @@ pub(super) struct Look {
     pub width: f64,
 }
 
-impl Look {
+impl LineStyle {
     fn ink(&self) -> Ink {
         PALETTE[self.color % PALETTE.len()]
     }
@@ -70,7 +70,7 @@ impl Look {
 
 /// A place in the picture [px], from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spot {
+pub(super) struct PixelPoint {
     /// to the right
     pub x: f64,
     /// downwards
@@ -119,29 +119,29 @@ impl Canvas {
         let _ = writeln!(self.svg, "<{name} {attributes}/>");
     }
 
-    fn polyline(&mut self, points: &[Spot], ink: Ink, width: f64, more: &str) {
+    fn polyline(&mut self, points: &[PixelPoint], ink: Ink, width: f64, more: &str) {
         let (stroke, points) = (stroke(ink, width), listed(points));
         self.element("polyline", format_args!("fill=\"none\" {stroke}{more} points=\"{points}\""));
     }
 
-    fn polygon(&mut self, corners: &[Spot], ink: Ink, more: &str) {
+    fn polygon(&mut self, corners: &[PixelPoint], ink: Ink, more: &str) {
         let points = listed(corners);
         self.element("polygon", format_args!("fill=\"{ink}\"{more} points=\"{points}\""));
     }
 
     /// A thin straight line of the frame or the grid.
-    pub(super) fn rule(&mut self, from: Spot, to: Spot, ink: Ink) {
+    pub(super) fn rule(&mut self, from: PixelPoint, to: PixelPoint, ink: Ink) {
         self.polyline(&[from, to], ink, 1.0, "");
     }
 
     /// A rectangle without filling.
-    pub(super) fn frame(&mut self, from: Spot, to: Spot) {
+    pub(super) fn frame(&mut self, from: PixelPoint, to: PixelPoint) {
         let corners = [(from.x, from.y), (to.x, from.y), (to.x, to.y), (from.x, to.y), (from.x, from.y)];
-        self.polyline(&corners.map(|(x, y)| Spot { x, y }), INK, 1.0, "");
+        self.polyline(&corners.map(|(x, y)| PixelPoint { x, y }), INK, 1.0, "");
     }
 
     /// A piece of a line.
-    pub(super) fn line(&mut self, points: &[Spot], look: Look) {
+    pub(super) fn line(&mut self, points: &[PixelPoint], look: LineStyle) {
         let width = match look.stroke {
             Stroke::None => return,
             Stroke::Thin => 0.7,
@@ -155,12 +155,12 @@ impl Canvas {
     }
 
     /// A pale area within a line that closes it.
-    pub(super) fn area(&mut self, corners: &[Spot], look: Look) {
+    pub(super) fn area(&mut self, corners: &[PixelPoint], look: LineStyle) {
         self.polygon(corners, look.ink(), " opacity=\"0.16\"");
     }
 
     /// The mark of a line at a point.
-    pub(super) fn mark(&mut self, at: Spot, look: Look) {
+    pub(super) fn mark(&mut self, at: PixelPoint, look: LineStyle) {
         let ink = look.ink();
         let (x, y) = (fine(at.x), fine(at.y));
         match look.marker {
@@ -191,7 +191,7 @@ impl Canvas {
     }
 
     /// A mark with corners: filled, or an outline.
-    fn shape(&mut self, at: Spot, corners: &[(f64, f64)], look: Look) {
+    fn shape(&mut self, at: PixelPoint, corners: &[(f64, f64)], look: LineStyle) {
         use Marker::{OpenDiamond, OpenSquare, OpenStar, OpenTriangle, OpenTriangleDown};
         let (ink, mut corners) = (look.ink(), around(at, corners));
         if matches!(look.marker, OpenSquare | OpenTriangle | OpenTriangleDown | OpenDiamond | OpenStar) {
@@ -203,7 +203,7 @@ impl Canvas {
     }
 
     /// Words of a size [px].
-    pub(super) fn write(&mut self, text: &str, size: f64, spot: Spot, anchor: Anchor) {
+    pub(super) fn write(&mut self, text: &str, size: f64, spot: PixelPoint, anchor: Anchor) {
         let (anchored, down) = match anchor {
             Anchor::Start => ("start", "0.5ex"),
             Anchor::End => ("end", "0.5ex"),
@@ -221,15 +221,15 @@ impl Canvas {
 }
 
 /// The corners of a mark, given in mark sizes from its middle.
-fn around(at: Spot, corners: &[(f64, f64)]) -> Vec<Spot> {
-    corners.iter().map(|(x, y)| Spot { x: at.x + MARK * x, y: at.y + MARK * y }).collect()
+fn around(at: PixelPoint, corners: &[(f64, f64)]) -> Vec<PixelPoint> {
+    corners.iter().map(|(x, y)| PixelPoint { x: at.x + MARK * x, y: at.y + MARK * y }).collect()
 }
 
 fn stroke(ink: Ink, width: f64) -> String {
     format!("stroke=\"{ink}\" stroke-width=\"{}\"", fine(width))
 }
 
-fn listed(points: &[Spot]) -> String {
+fn listed(points: &[PixelPoint]) -> String {
     points.iter().map(|p| format!("{},{} ", fine(p.x), fine(p.y))).collect()
 }
 

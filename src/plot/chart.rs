@@ -33,7 +33,7 @@ pub struct Chart {
     /// words in the picture
     pub notes: Vec<Note>,
     /// marks that have no place on one of the axes, beside the picture
-    pub strip: Option<Strip>,
+    pub margin_panel: Option<MarginPanel>,
 }
 
 /// Words at a place of a chart.
@@ -64,18 +64,18 @@ pub enum Align {
 /// A strip beside the picture for marks that have no place on one axis: runs without a result have a cost, but no
 /// error. Marks that would cover each other are moved apart.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Strip {
+pub struct MarginPanel {
     /// where it stands
-    pub side: Side,
+    pub side: PanelSide,
     /// what its marks have in common
     pub label: String,
     /// the marks
-    pub marks: Vec<StripMark>,
+    pub marks: Vec<PanelMark>,
 }
 
 /// Where a strip stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Side {
+pub enum PanelSide {
     /// to the right, along the vertical axis
     #[default]
     Right,
@@ -85,7 +85,7 @@ pub enum Side {
 
 /// A mark in a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StripMark {
+pub struct PanelMark {
     /// its place along the axis that it has; beyond the axis' ends it stands at the end. `None`: in a part of its own
     /// at the lower end
     pub at: Option<f64>,

@@ -1,7 +1,7 @@
 //! Curves of runs and the part of them a chart should show.
 
 use super::chart::{Line, Marker, Stroke};
-use super::results::Ending;
+use super::results::RunEnd;
 use crate::drive::Status;
 
 /// A failed run that went farther than so many times its typical distance from its start ended as a wreck.
@@ -13,14 +13,14 @@ const SHOWN: f64 = 10.0;
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
     /// how its run ended
-    pub ending: Ending,
+    pub ending: RunEnd,
     /// its points
-    pub points: Vec<Timed>,
+    pub points: Vec<TimedPoint>,
 }
 
 /// A point and when it was.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Timed {
+pub(super) struct TimedPoint {
     /// [s]
     pub t: f64,
     /// across and up
@@ -29,7 +29,7 @@ pub(super) struct Timed {
 
 /// Lower and upper end of both axes, where they are not left to the chart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(super) struct AxisLimits {
     /// of the horizontal axis
     pub x: Option<(f64, f64)>,
     /// of the vertical axis
@@ -110,8 +110,8 @@ mod tests {
     use super::*;
 
     fn curve(status: Status, values: &[f64]) -> Curve {
-        let points = (0u8..).zip(values).map(|(i, v)| Timed { t: f64::from(i), at: (f64::from(i), *v) }).collect();
-        Curve { ending: Ending { status, time: 3.0 }, points }
+        let points = (0u8..).zip(values).map(|(i, v)| TimedPoint { t: f64::from(i), at: (f64::from(i), *v) }).collect();
+        Curve { ending: RunEnd { status, time: 3.0 }, points }
     }
 
     /// A blow-up leaves room for the others, and what came after it was found does not count.
@@ -140,8 +140,8 @@ mod tests {
     fn wrecks_do_not_squeeze_themselves() {
         let y = |at: (f64, f64)| at.1;
         let alone = |status, values: &[f64]| {
-            let points = values.iter().map(|v| Timed { t: 0.0, at: (0.0, *v) }).collect();
-            Curve { ending: Ending { status, time: 3.0 }, points }.range(y).expect("points")
+            let points = values.iter().map(|v| TimedPoint { t: 0.0, at: (0.0, *v) }).collect();
+            Curve { ending: RunEnd { status, time: 3.0 }, points }.range(y).expect("points")
         };
         let swing = [5.0, 6.0, 5.0, 4.0, 5.0, 6.0, 3e8, -5e31];
         assert_eq!(alone(Status::Diverged, &swing), (-5.0, 15.0), "ten times 1 to either side of 5");

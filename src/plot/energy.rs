@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::chart::{Axis, Chart, Line, Size, Stroke};
-use super::curve::{Curve, Limits, Timed, limits, times};
+use super::curve::{AxisLimits, Curve, TimedPoint, limits, times};
 use super::results::Run;
 use super::series::{joined, labels, title};
 use super::view::View;
@@ -55,11 +55,11 @@ pub(super) fn charts(runs: &[Run], view: &View) -> Result<Vec<Chart>, PlotError>
 
 fn curve(run: &Run, entry: Entry, view: &View) -> Curve {
     let rows = run.energies.iter().filter(|(t, _)| view.sees(*t));
-    Curve { ending: run.ending, points: rows.map(|(t, row)| Timed { t: *t, at: (*t, (entry.of)(row)) }).collect() }
+    Curve { ending: run.ending, points: rows.map(|(t, row)| TimedPoint { t: *t, at: (*t, (entry.of)(row)) }).collect() }
 }
 
 fn chart(title: String, curves: Vec<Curve>, names: Vec<(usize, String)>) -> Chart {
-    let limits = Limits { x: times(&curves), y: limits(&curves, |p| p.1) };
+    let limits = AxisLimits { x: times(&curves), y: limits(&curves, |p| p.1) };
     let lines = curves.iter().zip(&names).map(|(curve, (color, name))| curve.line(name, *color, Stroke::Normal));
     let marks = curves.iter().zip(&names).filter_map(|(curve, (color, _))| curve.end_mark(*color, limits.y));
     let lines: Vec<Line> = lines.chain(marks).collect();

@@ -2,7 +2,7 @@
 
 use super::PlotError;
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, Look, Spot};
+use super::canvas::{Anchor, Canvas, FINE_GRID, GRID, LETTERS, LineStyle, PixelPoint};
 use super::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Size, Stroke};
 use super::decimate::{UnitPoint, cut, inside, thin};
 use super::legend::{Entry, Legend};
@@ -22,9 +22,9 @@ const LARGEST: u32 = 20_000;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
     /// upper left corner
-    pub(super) from: Spot,
+    pub(super) from: PixelPoint,
     /// lower right corner
-    pub(super) to: Spot,
+    pub(super) to: PixelPoint,
 }
 
 /// Both axes of a chart.
@@ -45,27 +45,27 @@ pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError
     let looks = looks(&first.lines);
     let entries = first.lines.iter().zip(&looks).filter(|(line, _)| !line.label.is_empty());
     let legend = Legend::new(entries.map(|(line, look)| Entry { label: &line.label, look: *look }).collect(), size);
-    let cell = Spot { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
+    let cell = PixelPoint { x: (width - legend.width()) / columns as f64, y: height / rows as f64 };
     let mut canvas = Canvas::new(size);
     for (i, chart) in charts.iter().enumerate() {
-        let from = Spot { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
-        draw_chart(&mut canvas, chart, Field { from, to: Spot { x: from.x + cell.x, y: from.y + cell.y } })?;
+        let from = PixelPoint { x: (i % columns) as f64 * cell.x, y: (i / columns) as f64 * cell.y };
+        draw_chart(&mut canvas, chart, Field { from, to: PixelPoint { x: from.x + cell.x, y: from.y + cell.y } })?;
     }
-    legend.draw(&mut canvas, Spot { x: width - legend.width(), y: 40.0 });
+    legend.draw(&mut canvas, PixelPoint { x: width - legend.width(), y: 40.0 });
     Ok(canvas.finish())
 }
 
 fn draw_chart(canvas: &mut Canvas, chart: &Chart, cell: Field) -> Result<(), PlotError> {
     let top = if chart.title.is_empty() { 18.0 } else { 42.0 };
     let whole = Field {
-        from: Spot { x: cell.from.x + 86.0, y: cell.from.y + top },
-        to: Spot { x: cell.to.x - 22.0, y: cell.to.y - 58.0 },
+        from: PixelPoint { x: cell.from.x + 86.0, y: cell.from.y + top },
+        to: PixelPoint { x: cell.to.x - 22.0, y: cell.to.y - 58.0 },
     };
-    let strip = chart.strip.as_ref().map(|strip| PanelLayout::of(strip, whole));
-    let field = strip.as_ref().map_or(whole, PanelLayout::rest);
+    let margin_panel = chart.margin_panel.as_ref().map(|margin_panel| PanelLayout::of(margin_panel, whole));
+    let field = margin_panel.as_ref().map_or(whole, PanelLayout::rest);
     let scales = scales(chart, field)?;
     let middle = f64::midpoint(whole.from.x, whole.to.x);
-    canvas.write(&chart.title, LETTERS[0], Spot { x: middle, y: whole.from.y - 10.0 }, Anchor::Above);
+    canvas.write(&chart.title, LETTERS[0], PixelPoint { x: middle, y: whole.from.y - 10.0 }, Anchor::Above);
     draw_axes(canvas, chart, scales, field);
     let area = PlotArea { scales, field, share: MOST_POINTS_OF_ALL / chart.lines.len().max(1) };
     for (line, look) in chart.lines.iter().zip(looks(&chart.lines)) {
@@ -74,22 +74,22 @@ fn draw_chart(canvas: &mut Canvas, chart: &Chart, cell: Field) -> Result<(), Plo
     for note in &chart.notes {
         draw_note(canvas, note, &area);
     }
-    if let Some(strip) = &strip {
-        strip.draw(canvas, [scales.x, scales.y]);
+    if let Some(margin_panel) = &margin_panel {
+        margin_panel.draw(canvas, [scales.x, scales.y]);
     }
     Ok(())
 }
 
 fn draw_note(canvas: &mut Canvas, note: &Note, area: &PlotArea) {
     let Some(place) = area.place(note.at) else { return };
-    let Spot { x, y } = area.spot(place);
+    let PixelPoint { x, y } = area.spot(place);
     let (x, y, anchor) = match note.align {
         Align::Right => (x + 5.0, y - 9.0, Anchor::Start),
         Align::Left => (x - 5.0, y - 9.0, Anchor::End),
         Align::RightBelow => (x + 5.0, y + 10.0, Anchor::Start),
         Align::Above => (x, y - 4.0, Anchor::Above),
     };
-    canvas.write(&note.text, LETTERS[2], Spot { x, y }, anchor);
+    canvas.write(&note.text, LETTERS[2], PixelPoint { x, y }, anchor);
 }
 
 fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
@@ -108,7 +108,7 @@ fn scales(chart: &Chart, field: Field) -> Result<AxisScales, PlotError> {
         None => AxisScale::around(axis.scale, values).ok_or_else(nothing),
     };
     // A note or a margin panel is worth a picture, too.
-    let told = !chart.notes.is_empty() || chart.strip.is_some();
+    let told = !chart.notes.is_empty() || chart.margin_panel.is_some();
     if !told {
         drawable().next().ok_or_else(nothing)?;
     }
@@ -130,18 +130,18 @@ fn draw_axes(canvas: &mut Canvas, chart: &Chart, scales: AxisScales, field: Fiel
     let ink = |label: &str| if label.is_empty() { FINE_GRID } else { GRID };
     for tick in &ticks_x {
         let x = from.x + tick.at * across;
-        canvas.rule(Spot { x, y: from.y }, Spot { x, y: to.y }, ink(&tick.label));
-        canvas.write(&tick.label, LETTERS[2], Spot { x, y: to.y + 7.0 }, Anchor::Below);
+        canvas.rule(PixelPoint { x, y: from.y }, PixelPoint { x, y: to.y }, ink(&tick.label));
+        canvas.write(&tick.label, LETTERS[2], PixelPoint { x, y: to.y + 7.0 }, Anchor::Below);
     }
     for tick in &ticks_y {
         let y = to.y - tick.at * down;
-        canvas.rule(Spot { x: from.x, y }, Spot { x: to.x, y }, ink(&tick.label));
-        canvas.write(&tick.label, LETTERS[2], Spot { x: from.x - 7.0, y }, Anchor::End);
+        canvas.rule(PixelPoint { x: from.x, y }, PixelPoint { x: to.x, y }, ink(&tick.label));
+        canvas.write(&tick.label, LETTERS[2], PixelPoint { x: from.x - 7.0, y }, Anchor::End);
     }
     canvas.frame(from, to);
-    let below = Spot { x: f64::midpoint(from.x, to.x), y: to.y + 32.0 };
+    let below = PixelPoint { x: f64::midpoint(from.x, to.x), y: to.y + 32.0 };
     canvas.write(&chart.x.label, LETTERS[1], below, Anchor::Below);
-    let beside = Spot { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
+    let beside = PixelPoint { x: from.x - 64.0, y: f64::midpoint(from.y, to.y) };
     canvas.write(&chart.y.label, LETTERS[1], beside, Anchor::Upwards);
 }
 
@@ -158,13 +158,13 @@ impl PlotArea {
         Some((self.scales.x.place(x)?, self.scales.y.place(y)?))
     }
 
-    fn spot(&self, (across, up): UnitPoint) -> Spot {
+    fn spot(&self, (across, up): UnitPoint) -> PixelPoint {
         let Field { from, to } = self.field;
-        Spot { x: from.x + across * (to.x - from.x), y: to.y - up * (to.y - from.y) }
+        PixelPoint { x: from.x + across * (to.x - from.x), y: to.y - up * (to.y - from.y) }
     }
 }
 
-fn draw_line(canvas: &mut Canvas, line: &Line, look: Look, area: &PlotArea) {
+fn draw_line(canvas: &mut Canvas, line: &Line, look: LineStyle, area: &PlotArea) {
     let places = || line.points.iter().map(|p| area.place(*p));
     if look.stroke != Stroke::None {
         let pieces = cut(places());
@@ -175,7 +175,7 @@ fn draw_line(canvas: &mut Canvas, line: &Line, look: Look, area: &PlotArea) {
         }
         for piece in pieces {
             let share = (most * piece.len()).div_ceil(all.max(1)).max(8);
-            let spots: Vec<Spot> = thin(&piece, share).into_iter().map(|p| area.spot(p)).collect();
+            let spots: Vec<PixelPoint> = thin(&piece, share).into_iter().map(|p| area.spot(p)).collect();
             canvas.line(&spots, look);
         }
     }
@@ -188,7 +188,7 @@ fn draw_line(canvas: &mut Canvas, line: &Line, look: Look, area: &PlotArea) {
 }
 
 /// Colours and widths of all lines, in their order.
-fn looks(lines: &[Line]) -> Vec<Look> {
+fn looks(lines: &[Line]) -> Vec<LineStyle> {
     let usual = lines.iter().filter(|l| l.stroke == Stroke::Normal).count();
     let (mut next, mut last, mut drawn) = (0, 0, 0);
     let look = |line: &Line| {
@@ -201,7 +201,7 @@ fn looks(lines: &[Line]) -> Vec<Look> {
         let [widest, narrowest] = if usual > 1 { WIDTHS } else { [1.8, 1.8] };
         let width = widest + (narrowest - widest) * f64::from(drawn) / usual.saturating_sub(1).max(1) as f64;
         drawn += u32::from(line.stroke == Stroke::Normal);
-        Look { color: last, stroke: line.stroke, marker: line.marker, width: width.max(narrowest) }
+        LineStyle { color: last, stroke: line.stroke, marker: line.marker, width: width.max(narrowest) }
     };
     lines.iter().map(look).collect()
 }

@@ -1,6 +1,6 @@
 //! The legend: a column to the right of the charts, so that it covers no line.
 
-use super::canvas::{Anchor, Canvas, LETTERS, Look, Spot, width_of};
+use super::canvas::{Anchor, Canvas, LETTERS, LineStyle, PixelPoint, width_of};
 use super::chart::{Marker, Size, Stroke};
 
 /// [px] from one entry to the next
@@ -16,7 +16,7 @@ pub(super) struct Entry<'a> {
     /// its name
     pub label: &'a str,
     /// how it is drawn
-    pub look: Look,
+    pub look: LineStyle,
 }
 
 /// All entries, as many as there is room for.
@@ -42,34 +42,34 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws the column from its upper left corner on.
-    pub(super) fn draw(&self, canvas: &mut Canvas, from: Spot) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, from: PixelPoint) {
         let shown = if self.entries.len() > self.rows { self.rows - 1 } else { self.entries.len() };
         let at = |row: usize| from.y + (row as f64 + 0.5) * ROW;
         for (row, Entry { label, look }) in self.entries.iter().take(shown).enumerate() {
             let y = at(row);
             if look.stroke == Stroke::None && look.marker == Marker::None {
                 // A heading.
-                canvas.write(&self.fitted(label), LETTERS[2], Spot { x: from.x, y: y + 2.0 }, Anchor::Start);
+                canvas.write(&self.fitted(label), LETTERS[2], PixelPoint { x: from.x, y: y + 2.0 }, Anchor::Start);
                 continue;
             }
             // A hair line shows no colour; its sample is drawn as a usual line.
             let stroke = if look.stroke == Stroke::Thin { Stroke::Normal } else { look.stroke };
-            let sample = Look { stroke, ..*look };
+            let sample = LineStyle { stroke, ..*look };
             if look.stroke == Stroke::Filled {
                 let (left, right, half) = (from.x, from.x + SAMPLE, 0.3 * ROW);
                 let corners = [(left, y - half), (right, y - half), (right, y + half), (left, y + half)];
-                canvas.area(&corners.map(|(x, y)| Spot { x, y }), *look);
+                canvas.area(&corners.map(|(x, y)| PixelPoint { x, y }), *look);
             }
-            canvas.line(&[Spot { x: from.x, y }, Spot { x: from.x + SAMPLE, y }], sample);
+            canvas.line(&[PixelPoint { x: from.x, y }, PixelPoint { x: from.x + SAMPLE, y }], sample);
             if look.marker != Marker::None {
-                canvas.mark(Spot { x: from.x + 0.5 * SAMPLE, y }, sample);
+                canvas.mark(PixelPoint { x: from.x + 0.5 * SAMPLE, y }, sample);
             }
             let words = self.fitted(label);
-            canvas.write(&words, LETTERS[2], Spot { x: from.x + SAMPLE + 8.0, y }, Anchor::Start);
+            canvas.write(&words, LETTERS[2], PixelPoint { x: from.x + SAMPLE + 8.0, y }, Anchor::Start);
         }
         let more = self.entries.len() - shown;
         if more > 0 {
-            let at = Spot { x: from.x + SAMPLE + 8.0, y: at(shown) };
+            let at = PixelPoint { x: from.x + SAMPLE + 8.0, y: at(shown) };
             canvas.write(&format!("… and {more} more"), LETTERS[2], at, Anchor::Start);
         }
     }

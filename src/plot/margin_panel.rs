@@ -1,8 +1,8 @@
 //! The margin panel of a chart: marks along one axis that have no place on the other, such as runs without an error.
 
 use super::axis::AxisScale;
-use super::canvas::{Anchor, Canvas, GRID, LETTERS, Look, Spot};
-use super::chart::{Side, Strip, Stroke};
+use super::canvas::{Anchor, Canvas, GRID, LETTERS, LineStyle, PixelPoint};
+use super::chart::{MarginPanel, PanelSide, Stroke};
 use super::layout::Field;
 
 /// [px] least distance of two marks, so that they do not touch
@@ -16,7 +16,7 @@ const WITHOUT: f64 = 0.6;
 
 /// Where a strip and its marks stand.
 pub(super) struct PanelLayout<'a> {
-    strip: &'a Strip,
+    margin_panel: &'a MarginPanel,
     field: Field,
     rest: Field,
     lanes: usize,
@@ -24,30 +24,30 @@ pub(super) struct PanelLayout<'a> {
 
 impl<'a> PanelLayout<'a> {
     /// The strip takes its part of the room there is.
-    pub(super) fn of(strip: &'a Strip, whole: Field) -> Self {
-        let length = match strip.side {
-            Side::Right => whole.to.y - whole.from.y,
-            Side::Top => whole.to.x - whole.from.x,
+    pub(super) fn of(margin_panel: &'a MarginPanel, whole: Field) -> Self {
+        let length = match margin_panel.side {
+            PanelSide::Right => whole.to.y - whole.from.y,
+            PanelSide::Top => whole.to.x - whole.from.x,
         };
         let (mut field, mut rest) = (whole, whole);
         // Half empty, so that most marks stand where they belong.
-        let lanes = (2.0 * strip.marks.len() as f64 * PITCH / length.max(PITCH)).ceil() as usize;
-        let lanes = match strip.side {
-            Side::Right => lanes.clamp(LANES[0], LANES[1]),
-            Side::Top => lanes.clamp(2, LANES[0]),
+        let lanes = (2.0 * margin_panel.marks.len() as f64 * PITCH / length.max(PITCH)).ceil() as usize;
+        let lanes = match margin_panel.side {
+            PanelSide::Right => lanes.clamp(LANES[0], LANES[1]),
+            PanelSide::Top => lanes.clamp(2, LANES[0]),
         };
         let width = lanes as f64 * PITCH;
-        match strip.side {
-            Side::Right => {
+        match margin_panel.side {
+            PanelSide::Right => {
                 field.from.x = whole.to.x - width;
                 rest.to.x = field.from.x - GAP;
             }
-            Side::Top => {
+            PanelSide::Top => {
                 field.to.y = whole.from.y + width;
                 rest.from.y = field.to.y + GAP;
             }
         }
-        PanelLayout { strip, field, rest, lanes }
+        PanelLayout { margin_panel, field, rest, lanes }
     }
 
     /// What is left for the chart.
@@ -58,43 +58,43 @@ impl<'a> PanelLayout<'a> {
     /// Draws the strip; of the scales of both axes it takes the one it stands along.
     pub(super) fn draw(&self, canvas: &mut Canvas, [x, y]: [AxisScale; 2]) {
         let Field { from, to } = self.field;
-        let right = self.strip.side == Side::Right;
+        let right = self.margin_panel.side == PanelSide::Right;
         let (scale, length) = if right { (y, to.y - from.y) } else { (x, to.x - from.x) };
-        let places: Vec<_> = self.strip.marks.iter().map(|m| (m, m.at.and_then(|at| scale.place(at)))).collect();
+        let places: Vec<_> = self.margin_panel.marks.iter().map(|m| (m, m.at.and_then(|at| scale.place(at)))).collect();
         let without = places.iter().filter(|(_, place)| place.is_none()).count();
         let band = (without.div_ceil(self.lanes) as f64 * PITCH).min(WITHOUT * length);
         // From the strip's lower end on, as the axis counts.
         let spot = |along: f64, lane: usize| {
             let across = (lane as f64 + 0.5) * PITCH;
             if right {
-                Spot { x: from.x + across, y: to.y - along }
+                PixelPoint { x: from.x + across, y: to.y - along }
             } else {
-                Spot { x: from.x + along, y: to.y - across }
+                PixelPoint { x: from.x + along, y: to.y - across }
             }
         };
         if without > 0 {
             let [a, b] = if right {
-                [Spot { x: from.x, y: to.y - band }, Spot { x: to.x, y: to.y - band }]
+                [PixelPoint { x: from.x, y: to.y - band }, PixelPoint { x: to.x, y: to.y - band }]
             } else {
-                [Spot { x: from.x + band, y: from.y }, Spot { x: from.x + band, y: to.y }]
+                [PixelPoint { x: from.x + band, y: from.y }, PixelPoint { x: from.x + band, y: to.y }]
             };
             canvas.rule(a, b, GRID);
         }
         canvas.frame(from, to);
         let (label, anchor) = if right {
-            (Spot { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
+            (PixelPoint { x: f64::midpoint(from.x, to.x), y: to.y + 7.0 }, Anchor::Below)
         } else {
-            (Spot { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
+            (PixelPoint { x: from.x - 7.0, y: f64::midpoint(from.y, to.y) }, Anchor::End)
         };
-        canvas.write(&self.strip.label, LETTERS[2], label, anchor);
+        canvas.write(&self.margin_panel.label, LETTERS[2], label, anchor);
         let mut lower = Lanes::new(self.lanes, [0.0, band]);
         let mut upper = Lanes::new(self.lanes, [if without > 0 { band } else { 0.0 }, length]);
         for (mark, place) in places {
             let (along, lane) = match place {
-                Some(share) => upper.put(share.clamp(0.0, 1.0) * length),
-                None => lower.put(0.0),
+                Some(share) => upper.free_place(share.clamp(0.0, 1.0) * length),
+                None => lower.free_place(0.0),
             };
-            let look = Look { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
+            let look = LineStyle { color: mark.color, stroke: Stroke::None, marker: mark.marker, width: 1.0 };
             canvas.mark(spot(along, lane), look);
         }
     }
@@ -115,7 +115,7 @@ impl Lanes {
     }
 
     /// The free place nearest to the wanted one, and its lane.
-    fn put(&mut self, wanted: f64) -> (f64, usize) {
+    fn free_place(&mut self, wanted: f64) -> (f64, usize) {
         let [low, high] = self.ends;
         let wanted = wanted.clamp(low, high);
         let shifts = (0..=((high - low) / PITCH).ceil() as i32 + 1).flat_map(|k| [f64::from(k), -f64::from(k)]);
@@ -142,16 +142,16 @@ mod tests {
     #[test]
     fn marks_are_moved_apart() {
         let mut lanes = Lanes::new(3, [0.0, 120.0]);
-        let first: Vec<_> = (0..3).map(|_| lanes.put(60.0)).collect();
+        let first: Vec<_> = (0..3).map(|_| lanes.free_place(60.0)).collect();
         assert_eq!(first, [(60.0, 1), (60.0, 0), (60.0, 2)]);
         let mut all = first;
-        all.extend((0..21).map(|_| lanes.put(60.0)));
+        all.extend((0..21).map(|_| lanes.free_place(60.0)));
         for (i, a) in all.iter().enumerate() {
             assert!((6.0..=114.0).contains(&a.0), "{a:?}");
             for b in &all[..i] {
                 assert!(a.1 != b.1 || (a.0 - b.0).abs() >= PITCH - 1e-6, "{a:?} covers {b:?}");
             }
         }
-        assert_eq!(lanes.put(-5.0).0, 6.0, "beyond the end stands at the end");
+        assert_eq!(lanes.free_place(-5.0).0, 6.0, "beyond the end stands at the end");
     }
 }

@@ -28,18 +28,18 @@ pub struct Run {
     /// [-] relative tolerance of a run in adaptive steps
     pub tolerance: Option<f64>,
     /// how it ended
-    pub ending: Ending,
+    pub ending: RunEnd,
     /// whether it is a simple pendulum, whose bob is node 0 around the origin
     pub pendulum: bool,
     /// time [s] and energies [J], a row a step or every n
     pub energies: Vec<(f64, LedgerRow)>,
     /// one for every node of every probe, in the order of the file
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<ProbePath>,
 }
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ending {
+pub struct RunEnd {
     /// in a word
     pub status: Status,
     /// [s] when trouble was found, or else the time of the last state
@@ -48,7 +48,7 @@ pub struct Ending {
 
 /// The way of a node.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct ProbePath {
     /// name of its probe
     pub probe: String,
     /// in the user's numbering
@@ -56,12 +56,12 @@ pub struct Track {
     /// [m] where it lies before any displacement; a bob hangs at the lowest point then
     pub reference: [f64; 3],
     /// at each frame time
-    pub moments: Vec<Moment>,
+    pub moments: Vec<ProbeSample>,
 }
 
 /// A node at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct ProbeSample {
     /// [s]
     pub t: f64,
     /// [m] position
@@ -133,7 +133,7 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
         method: word("/method")?,
         step: number("/case/time/step"),
         tolerance: number("/case/time/tolerance/relative"),
-        ending: Ending {
+        ending: RunEnd {
             status: status.ok_or_else(|| missing("/status"))?,
             time: ended.ok_or_else(|| missing("/t_end"))?,
         },
@@ -148,17 +148,17 @@ fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotEr
     Ok(rows.into_iter().map(|row| (row.t, row.ledger)).collect())
 }
 
-fn read_probes(path: &Path, text: &str) -> Result<Vec<Track>, PlotError> {
-    let mut tracks: Vec<Track> = Vec::new();
+fn read_probes(path: &Path, text: &str) -> Result<Vec<ProbePath>, PlotError> {
+    let mut tracks: Vec<ProbePath> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
     let rows: Vec<(f64, String, u32, [f64; 3], [f64; 3])> = rows(path, text, PROBES_HEADER)?;
     for (t, probe, node, x, v) in rows {
         let at = *known.entry((probe.clone(), node)).or_insert_with(|| {
-            tracks.push(Track { probe, node, reference: [0.0; 3], moments: Vec::new() });
+            tracks.push(ProbePath { probe, node, reference: [0.0; 3], moments: Vec::new() });
             tracks.len() - 1
         });
         if let Some(track) = tracks.get_mut(at) {
-            track.moments.push(Moment { t, x, v });
+            track.moments.push(ProbeSample { t, x, v });
         }
     }
     Ok(tracks)

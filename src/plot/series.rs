@@ -1,7 +1,7 @@
 //! Which tracks of which runs are drawn, in which colours, along which direction, and under which names.
 
 use super::PlotError;
-use super::results::{Ending, Run, Track};
+use super::results::{ProbePath, Run, RunEnd};
 use super::view::{Direction, View};
 use crate::drive::Status;
 use std::collections::BTreeSet;
@@ -16,7 +16,7 @@ pub(super) struct Group<'a> {
     /// entry of the legend
     pub label: String,
     /// at least one
-    pub tracks: Vec<&'a Track>,
+    pub tracks: Vec<&'a ProbePath>,
 }
 
 /// The tracks a view asks for: a group a run; of a single run, a group a probe, or a node where these are few.
@@ -33,7 +33,7 @@ pub(super) fn groups<'a>(runs: &'a [Run], view: &View) -> Result<Vec<Group<'a>>,
             continue;
         }
         let probes: BTreeSet<&str> = tracks.iter().map(|t| t.probe.as_str()).collect();
-        let split = |key: &dyn Fn(&Track) -> String| {
+        let split = |key: &dyn Fn(&ProbePath) -> String| {
             let mut split: Vec<Group<'a>> = Vec::new();
             for &track in &tracks {
                 let label = joined(&key(track), &label);
@@ -75,7 +75,7 @@ pub(super) fn subject(groups: &[Group<'_>]) -> String {
     }
 }
 
-fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a Track>, PlotError> {
+fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a ProbePath>, PlotError> {
     let folder = run.folder.display();
     if run.tracks.is_empty() {
         return Err(PlotError::NotThere(format!(
@@ -89,7 +89,7 @@ fn tracks<'a>(run: &'a Run, view: &View) -> Result<Vec<&'a Track>, PlotError> {
     }
     let of_probes = run.tracks.iter().filter(|t| view.probes.is_empty() || view.probes.contains(&t.probe));
     let wanted: BTreeSet<u32> = view.nodes.iter().copied().collect();
-    let chosen: Vec<&Track> = of_probes.filter(|t| wanted.is_empty() || wanted.contains(&t.node)).collect();
+    let chosen: Vec<&ProbePath> = of_probes.filter(|t| wanted.is_empty() || wanted.contains(&t.node)).collect();
     let found: BTreeSet<u32> = chosen.iter().map(|t| t.node).collect();
     match wanted.difference(&found).next() {
         Some(node) => Err(PlotError::NotThere(format!("{folder}: node {node} was not probed"))),
@@ -102,7 +102,7 @@ pub(super) fn main_direction(groups: &[Group<'_>], view: &View) -> Direction {
     let directions = [Direction::X, Direction::Y, Direction::Z];
     let travel = |direction: Direction| {
         let c = direction.index();
-        let of_track = |end: f64, track: &Track| {
+        let of_track = |end: f64, track: &ProbePath| {
             let seen = track.moments.iter().filter(|m| view.sees(m.t) && m.t <= end && m.x[c].is_finite());
             let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m.x[c]), h.max(m.x[c])));
             (high - low).max(0.0)
@@ -162,7 +162,7 @@ pub(super) fn title(runs: &[Run], what: &str) -> String {
 }
 
 /// How a run ended; nothing if it reached its end.
-fn ending(Ending { status, time }: Ending) -> String {
+fn ending(RunEnd { status, time }: RunEnd) -> String {
     let word = match status {
         Status::Completed => return String::new(),
         Status::Diverged => "diverged",

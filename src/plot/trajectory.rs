@@ -6,8 +6,8 @@
 
 use super::PlotError;
 use super::chart::{Axis, Chart, Stroke};
-use super::curve::{Curve, Limits, Timed, limits, times};
-use super::results::{Moment, Run, Track};
+use super::curve::{AxisLimits, Curve, TimedPoint, limits, times};
+use super::results::{ProbePath, ProbeSample, Run};
 use super::series::title;
 use super::series::{Group, groups, main_direction, subject};
 use super::view::{Direction, View};
@@ -38,10 +38,10 @@ enum Quantity {
 pub(super) fn displacement(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
     let groups = groups(runs, view)?;
     let quantity = Quantity::of(&groups, view);
-    let drawn = Drawn::new(&groups, |track| {
-        quantity.samples(track, view).map(|s| Timed { t: s.t, at: (s.t, s.value) }).collect()
+    let drawn = GroupedCurves::new(&groups, |track| {
+        quantity.samples(track, view).map(|s| TimedPoint { t: s.t, at: (s.t, s.value) }).collect()
     });
-    let limits = Limits { x: times(&drawn.curves), y: limits(&drawn.curves, |p| p.1) };
+    let limits = AxisLimits { x: times(&drawn.curves), y: limits(&drawn.curves, |p| p.1) };
     let title = title(runs, &format!("{}{}", quantity.name(), quantity.subject(&groups)));
     let axes = [Axis::linear("time t [s]"), Axis::linear(quantity.label())];
     drawn.chart(title, axes, limits, limits.y)
@@ -51,10 +51,10 @@ pub(super) fn displacement(runs: &[Run], view: &View) -> Result<Chart, PlotError
 pub(super) fn phase(runs: &[Run], view: &View) -> Result<Chart, PlotError> {
     let groups = groups(runs, view)?;
     let quantity = Quantity::of(&groups, view);
-    let drawn = Drawn::new(&groups, |track| {
-        quantity.samples(track, view).map(|s| Timed { t: s.t, at: (s.value, s.rate) }).collect()
+    let drawn = GroupedCurves::new(&groups, |track| {
+        quantity.samples(track, view).map(|s| TimedPoint { t: s.t, at: (s.value, s.rate) }).collect()
     });
-    let limits = Limits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
+    let limits = AxisLimits { x: limits(&drawn.curves, |p| p.0), y: limits(&drawn.curves, |p| p.1) };
     let title = title(runs, &format!("phase{}", quantity.subject(&groups)));
     let axes = [Axis::linear(quantity.label()), Axis::linear(quantity.rate_label())];
     // A mark at the edge of a phase diagram would stand where the run never was.
@@ -100,10 +100,10 @@ impl Quantity {
     }
 
     /// The track as this quantity, at the times that are looked at.
-    fn samples(self, track: &Track, view: &View) -> impl Iterator<Item = Sample> {
+    fn samples(self, track: &ProbePath, view: &View) -> impl Iterator<Item = Sample> {
         let mut turns = 0.0;
         let mut before: Option<f64> = None;
-        let sample = move |m: &Moment| match self {
+        let sample = move |m: &ProbeSample| match self {
             Quantity::Along(d) => {
                 let c = d.index();
                 Sample { t: m.t, value: m.x[c] - track.reference[c], rate: m.v[c] }
@@ -123,17 +123,17 @@ impl Quantity {
 }
 
 /// Curves in the order of their groups.
-struct Drawn<'a> {
+struct GroupedCurves<'a> {
     groups: &'a [Group<'a>],
     curves: Vec<Curve>,
 }
 
-impl<'a> Drawn<'a> {
-    fn new(groups: &'a [Group<'a>], points: impl Fn(&Track) -> Vec<Timed>) -> Self {
+impl<'a> GroupedCurves<'a> {
+    fn new(groups: &'a [Group<'a>], points: impl Fn(&ProbePath) -> Vec<TimedPoint>) -> Self {
         let of_group = |g: &'a Group<'a>| {
             g.tracks.iter().map(|t| Curve { ending: g.run.ending, points: points(t) }).collect::<Vec<_>>()
         };
-        Drawn { groups, curves: groups.iter().flat_map(of_group).collect() }
+        GroupedCurves { groups, curves: groups.iter().flat_map(of_group).collect() }
     }
 
     /// `held` is where marks of ends are held, see [`Curve::end_mark`].
@@ -141,7 +141,7 @@ impl<'a> Drawn<'a> {
         self,
         title: String,
         [x, y]: [Axis; 2],
-        limits: Limits,
+        limits: AxisLimits,
         held: Option<(f64, f64)>,
     ) -> Result<Chart, PlotError> {
         let (mut lines, mut marks) = (Vec::new(), Vec::new());
@@ -172,9 +172,10 @@ mod tests {
         let at = |i: u8| {
             let (t, theta) = (0.1 * f64::from(i), 0.2 * f64::from(i));
             let (sin, cos) = theta.sin_cos();
-            Moment { t, x: [3.0 * sin, 0.0, -3.0 * cos], v: [6.0 * cos, 0.0, 6.0 * sin] }
+            ProbeSample { t, x: [3.0 * sin, 0.0, -3.0 * cos], v: [6.0 * cos, 0.0, 6.0 * sin] }
         };
-        let track = Track { probe: "bob".into(), node: 0, reference: [0.0; 3], moments: (0..100).map(at).collect() };
+        let track =
+            ProbePath { probe: "bob".into(), node: 0, reference: [0.0; 3], moments: (0..100).map(at).collect() };
         for sample in Quantity::Angle.samples(&track, &View::default()) {
             assert!((sample.value - 2.0 * sample.t).abs() < 1e-12, "{sample:?}");
             assert!((sample.rate - 2.0).abs() < 1e-14, "{sample:?}");

@@ -20,7 +20,7 @@ const ANOTHER: f64 = 1e-6;
 
 /// Triangles on which the air cannot act, because the wind relative to them lies in their plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InPlane {
+pub struct WindInPlane {
     /// the first triangle
     pub first: u32,
     /// [-] their number
@@ -31,7 +31,7 @@ pub struct InPlane {
 
 /// Finds sheets with the wind in the plane of all their triangles, on the mesh as given and at the start, for all rows
 /// of the wind table. A sheet starts to move if one triangle can push it out of the plane.
-pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
+pub fn wind_in_plane(spec: &NetworkSpec) -> Option<WindInPlane> {
     let winds = directions(spec.air.as_ref()?.wind.value.iter().map(|w| Vector3::from(*w)));
     let vector = |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(Vector3::zeros(), |v| Vector3::from(*v));
     let in_plane = |corners: &[u32; 3]| {
@@ -44,7 +44,7 @@ pub fn wind_in_plane(spec: &NetworkSpec) -> Option<InPlane> {
     let sheets = Sheets::new(spec);
     let across = spec.mesh.triangles.iter().zip(0_u32..).filter(|(corners, _)| !in_plane(corners));
     let (first, triangles) = sheets.without(across.map(|(_, triangle)| triangle), [].into_iter())?;
-    Some(InPlane { first, triangles, of: spec.mesh.triangles.len() })
+    Some(WindInPlane { first, triangles, of: spec.mesh.triangles.len() })
 }
 
 /// Connected components of triangles that share nodes.
@@ -98,9 +98,9 @@ fn directions(winds: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
     if kept.is_empty() { vec![Vector3::zeros()] } else { kept }
 }
 
-impl fmt::Display for InPlane {
+impl fmt::Display for WindInPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let InPlane { first, triangles, of } = self;
+        let WindInPlane { first, triangles, of } = self;
         let which = if triangles == of { format!("all {of}") } else { format!("{triangles} of {of}") };
         write!(
             f,
@@ -110,15 +110,15 @@ impl fmt::Display for InPlane {
     }
 }
 
-impl From<InPlane> for Warning {
-    fn from(found: InPlane) -> Self {
+impl From<WindInPlane> for Warning {
+    fn from(found: WindInPlane) -> Self {
         Warning::new(WarningCode::WindInPlane, found.to_string())
     }
 }
 
 /// A sheet in the air without a support.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Closing {
+pub struct FreeSheets {
     /// its first triangle
     pub first: u32,
     /// [-] number of triangles of all such sheets
@@ -127,16 +127,16 @@ pub struct Closing {
 
 /// Finds sheets without a supported node: they hang on lines or are free. A pressure along the normals of one of their
 /// triangles keeps a sheet open.
-pub fn closing(spec: &NetworkSpec) -> Option<Closing> {
+pub fn closing(spec: &NetworkSpec) -> Option<FreeSheets> {
     spec.air.as_ref()?;
     let inside = spec.pressures.iter().filter(|load| load.kind == PressureKind::Follower);
     let held = spec.fixed.iter().zip(0_u32..).filter(|(fixed, _)| fixed.contains(&true));
     let inside = inside.flat_map(|load| load.triangles.iter().copied());
     let (first, triangles) = Sheets::new(spec).without(inside, held.map(|(_, node)| node))?;
-    Some(Closing { first, triangles })
+    Some(FreeSheets { first, triangles })
 }
 
-impl fmt::Display for Closing {
+impl fmt::Display for FreeSheets {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -147,8 +147,8 @@ impl fmt::Display for Closing {
     }
 }
 
-impl From<Closing> for Warning {
-    fn from(found: Closing) -> Self {
+impl From<FreeSheets> for Warning {
+    fn from(found: FreeSheets) -> Self {
         Warning::new(WarningCode::ClosingCanopy, found.to_string())
     }
 }
@@ -158,7 +158,7 @@ const MOST: f64 = 1.5;
 
 /// A pressure beyond that of the flow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Excess {
+pub struct ExcessPressure {
     /// [Pa] pressure on cloth across the wind
     pub pressure: f64,
     /// [m/s] at this speed
@@ -171,7 +171,7 @@ pub struct Excess {
 
 /// A pressure law in a free stream.
 #[derive(Clone, Copy, Debug)]
-pub struct Stream {
+pub struct FreeStream {
     /// [Pa s/m] viscous coefficient
     pub linear: f64,
     /// [Pa s^2/m^2] inertial coefficient
@@ -185,14 +185,14 @@ pub struct Stream {
 }
 
 /// Compares the pressure jump dp = a V + b V^2 of a law with the dynamic pressure rho V^2/2 of the stream.
-pub fn excess_pressure(stream: Stream) -> Option<Excess> {
-    let Stream { linear, quadratic, density, speed, coefficient } = stream;
+pub fn excess_pressure(stream: FreeStream) -> Option<ExcessPressure> {
+    let FreeStream { linear, quadratic, density, speed, coefficient } = stream;
     let pressure = speed * (linear + quadratic * speed);
     let factor = pressure / (0.5 * density * speed * speed);
-    (factor.is_finite() && factor > MOST).then_some(Excess { pressure, speed, factor, coefficient })
+    (factor.is_finite() && factor > MOST).then_some(ExcessPressure { pressure, speed, factor, coefficient })
 }
 
-impl fmt::Display for Excess {
+impl fmt::Display for ExcessPressure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [pressure, speed, factor] = [self.pressure, self.speed, self.factor].map(|x| figures(x, 3));
         let cure = if self.coefficient {

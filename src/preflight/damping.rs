@@ -13,7 +13,7 @@ use crate::warning::{Warning, WarningCode};
 
 /// What brakes the rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Brakes {
+pub struct RotationDamping {
     /// relative dashpots
     pub relative: bool,
     /// stiffness-proportional Rayleigh damping
@@ -24,17 +24,17 @@ pub struct Brakes {
 
 /// A free body with such damping.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Braked {
+pub struct DampedRotation {
     /// nodes at the springs concerned, ascending
     pub nodes: Vec<u32>,
     /// what brakes them
-    pub brakes: Brakes,
+    pub brakes: RotationDamping,
 }
 
 /// Finds unsupported parts whose rotation is braked.
-pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<Braked> {
+pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<DampedRotation> {
     let rayleigh = spec.rayleigh.unwrap_or(RayleighSpec { mass: 0.0, stiffness: 0.0 });
-    let mut brakes = Brakes { relative: false, rayleigh_stiffness: false, rayleigh_mass: false };
+    let mut brakes = RotationDamping { relative: false, rayleigh_stiffness: false, rayleigh_mass: false };
     let mut nodes = Vec::new();
     for group in &spec.springs {
         let relative = group.dashpot.as_ref().filter(|dashpot| dashpot.kind == DashpotKind::Relative);
@@ -51,12 +51,12 @@ pub fn braked(spec: &NetworkSpec, parts: &Parts) -> Option<Braked> {
     }
     nodes.sort_unstable();
     nodes.dedup();
-    (!nodes.is_empty()).then_some(Braked { nodes, brakes })
+    (!nodes.is_empty()).then_some(DampedRotation { nodes, brakes })
 }
 
-impl fmt::Display for Braked {
+impl fmt::Display for DampedRotation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Brakes { relative, rayleigh_stiffness, rayleigh_mass } = self.brakes;
+        let RotationDamping { relative, rayleigh_stiffness, rayleigh_mass } = self.brakes;
         let causes = [
             (relative, "relative dashpots brake the rotation"),
             (rayleigh_stiffness, "Rayleigh damping with the stiffness brakes the rotation"),
@@ -68,8 +68,8 @@ impl fmt::Display for Braked {
     }
 }
 
-impl From<Braked> for Warning {
-    fn from(found: Braked) -> Self {
+impl From<DampedRotation> for Warning {
+    fn from(found: DampedRotation) -> Self {
         Warning::new(WarningCode::BrakedRotation, found.to_string())
     }
 }

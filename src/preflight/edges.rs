@@ -9,7 +9,7 @@ use crate::warning::{Warning, WarningCode};
 
 /// An edge of three or more triangles under pressure: the sheet has no two sides there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Branching {
+pub struct BranchingEdges {
     /// nodes of the first such edge
     pub edge: [u32; 2],
     /// triangles there, ascending
@@ -19,7 +19,7 @@ pub struct Branching {
 }
 
 /// Finds edges of three or more triangles on which the air or a pressure along their normals acts.
-pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<Branching> {
+pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<BranchingEdges> {
     let along_normals = spec.pressures.iter().filter(|load| !matches!(load.kind, PressureKind::Dead(Some(_))));
     let mut pressed = vec![spec.air.is_some(); spec.mesh.triangles.len()];
     for triangle in along_normals.flat_map(|load| &load.triangles) {
@@ -33,10 +33,10 @@ pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<Branching> {
         (under.len() > 2).then_some((edge, under))
     });
     let (edge, triangles) = found.next()?;
-    Some(Branching { edge, triangles, edges: 1 + found.count() })
+    Some(BranchingEdges { edge, triangles, edges: 1 + found.count() })
 }
 
-impl fmt::Display for Branching {
+impl fmt::Display for BranchingEdges {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [a, b] = self.edge;
         let more = if self.edges > 1 { format!(" (the first of {} such edges)", self.edges) } else { String::new() };
@@ -49,8 +49,8 @@ impl fmt::Display for Branching {
     }
 }
 
-impl From<Branching> for Warning {
-    fn from(found: Branching) -> Self {
+impl From<BranchingEdges> for Warning {
+    fn from(found: BranchingEdges) -> Self {
         Warning::new(WarningCode::BranchingEdge, found.to_string())
     }
 }

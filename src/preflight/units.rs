@@ -27,7 +27,7 @@ const OF_PERIOD: f64 = 0.25;
 
 /// A number that suggests a wrong unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Doubt {
+pub enum UnlikelyValue {
     /// cloth so many metres across
     Extent(f64),
     /// a mass of so many kilograms
@@ -55,15 +55,15 @@ pub enum Doubt {
 }
 
 /// Warnings about the units of a network; `step` [s] is the fixed step, if there is one.
-pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
+pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<UnlikelyValue> {
     let cloth = !spec.mesh.triangles.is_empty();
     let extent = extent(&spec.mesh.nodes);
     let mass: f64 = spec.mass.iter().sum();
     let gravity = spec.gravity.map_or(0.0, |g| Vector3::from(g).norm());
     let mut doubts = Vec::new();
-    doubts.extend((cloth && extent > EXTENT).then_some(Doubt::Extent(extent)));
-    doubts.extend((cloth && mass > MASS).then_some(Doubt::Mass(mass)));
-    doubts.extend((gravity > GRAVITY).then_some(Doubt::Gravity(gravity)));
+    doubts.extend((cloth && extent > EXTENT).then_some(UnlikelyValue::Extent(extent)));
+    doubts.extend((cloth && mass > MASS).then_some(UnlikelyValue::Mass(mass)));
+    doubts.extend((gravity > GRAVITY).then_some(UnlikelyValue::Gravity(gravity)));
     doubts.extend(step.filter(|step| *step >= STEP && extent > 0.0).and_then(|step| {
         let fastest = |list: &[[f64; 3]]| list.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
         let wind = spec.air.as_ref().map_or(0.0, |air| fastest(&air.wind.value));
@@ -73,16 +73,16 @@ pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<Doubt> {
             (fastest(&spec.velocity) * step, "the fastest node"),
         ];
         let (way, what) = ways.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (way > extent).then_some(Doubt::Step { step, way, extent, what })
+        (way > extent).then_some(UnlikelyValue::Step { step, way, extent, what })
     }));
     doubts
 }
 
 /// Warnings about the units of a pendulum; `step` [s] is the fixed step, if there is one.
-pub fn pendulum(spec: &PendulumSpec, step: Option<f64>) -> Vec<Doubt> {
+pub fn pendulum(spec: &PendulumSpec, step: Option<f64>) -> Vec<UnlikelyValue> {
     let period = TAU * (spec.length / spec.gravity).sqrt();
-    let gravity = (spec.gravity > GRAVITY).then_some(Doubt::Gravity(spec.gravity));
-    let long = step.filter(|step| *step > OF_PERIOD * period).map(|step| Doubt::OfPeriod { step, period });
+    let gravity = (spec.gravity > GRAVITY).then_some(UnlikelyValue::Gravity(spec.gravity));
+    let long = step.filter(|step| *step > OF_PERIOD * period).map(|step| UnlikelyValue::OfPeriod { step, period });
     gravity.into_iter().chain(long).collect()
 }
 
@@ -93,26 +93,26 @@ fn extent(points: &[[f64; 3]]) -> f64 {
     low.zip(high).map_or(0.0, |(low, high)| (high - low).max())
 }
 
-impl fmt::Display for Doubt {
+impl fmt::Display for UnlikelyValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Doubt::Extent(extent) => write!(
+            UnlikelyValue::Extent(extent) => write!(
                 f,
                 "the cloth's mesh is {} m across, where the largest canopies have some 60 m; are its coordinates in millimetres?",
                 figures(extent, 4)
             ),
-            Doubt::Mass(mass) => write!(
+            UnlikelyValue::Mass(mass) => write!(
                 f,
                 "the scene has a mass of {} kg, more than any load under a parachute; are masses in grams?",
                 figures(mass, 4)
             ),
-            Doubt::Gravity(gravity) => write!(
+            UnlikelyValue::Gravity(gravity) => write!(
                 f,
                 "gravity is {} m/s^2, {} times that of the earth; is it in mm/s^2?",
                 figures(gravity, 4),
                 figures(gravity / 9.81, 3)
             ),
-            Doubt::Step { step, way, extent, what } => write!(
+            UnlikelyValue::Step { step, way, extent, what } => write!(
                 f,
                 "the step of {} s is long for this scene: {what} covers {} m in it, and the scene is {} m across; are times in \
                  milliseconds?",
@@ -120,7 +120,7 @@ impl fmt::Display for Doubt {
                 figures(way, 3),
                 figures(extent, 3)
             ),
-            Doubt::OfPeriod { step, period } => write!(
+            UnlikelyValue::OfPeriod { step, period } => write!(
                 f,
                 "the step of {} s is {} of the pendulum's period of {} s, which it cannot resolve; take a twentieth or less",
                 figures(step, 4),
@@ -131,13 +131,13 @@ impl fmt::Display for Doubt {
     }
 }
 
-impl From<Doubt> for Warning {
-    fn from(doubt: Doubt) -> Self {
+impl From<UnlikelyValue> for Warning {
+    fn from(doubt: UnlikelyValue) -> Self {
         let code = match doubt {
-            Doubt::Extent(_) => WarningCode::LargeExtent,
-            Doubt::Mass(_) => WarningCode::LargeMass,
-            Doubt::Gravity(_) => WarningCode::LargeGravity,
-            Doubt::Step { .. } | Doubt::OfPeriod { .. } => WarningCode::LongStep,
+            UnlikelyValue::Extent(_) => WarningCode::LargeExtent,
+            UnlikelyValue::Mass(_) => WarningCode::LargeMass,
+            UnlikelyValue::Gravity(_) => WarningCode::LargeGravity,
+            UnlikelyValue::Step { .. } | UnlikelyValue::OfPeriod { .. } => WarningCode::LongStep,
         };
         Warning::new(code, doubt.to_string())
     }

@@ -20,18 +20,18 @@ const HALVINGS: u32 = 30;
 
 /// g along a step as a cubic of s in [0, 1], by its Bernstein coefficients [m].
 #[derive(Clone, Copy)]
-struct Gap([f64; 4]);
+struct ElongationCubic([f64; 4]);
 
 /// Positions and velocities of all nodes at one end of a step.
 #[derive(Clone, Copy)]
-struct End<'a> {
+struct StepEnd<'a> {
     x: &'a [Vector3<f64>],
     v: &'a [Vector3<f64>],
 }
 
 /// A spring with a one-sided law.
 #[derive(Clone, Copy)]
-struct Line {
+struct OneSidedSpring {
     nodes: [u32; 2],
     /// [m] length at which it goes slack
     limit: f64,
@@ -39,25 +39,25 @@ struct Line {
     lag: f64,
 }
 
-impl Line {
+impl OneSidedSpring {
     /// l - limit [m] and dl/dt [m/s].
-    fn gap_at(&self, end: End<'_>) -> [f64; 2] {
+    fn gap_at(&self, end: StepEnd<'_>) -> [f64; 2] {
         let [a, b] = self.nodes.map(|node| node as usize);
         let (d, v) = (end.x[b] - end.x[a], end.v[b] - end.v[a]);
         let length = d.norm();
         [length - self.limit, if length > 0.0 { d.dot(&v) / length } else { 0.0 }]
     }
 
-    fn gap(&self, h: f64, ends: [End<'_>; 2]) -> Gap {
+    fn gap(&self, h: f64, ends: [StepEnd<'_>; 2]) -> ElongationCubic {
         let [[g0, r0], [g1, r1]] = ends.map(|end| self.gap_at(end));
         let b = [g0, g0 + h * r0 / 3.0, g1 - h * r1 / 3.0, g1];
         // The rate is the quadratic 3 (b_{i+1} - b_i)/h, raised to a cubic.
         let q = [0, 1, 2].map(|i| 3.0 * (b[i + 1] - b[i]) * self.lag / h);
-        Gap([b[0] + q[0], b[1] + (q[0] + 2.0 * q[1]) / 3.0, b[2] + (2.0 * q[1] + q[2]) / 3.0, b[3] + q[2]])
+        ElongationCubic([b[0] + q[0], b[1] + (q[0] + 2.0 * q[1]) / 3.0, b[2] + (2.0 * q[1] + q[2]) / 3.0, b[3] + q[2]])
     }
 }
 
-impl Gap {
+impl ElongationCubic {
     /// Whether the sign is proved constant.
     fn keeps_its_sign(&self) -> bool {
         self.0.iter().all(|b| *b >= 0.0) || self.0.iter().all(|b| *b <= 0.0)
@@ -122,14 +122,14 @@ impl Gap {
 }
 
 /// Springs of a batch that can go slack, with their stiffnesses [N/m].
-fn lines(batch: &SpringBatch) -> impl Iterator<Item = (Line, f64)> {
+fn lines(batch: &SpringBatch) -> impl Iterator<Item = (OneSidedSpring, f64)> {
     let law = clamped(batch.data.slack);
     let nodes = law.map_or(&[][..], |_| &batch.data.nodes[..]);
     let threshold = law.map_or(0.0, |law| law.threshold);
     nodes.iter().enumerate().map(move |(i, &nodes)| {
         let k = batch.data.stiffness.at(i);
         let lag = if batch.axial && k > 0.0 { batch.dashpot.at(i) / k } else { 0.0 };
-        (Line { nodes, limit: batch.data.rest_length[i] + threshold, lag }, k)
+        (OneSidedSpring { nodes, limit: batch.data.rest_length[i] + threshold, lag }, k)
     })
 }
 
@@ -142,8 +142,8 @@ impl Network {
     /// See [`super::Scene::branch_changes`].
     pub(super) fn branch_changes_of(&self, step: [StateRef<'_>; 2], impulse: &mut [f64]) -> Option<f64> {
         let h = step[1].t - step[0].t;
-        let ends = step.map(|at| End { x: by_node(at.x), v: by_node(at.v) });
-        let mut largest: Option<(f64, Gap, f64)> = None;
+        let ends = step.map(|at| StepEnd { x: by_node(at.x), v: by_node(at.v) });
+        let mut largest: Option<(f64, ElongationCubic, f64)> = None;
         for (line, k) in self.springs.iter().flat_map(lines) {
             let gap = line.gap(h, ends);
             if gap.keeps_its_sign() {
@@ -178,7 +178,7 @@ mod tests {
     /// From -1 to 1 in a straight line: half the step on either side of zero.
     #[test]
     fn a_straight_line_has_two_triangles() {
-        let gap = Gap([-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0]);
+        let gap = ElongationCubic([-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0]);
         assert!(!gap.keeps_its_sign());
         for area in gap.areas() {
             assert!((area - 0.25).abs() < 1e-12, "{area}");
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn a_catch_within_a_step_is_found() {
         let line = |s: f64| -0.1 + 4.0 * s * (1.0 - s);
-        let gap = Gap([-0.1, -0.1 + 4.0 / 3.0, -0.1 + 4.0 / 3.0, -0.1]);
+        let gap = ElongationCubic([-0.1, -0.1 + 4.0 / 3.0, -0.1 + 4.0 / 3.0, -0.1]);
         assert!((gap.at(0.3) - line(0.3)).abs() < 1e-14);
         let half = 0.225f64.sqrt();
         let [above, below] = gap.areas();
@@ -210,7 +210,7 @@ mod tests {
         // Bernstein coefficients of a quadratic q0, q1, q2 raised by one degree.
         let (q0, q2) = (gap(0.0), gap(1.0));
         let q1 = 2.0 * gap(0.5) - 0.5 * (q0 + q2);
-        let gap = Gap([q0, (q0 + 2.0 * q1) / 3.0, (2.0 * q1 + q2) / 3.0, q2]);
+        let gap = ElongationCubic([q0, (q0 + 2.0 * q1) / 3.0, (2.0 * q1 + q2) / 3.0, q2]);
         let [above, below] = gap.areas();
         assert!((gap.first_change(above.min(below)) - 0.6).abs() < 1e-9);
     }

@@ -11,7 +11,7 @@ use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{Table, Tabled, scalar};
+use crate::force::law::series::{SampledTable, Table, scalar};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::threads::Threads;
 use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
@@ -95,7 +95,7 @@ struct Builder<'a> {
     numbering: &'a Numbering,
     terms: Vec<Box<dyn ForceTerm>>,
     springs: Vec<SpringBatch>,
-    tables: Vec<Arc<dyn Tabled>>,
+    tables: Vec<Arc<dyn SampledTable>>,
     wind: Option<Arc<Table<3>>>,
 }
 

@@ -19,7 +19,7 @@ pub trait NodalForce: Send + Sync {
 
 /// Where one force comes from.
 #[derive(Clone)]
-enum Source {
+enum ForceSource {
     /// [N] `[n_nodes][3]`, user's numbering
     Values(Arc<[[f64; 3]]>),
     /// the program
@@ -29,7 +29,7 @@ enum Source {
 /// All forces from outside, by name in the order in which they came.
 #[derive(Default)]
 pub struct ExternalForces {
-    sources: RwLock<Vec<(String, Source)>>,
+    sources: RwLock<Vec<(String, ForceSource)>>,
     buffers: Mutex<Buffers>,
 }
 
@@ -49,12 +49,12 @@ pub(super) const EXTERNAL: TermInfo = TermInfo::of("external forces", Role::Exte
 impl ExternalForces {
     /// Sets the force [N] `[n_nodes][3]` of this name, user's numbering.
     pub(crate) fn set_values(&self, name: &str, force: &[[f64; 3]]) {
-        self.set(name, Source::Values(force.into()));
+        self.set(name, ForceSource::Values(force.into()));
     }
 
     /// Sets the law of this name.
     pub(crate) fn set_law(&self, name: &str, law: Arc<dyn NodalForce>) {
-        self.set(name, Source::Law(law));
+        self.set(name, ForceSource::Law(law));
     }
 
     /// Removes a force; `false` if there is none of this name.
@@ -69,8 +69,8 @@ impl ExternalForces {
     pub(crate) fn values(&self) -> Vec<(String, Vec<[f64; 3]>)> {
         let all = self.sources.read().unwrap_or_else(PoisonError::into_inner);
         let fixed = all.iter().filter_map(|(name, source)| match source {
-            Source::Values(force) => Some((name.clone(), force.to_vec())),
-            Source::Law(_) => None,
+            ForceSource::Values(force) => Some((name.clone(), force.to_vec())),
+            ForceSource::Law(_) => None,
         });
         fixed.collect()
     }
@@ -78,10 +78,10 @@ impl ExternalForces {
     /// Removes all forces that are fixed values.
     pub(crate) fn clear_values(&self) {
         let mut all = self.sources.write().unwrap_or_else(PoisonError::into_inner);
-        all.retain(|(_, source)| matches!(source, Source::Law(_)));
+        all.retain(|(_, source)| matches!(source, ForceSource::Law(_)));
     }
 
-    fn set(&self, name: &str, source: Source) {
+    fn set(&self, name: &str, source: ForceSource) {
         let mut all = self.sources.write().unwrap_or_else(PoisonError::into_inner);
         match all.iter_mut().find(|(other, _)| other == name) {
             Some((_, old)) => *old = source,
@@ -100,7 +100,7 @@ impl Network {
         let Buffers { x, v, sum } = &mut *buffers;
         sum.clear();
         sum.resize(self.mass.len(), [0.0; 3]);
-        if sources.iter().any(|(_, source)| matches!(source, Source::Law(_))) {
+        if sources.iter().any(|(_, source)| matches!(source, ForceSource::Law(_))) {
             for (nodes, dofs) in [(&mut *x, at.x), (&mut *v, at.v)] {
                 nodes.resize(self.mass.len(), [0.0; 3]);
                 self.numbering.to_user(by_node(dofs), nodes);
@@ -108,10 +108,10 @@ impl Network {
         }
         for (_, source) in sources.iter() {
             match source {
-                Source::Values(force) => {
+                ForceSource::Values(force) => {
                     sum.as_flattened_mut().iter_mut().zip(force.as_flattened()).for_each(|(sum, f)| *sum += f);
                 }
-                Source::Law(law) => law.add(at.t, x, v, sum),
+                ForceSource::Law(law) => law.add(at.t, x, v, sum),
             }
         }
         let forces = || self.numbering.user.iter().map(|&user| Vector3::from(sum[user as usize]));

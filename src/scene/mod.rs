@@ -1,7 +1,7 @@
 //! Scenes: a spring network or a pendulum, built from a plain specification, ready for any scheme.
 //!
 //! Inside a network nodes are renumbered for locality ([`numbering`]); everything a person sees goes through
-//! [`crate::model::picture::Picture`] and is in the user's numbering again.
+//! [`crate::model::observables::Observables`] and is in the user's numbering again.
 
 mod bound;
 mod branches;
@@ -23,8 +23,8 @@ pub use external::{ExternalForces, NodalForce};
 pub use network::Network;
 pub use pendulum::Pendulum;
 
-use crate::assembly::{Abilities, TangentSystem};
-use crate::model::picture::Picture;
+use crate::assembly::{SceneInterfaces, TangentSystem};
+use crate::model::observables::Observables;
 use crate::model::state::{State, StateRef};
 use crate::model::system::TermInfo;
 
@@ -40,9 +40,9 @@ pub struct Suspect {
 }
 
 /// What a run needs of a scene besides forces, tangents and output.
-pub trait Scene: TangentSystem + Picture {
+pub trait Scene: TangentSystem + Observables {
     /// The interfaces that schemes use.
-    fn abilities(&self) -> Abilities<'_>;
+    fn interfaces(&self) -> SceneInterfaces<'_>;
 
     /// Gives the scene a place for forces from outside, which say whether they depend on velocity. Forces that were
     /// sized before do not fit it any more. `false` if the scene cannot have any.

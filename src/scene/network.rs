@@ -3,12 +3,12 @@
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
-use crate::force::kernel::batch::{PARTS, Summand};
-use crate::force::law::series::{Table, Tabled};
+use crate::force::kernel::batch::{BlockForces, PARTS};
+use crate::force::law::series::{SampledTable, Table};
 use crate::force::law::spring::{Coefficient, SpringData};
-use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Part, Sweep, Term, Terms};
+use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::{ForceTerm, NodeState};
 use crate::mesh::Mesh;
@@ -33,12 +33,12 @@ pub struct Network {
     velocity: Vec<[f64; 3]>,
     pub(super) gravity: Option<Vector3<f64>>,
     corners: Vec<f64>,
-    tables: Vec<Arc<dyn Tabled>>,
+    tables: Vec<Arc<dyn SampledTable>>,
     pub(super) terms: Vec<Box<dyn ForceTerm>>,
     /// of every part of every term
     pub(super) infos: Vec<TermInfo>,
     /// sum of every part of every term, and its place among these
-    parts: Vec<[Option<Part>; PARTS]>,
+    parts: Vec<[Option<PartTarget>; PARTS]>,
     pub(super) springs: Vec<SpringBatch>,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
@@ -78,7 +78,7 @@ pub(super) struct Parts {
     /// [s] rows of load and wind tables
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
-    pub tables: Vec<Arc<dyn Tabled>>,
+    pub tables: Vec<Arc<dyn SampledTable>>,
     pub wind: Option<Arc<Table<3>>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
@@ -96,14 +96,15 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 
 impl Network {
     pub(super) fn assemble_parts(mut p: Parts) -> Self {
-        let mut summands: Vec<&mut dyn Summand> = p.terms.iter_mut().map(|t| &mut **t as &mut dyn Summand).collect();
-        let sweep = Sweep::new(p.mass.len(), &mut summands);
+        let mut forces: Vec<&mut dyn BlockForces> =
+            p.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
+        let sweep = Sweep::new(p.mass.len(), &mut forces);
         let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let inverse_mass =
             p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
         let infos: Vec<TermInfo> = p.terms.iter().flat_map(|term| term.parts()).copied().collect();
         let mut tallies = 0..;
-        let mut part = |info: &TermInfo| Some(Part { sum: sum_of_role(info.role), tally: tallies.next()? });
+        let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
         let parts = p.terms.iter().map(|term| {
             let mut parts = [None; PARTS];
             parts.iter_mut().zip(term.parts()).for_each(|(to, info)| *to = part(info));
@@ -159,12 +160,13 @@ impl Network {
         f: &mut [Vector3<f64>],
         tallies: &mut [Tally],
     ) {
-        self.sweep.pass((&Chosen(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
+        self.sweep.pass((&SelectedTerms(parts), at), &self.threads, [f, &mut [], &mut []], tallies);
     }
 
     /// The force term that one of [`System::terms`] is a part of, and which part it is.
     pub fn term_of(&self, part: usize) -> Option<(&dyn ForceTerm, usize)> {
-        let places = |parts: &[Option<Part>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
+        let places =
+            |parts: &[Option<PartTarget>; PARTS]| parts.iter().position(|p| p.is_some_and(|p| p.tally == part));
         let mut terms = self.terms.iter().zip(&self.parts);
         terms.find_map(|(term, parts)| Some((&**term, places(parts)?)))
     }
@@ -203,7 +205,7 @@ impl Terms for Network {
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        Term { summand: &*self.terms[i], parts: self.parts[i] }
+        Term { forces: &*self.terms[i], parts: self.parts[i] }
     }
 
     fn is_position_only(&self) -> bool {
@@ -212,9 +214,9 @@ impl Terms for Network {
 }
 
 /// Some of the parts of terms, in one sum.
-struct Chosen<'a>(&'a [(&'a dyn ForceTerm, usize)]);
+struct SelectedTerms<'a>(&'a [(&'a dyn ForceTerm, usize)]);
 
-impl Terms for Chosen<'_> {
+impl Terms for SelectedTerms<'_> {
     fn count(&self) -> usize {
         self.0.len()
     }
@@ -226,8 +228,8 @@ impl Terms for Chosen<'_> {
     fn term(&self, i: usize) -> Term<'_> {
         let (term, part) = self.0[i];
         let mut parts = [None; PARTS];
-        parts[part] = Some(Part { sum: 0, tally: i });
-        Term { summand: term, parts }
+        parts[part] = Some(PartTarget { sum: 0, tally: i });
+        Term { forces: term, parts }
     }
 }
 
@@ -276,14 +278,14 @@ impl System for Network {
         self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
     }
 
-    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, passed: &mut [StepSummary]) {
+    fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
         if self.external.is_some() {
             return single_step(self, at, out, block);
         }
-        let moving = Moving { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
+        let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
         let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.inverse_mass };
         self.pass_into(out, |sums, tallies| {
-            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, passed));
+            self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
         });
     }
 

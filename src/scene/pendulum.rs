@@ -5,9 +5,9 @@
 //! ```
 
 use super::{BoundBuffer, Scene, Suspect};
-use crate::assembly::{Abilities, Assembler, PatternError, TangentSystem};
+use crate::assembly::{Assembler, PatternError, SceneInterfaces, TangentSystem};
 use crate::model::forces::{Forces, Role, Tally};
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::model::spec::PendulumSpec;
 use crate::model::state::{State, StateRef};
 use crate::model::system::{System, TermInfo, Weights};
@@ -119,7 +119,7 @@ impl TangentSystem for Pendulum {
     }
 }
 
-impl Picture for Pendulum {
+impl Observables for Pendulum {
     fn reference(&self) -> &[[f64; 3]] {
         &self.reference
     }
@@ -161,8 +161,8 @@ impl Picture for Pendulum {
 }
 
 impl Scene for Pendulum {
-    fn abilities(&self) -> Abilities<'_> {
-        Abilities { system: self, tangent: self, graph: None }
+    fn interfaces(&self) -> SceneInterfaces<'_> {
+        SceneInterfaces { system: self, tangent: self, graph: None }
     }
 
     fn size(&self) -> f64 {

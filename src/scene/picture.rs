@@ -2,14 +2,14 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::law::damped_springs::axial_force;
-use crate::force::law::spring::Carried;
+use crate::force::law::spring::SpringOutput;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
-use crate::model::picture::Picture;
+use crate::model::observables::Observables;
 use crate::model::state::StateRef;
 use crate::model::step_block::strain_of;
 
-impl Picture for Network {
+impl Observables for Network {
     fn reference(&self) -> &[[f64; 3]] {
         &self.mesh.nodes
     }
@@ -44,7 +44,7 @@ impl Picture for Network {
         strain.fill(f64::NAN);
         for batch in &self.springs {
             let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
-            batch.data.carried(by_node(at.x), Carried { places, tension, strain });
+            batch.data.carried(by_node(at.x), SpringOutput { places, tension, strain });
         }
     }
 

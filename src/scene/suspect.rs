@@ -3,7 +3,7 @@
 use super::external::{EXTERNAL, ExternalForces};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Scene, Suspect};
-use crate::assembly::Abilities;
+use crate::assembly::SceneInterfaces;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
@@ -14,8 +14,8 @@ use nalgebra::{Matrix3, Vector3};
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Scene for Network {
-    fn abilities(&self) -> Abilities<'_> {
-        Abilities { system: self, tangent: self, graph: Some(self) }
+    fn interfaces(&self) -> SceneInterfaces<'_> {
+        SceneInterfaces { system: self, tangent: self, graph: Some(self) }
     }
 
     fn enable_external(&mut self, velocity_dependent: bool) -> bool {
@@ -88,9 +88,9 @@ impl Scene for Network {
     }
 
     fn term_alone(&self, term: usize, at: StateRef<'_>, f: &mut [f64]) -> Option<usize> {
-        let (summand, _) = self.term_of(term)?;
+        let (forces, _) = self.term_of(term)?;
         self.pass_of(term, node_state(at), bytemuck::cast_slice_mut(f));
-        Some(summand.elements())
+        Some(forces.elements())
     }
 
     fn name_of(&self, dof: usize) -> (u32, &'static str) {

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 
 /// One state of a run as a person sees it: nodes in the user's numbering.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct FollowedState<'a> {
     /// [s] time
     pub t: f64,
     /// [m] positions before any displacement
@@ -53,7 +53,11 @@ impl Default for FollowSpec {
 ///
 /// # Errors
 /// When the scene cannot be built or the scheme not start. A diverged or unsolvable run is an [`Outcome`].
-pub fn follow(problem: &Problem, how: FollowSpec, watch: impl FnMut(&Seen<'_>)) -> Result<Outcome, SimulationError> {
+pub fn follow(
+    problem: &Problem,
+    how: FollowSpec,
+    watch: impl FnMut(&FollowedState<'_>),
+) -> Result<Outcome, SimulationError> {
     let settings = RunSettings { keep_going: how.keep_going, ..RunSettings::of_case(problem, how.threads) };
     let mut simulation = Simulation::of_scene(build_scene(problem.system.clone(), how.threads)?.into(), settings)?;
     let scene = simulation.scene();
@@ -69,17 +73,17 @@ struct Follower<'a, W> {
     watch: W,
 }
 
-impl<W: FnMut(&Seen<'_>)> Follower<'_, W> {
+impl<W: FnMut(&FollowedState<'_>)> Follower<'_, W> {
     fn show(&mut self, at: &Point, ledger: LedgerRow, newton_iterations: u32) -> Result<(), ObserveError> {
         self.scene.trace(at.state.as_ref(), &mut self.positions, &mut self.velocities);
         let Follower { scene, positions, velocities, watch } = self;
         let reference = scene.reference();
-        watch(&Seen { t: at.state.t, reference, positions, velocities, ledger, newton_iterations });
+        watch(&FollowedState { t: at.state.t, reference, positions, velocities, ledger, newton_iterations });
         Ok(())
     }
 }
 
-impl<W: FnMut(&Seen<'_>)> Observer for Follower<'_, W> {
+impl<W: FnMut(&FollowedState<'_>)> Observer for Follower<'_, W> {
     fn started(&mut self, at: &Point, ledger: LedgerRow) -> Result<(), ObserveError> {
         self.show(at, ledger, 0)
     }

@@ -5,8 +5,8 @@
 //! inside supernodes (LBLT).
 
 use super::linear::{
-    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, REUSED_RELATIVE, Work, check_finite, check_solution,
-    matrix, symbolic_matrix,
+    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, REUSED_RELATIVE, SolverWork, check_finite,
+    check_solution, matrix, symbolic_matrix,
 };
 use super::mixed_precision::SinglePrecisionFactor;
 use super::ordering::{Permutation, fill_reducing};
@@ -310,12 +310,12 @@ impl LinearSolver for Cholesky {
         check_solution(b, &ALONE)
     }
 
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         self.accuracy = accuracy;
     }
 
-    fn work(&self) -> Work {
-        Work { factorizations: self.factorizations, iterations: 0 }
+    fn work(&self) -> SolverWork {
+        SolverWork { factorizations: self.factorizations, iterations: 0 }
     }
 
     fn stats(&self) -> LinearStats {

@@ -12,7 +12,9 @@
 //! residuals than single precision allows come from iterative refinement in double precision (Higham 2002, chapter 12).
 
 use super::bsr::NodeBlocks;
-use super::linear::{Accuracy, Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution};
+use super::linear::{
+    Accuracy, Inertia, LinearError, LinearSolver, LinearStats, SolverWork, check_finite, check_solution,
+};
 use super::norms::norm;
 use super::partitioned_cg::PartitionedSystem;
 use super::relaxed_ic0::RELAXATION;
@@ -267,12 +269,12 @@ impl LinearSolver for ConjugateGradients {
         check_solution(b, &self.workers)
     }
 
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         self.accuracy = accuracy;
     }
 
-    fn work(&self) -> Work {
-        Work { factorizations: 0, iterations: self.total_iterations }
+    fn work(&self) -> SolverWork {
+        SolverWork { factorizations: 0, iterations: self.total_iterations }
     }
 
     fn stats(&self) -> LinearStats {

@@ -5,7 +5,7 @@
 //! W x = b for a fixed pseudo-random b; it stops as soon as Cholesky would be cheaper. The choice depends on W and on
 //! counts of earlier solves (`quasi_newton`), not on the machine.
 
-use super::linear::{Accuracy, Expected, Inertia, LinearError, LinearSolver, LinearStats, Work};
+use super::linear::{Accuracy, ExpectedUse, Inertia, LinearError, LinearSolver, LinearStats, SolverWork};
 use super::ordering::{Elimination, fill_reducing};
 use super::{Cholesky, ConjugateGradients};
 use crate::assembly::Pattern;
@@ -149,7 +149,7 @@ pub struct AutoSolver {
     /// what solves may leave of their right-hand sides
     accuracy: Accuracy,
     /// the expected use of a matrix
-    expected: Expected,
+    expected: ExpectedUse,
 }
 
 impl AutoSolver {
@@ -169,7 +169,7 @@ impl AutoSolver {
             factored: false,
             prediction: None,
             accuracy: Accuracy::of_reused(),
-            expected: Expected::default(),
+            expected: ExpectedUse::default(),
         })
     }
 
@@ -246,7 +246,7 @@ impl LinearSolver for AutoSolver {
 
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         if self.iterates {
-            self.cg.ask(self.accuracy);
+            self.cg.set_accuracy(self.accuracy);
             match self.cg.solve(values, b) {
                 // This right-hand side is harder than that of the trial.
                 Err(LinearError::Stalled { .. }) => {}
@@ -259,26 +259,26 @@ impl LinearSolver for AutoSolver {
         }
         let accuracy = self.accuracy;
         let direct = self.direct()?;
-        direct.ask(accuracy);
+        direct.set_accuracy(accuracy);
         direct.solve(values, b)
     }
 
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         self.accuracy = accuracy;
     }
 
-    fn anticipate(&mut self, expected: Expected) {
+    fn set_expected_use(&mut self, expected: ExpectedUse) {
         self.expected = expected;
     }
 
-    fn prefers_another(&self, Expected { reuse, cg_iterations }: Expected) -> bool {
+    fn prefers_other_solver(&self, ExpectedUse { reuse, cg_iterations }: ExpectedUse) -> bool {
         let (Some(e), true, true) = (&self.elimination, cg_iterations > 0.0, self.iterates) else { return false };
         COSTS.cholesky(&self.pattern, e).with_reuse(reuse) < COSTS.cg(&self.pattern, cg_iterations).with_reuse(reuse)
     }
 
-    fn work(&self) -> Work {
+    fn work(&self) -> SolverWork {
         let factorizations = self.direct.as_ref().map_or(0, |direct| direct.work().factorizations);
-        Work { factorizations, iterations: self.cg.work().iterations }
+        SolverWork { factorizations, iterations: self.cg.work().iterations }
     }
 
     fn stats(&self) -> LinearStats {

@@ -89,17 +89,17 @@ pub const REUSED_RELATIVE: f64 = 1e-3;
 
 /// Expected use of a reused matrix.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Expected {
+pub struct ExpectedUse {
     /// [-] useful Newton iterations it will serve, over the square root of its cost in iterations
     pub reuse: f64,
     /// [-] iterations of conjugate gradients in an average solve; 0 before any was seen
     pub cg_iterations: f64,
 }
 
-impl Default for Expected {
+impl Default for ExpectedUse {
     /// Before any matrix was used.
     fn default() -> Self {
-        Expected { reuse: 6.0, cg_iterations: 0.0 }
+        ExpectedUse { reuse: 6.0, cg_iterations: 0.0 }
     }
 }
 
@@ -172,7 +172,7 @@ pub enum LinearError {
 
 /// Work of a solver since its construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct SolverWork {
     /// factorisations
     pub factorizations: u64,
     /// iterations of conjugate gradients
@@ -233,23 +233,23 @@ pub trait LinearSolver: Send {
     fn solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError>;
 
     /// Sets the accuracy of further solves; direct solvers ignore it.
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
     }
 
     /// Sets the expected use of the next reused matrix.
-    fn anticipate(&mut self, expected: Expected) {
+    fn set_expected_use(&mut self, expected: ExpectedUse) {
         let _ = expected;
     }
 
     /// Whether another solver would have been chosen for the last matrix with this expected use.
-    fn prefers_another(&self, expected: Expected) -> bool {
+    fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         let _ = expected;
         false
     }
 
     /// Work since construction.
-    fn work(&self) -> Work;
+    fn work(&self) -> SolverWork;
 
     /// Name and sizes.
     fn stats(&self) -> LinearStats;

@@ -1,7 +1,7 @@
 //! Sparse LU by faer, for tangents that are not symmetric (air, follower pressure, axial dashpots).
 
 use super::linear::{
-    Inertia, LinearError, LinearSolver, LinearStats, Work, check_finite, check_solution, matrix, symbolic_matrix,
+    Inertia, LinearError, LinearSolver, LinearStats, SolverWork, check_finite, check_solution, matrix, symbolic_matrix,
 };
 use crate::assembly::Pattern;
 use crate::mesh::adjacency::row_starts;
@@ -115,8 +115,8 @@ impl LinearSolver for Lu {
         check_solution(b, &ALONE)
     }
 
-    fn work(&self) -> Work {
-        Work { factorizations: self.factorizations, iterations: 0 }
+    fn work(&self) -> SolverWork {
+        SolverWork { factorizations: self.factorizations, iterations: 0 }
     }
 
     fn stats(&self) -> LinearStats {

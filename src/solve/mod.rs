@@ -24,8 +24,8 @@ pub use cholesky::Cholesky;
 pub use conjugate::ConjugateGradients;
 pub use cost_model::AutoSolver;
 pub use linear::{
-    Accuracy, Expected, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, REUSED_RELATIVE,
-    Work, reusing_solver_for, solver_for,
+    Accuracy, ExpectedUse, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, Prediction, REUSED_RELATIVE,
+    SolverWork, reusing_solver_for, solver_for,
 };
 pub use lu::Lu;
 pub use ordering::{Elimination, Permutation, fill_reducing};

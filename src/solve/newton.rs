@@ -31,7 +31,7 @@ pub enum Strategy {
 impl Strategy {
     /// Whether a factor is reused. `factor_cost` [-] is the cost of a factorisation in iterations on an existing
     /// factor; 0 if the scene has no factor to reuse. `unknowns` is the size of the matrix.
-    pub fn keeps(self, factor_cost: f64, unknowns: usize) -> bool {
+    pub fn reuses_factors(self, factor_cost: f64, unknowns: usize) -> bool {
         match self {
             Strategy::Full => false,
             Strategy::Auto => factor_cost >= if unknowns < FEW { WORTH_KEEPING_SMALL } else { WORTH_KEEPING },
@@ -97,14 +97,14 @@ const HIDDEN: f64 = 1e5;
 /// For how many steps a problem without a potential uses the convex tangent after the exact one made too little
 /// progress.
 #[derive(Clone, Copy, Debug, Default)]
-struct Caution {
+struct ConvexPhase {
     /// full steps left with the convex tangent
     left: u32,
     /// number of them the next time: twice as many as the last
     next: u32,
 }
 
-impl Caution {
+impl ConvexPhase {
     fn raise(&mut self) {
         self.next = (2 * self.next).clamp(1, 64);
         self.left = self.next;
@@ -124,7 +124,7 @@ pub(super) enum Convergence {
 
 /// What the corrections show about an iterate whose residual is rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Settled {
+pub(super) enum RoundingVerdict {
     /// They are small, or as small as rounding allows: this is the solution.
     Yes,
     /// They still shrink.
@@ -135,14 +135,14 @@ pub(super) enum Settled {
 
 /// The corrections at iterates whose residual is rounding.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settling {
+pub(super) struct RoundingCheck {
     /// [m] norm of the last one
     last: f64,
 }
 
-impl Default for Settling {
+impl Default for RoundingCheck {
     fn default() -> Self {
-        Settling { last: f64::INFINITY }
+        RoundingCheck { last: f64::INFINITY }
     }
 }
 
@@ -179,13 +179,13 @@ pub struct Newton {
 
 /// Convergence criteria of an iteration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Goal {
+pub(super) struct ConvergenceCriteria {
     /// [N] tolerance on the residual
     pub tolerance: f64,
     pub scales: Scales,
 }
 
-impl Goal {
+impl ConvergenceCriteria {
     /// [-] a residual over its scale
     pub(super) fn over_scale(&self, residual: f64) -> f64 {
         if self.scales.residual > 0.0 { residual / self.scales.residual } else { 0.0 }
@@ -212,39 +212,45 @@ impl Newton {
 
     /// Whether residual and increment at `z` are small. `next` [-] predicts the next increment over the last: the
     /// accepted share of the direction times the reduction of the residual.
-    pub(super) fn convergence(&self, z: &[f64], goal: Goal, next: f64) -> Convergence {
+    pub(super) fn convergence(&self, z: &[f64], criteria: ConvergenceCriteria, next: f64) -> Convergence {
         let next_increment = next * norm(&self.dz);
         let excess = self.excess();
-        let small = excess <= goal.tolerance && (next_increment <= self.small(z, goal) || excess == 0.0);
+        let small =
+            excess <= criteria.tolerance && (next_increment <= self.increment_tolerance(z, criteria) || excess == 0.0);
         match small {
             false => Convergence::NotConverged,
-            true if self.is_trusted(norm(&self.r), goal) => Convergence::Converged,
+            true if self.is_trusted(norm(&self.r), criteria) => Convergence::Converged,
             true => Convergence::Rounding,
         }
     }
 
     /// Whether a residual [N] of pure rounding is small enough to determine all motions.
-    fn is_trusted(&self, residual: f64, goal: Goal) -> bool {
-        residual <= goal.tolerance.max(TRUSTED * goal.scales.residual)
+    fn is_trusted(&self, residual: f64, criteria: ConvergenceCriteria) -> bool {
+        residual <= criteria.tolerance.max(TRUSTED * criteria.scales.residual)
     }
 
     /// [m] Tolerance on the increment at `z`.
-    fn small(&self, z: &[f64], goal: Goal) -> f64 {
-        (self.spec.relative * goal.scales.increment.max(norm(z))).max(goal.scales.increment_floor)
+    fn increment_tolerance(&self, z: &[f64], criteria: ConvergenceCriteria) -> f64 {
+        (self.spec.relative * criteria.scales.increment.max(norm(z))).max(criteria.scales.increment_floor)
     }
 
     /// Judges `z` by the correction in `self.dz`.
-    pub(super) fn settled(&self, z: &[f64], goal: Goal, settling: &mut Settling) -> Settled {
+    pub(super) fn settled(
+        &self,
+        z: &[f64],
+        criteria: ConvergenceCriteria,
+        settling: &mut RoundingCheck,
+    ) -> RoundingVerdict {
         let increment = norm(&self.dz);
         let shrinks = increment <= SHRINKS * std::mem::replace(&mut settling.last, increment);
-        if increment <= self.small(z, goal) {
-            Settled::Yes
+        if increment <= self.increment_tolerance(z, criteria) {
+            RoundingVerdict::Yes
         } else if shrinks {
-            Settled::NotYet
-        } else if increment <= SETTLED * goal.scales.increment.max(norm(z)) {
-            Settled::Yes
+            RoundingVerdict::NotYet
+        } else if increment <= SETTLED * criteria.scales.increment.max(norm(z)) {
+            RoundingVerdict::Yes
         } else {
-            Settled::Never
+            RoundingVerdict::Never
         }
     }
 
@@ -264,9 +270,9 @@ impl Newton {
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
         let tolerance = self.spec.relative * scales.residual;
-        let goal = Goal { tolerance, scales };
+        let criteria = ConvergenceCriteria { tolerance, scales };
         problem.residual(z, &mut self.r, &mut self.floor);
-        while problem.retreat(z) {
+        while problem.replace_far_guess(z) {
             problem.residual(z, &mut self.r, &mut self.floor);
         }
         let residual = norm(&self.r);
@@ -277,25 +283,25 @@ impl Newton {
         // The rounding of stiff springs may hide all motion of soft ones, so a guess is not accepted on rounding alone.
         let rounding_only = self.excess() == 0.0;
         if rounding_only && residual <= tolerance {
-            return Ok(NewtonReport { iterations: 0, residual: goal.over_scale(residual) });
+            return Ok(NewtonReport { iterations: 0, residual: criteria.over_scale(residual) });
         }
         self.spent = 0;
         self.guess.copy_from_slice(z);
         let hides = |what: f64, share: f64, forces: f64, problem: &mut dyn NonlinearProblem| {
             what > share * forces && what > share * problem.stopping_force()
         };
-        let iterations = match self.iterate(problem, z, goal, frozen) {
+        let iterations = match self.iterate(problem, z, criteria, frozen) {
             Ok(report) if hides(norm(&self.r), HIDDEN, forces.max(residual), problem) => report.iterations,
             // A failed linear solve says nothing about rounding.
-            Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, goal) => {
+            Err(failure @ NewtonFailure::Linear { .. }) if !rounding_only || !self.is_trusted(residual, criteria) => {
                 return Err(failure);
             }
             Err(failure) if rounding_only => {
                 let iterations = failure.iterations();
-                if self.is_trusted(residual, goal) || !hides(rounding, HIDING, forces, problem) {
+                if self.is_trusted(residual, criteria) || !hides(rounding, HIDING, forces, problem) {
                     // Accept the first guess.
                     self.return_to_guess(problem, z);
-                    return Ok(NewtonReport { iterations, residual: goal.over_scale(norm(&self.r)) });
+                    return Ok(NewtonReport { iterations, residual: criteria.over_scale(norm(&self.r)) });
                 }
                 iterations
             }
@@ -309,11 +315,11 @@ impl Newton {
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
-        goal: Goal,
+        criteria: ConvergenceCriteria,
         frozen: &mut FactorHistory,
     ) -> Result<NewtonReport, NewtonFailure> {
-        if problem.keeps() && !frozen.rests() {
-            match quasi_newton::solve(self, problem, z, goal, frozen) {
+        if problem.reuses_factors() && !frozen.uses_exact_tangent() {
+            match quasi_newton::solve(self, problem, z, criteria, frozen) {
                 Ok(Some(report)) => return Ok(report),
                 // A failed solve with the frozen tangent says nothing about the exact one.
                 Ok(None)
@@ -323,42 +329,42 @@ impl Newton {
                 }
             }
             match self.spec.strategy {
-                Strategy::Auto => frozen.gave_up(),
-                _ => *frozen = frozen.lost(),
+                Strategy::Auto => frozen.record_failure(),
+                _ => *frozen = frozen.without_factor(),
             }
             self.return_to_guess(problem, z);
         }
-        let Goal { tolerance, .. } = goal;
-        let (mut caution, mut forcing) = (Caution::default(), Forcing::default());
+        let ConvergenceCriteria { tolerance, .. } = criteria;
+        let (mut caution, mut forcing) = (ConvexPhase::default(), Forcing::default());
         let mut residual = norm(&self.r);
-        let (mut convergence, mut settling) = (Convergence::NotConverged, Settling::default());
+        let (mut convergence, mut settling) = (Convergence::NotConverged, RoundingCheck::default());
         for made in 1..=self.spec.max_iterations {
             let (before, iterations) = (residual, self.spent + made);
             let hidden = (convergence == Convergence::Rounding).then_some(&mut settling);
             let step = match hidden {
                 Some(settling) => {
-                    problem.ask(forcing::settling(residual, tolerance));
-                    self.settle(problem, z, goal, settling)
+                    problem.set_accuracy(forcing::settling(residual, tolerance));
+                    self.correct_at_rounding(problem, z, criteria, settling)
                 }
                 None => {
-                    problem.ask(Accuracy::to(forcing.next(residual, tolerance)));
+                    problem.set_accuracy(Accuracy::to(forcing.next(residual, tolerance)));
                     self.step(problem, z, &mut caution, tolerance)
                 }
             };
             let worst = self.worst();
             let lambda = match step.map_err(|error| NewtonFailure::Linear { iterations, error, worst })? {
                 Step::Taken(lambda) => lambda,
-                Step::NotNeeded => return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) }),
+                Step::NotNeeded => return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) }),
                 Step::Stuck => return Err(NewtonFailure::Stuck { iterations, residual: before, tolerance, worst }),
                 Step::Hidden => {
-                    let (rounding, forces) = (norm(&self.floor), goal.scales.residual);
+                    let (rounding, forces) = (norm(&self.floor), criteria.scales.residual);
                     return Err(NewtonFailure::Hidden { iterations, rounding, forces, worst });
                 }
             };
             residual = norm(&self.r);
-            convergence = self.convergence(z, goal, lambda * (residual / before));
+            convergence = self.convergence(z, criteria, lambda * (residual / before));
             if convergence == Convergence::Converged {
-                return Ok(NewtonReport { iterations, residual: goal.over_scale(residual) });
+                return Ok(NewtonReport { iterations, residual: criteria.over_scale(residual) });
             }
         }
         let (iterations, worst) = (self.spent + self.spec.max_iterations, self.worst());
@@ -375,7 +381,7 @@ impl Newton {
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
-        caution: &mut Caution,
+        caution: &mut ConvexPhase,
         tolerance: f64,
     ) -> Result<Step, LinearError> {
         let taken = |lambda: Option<f64>| lambda.map_or(Step::Stuck, Step::Taken);
@@ -403,26 +409,26 @@ impl Newton {
     }
 
     /// The next correction if the residual is rounding, and a line search along it if it is not small.
-    fn settle(
+    fn correct_at_rounding(
         &mut self,
         problem: &mut dyn NonlinearProblem,
         z: &mut [f64],
-        goal: Goal,
-        settling: &mut Settling,
+        criteria: ConvergenceCriteria,
+        settling: &mut RoundingCheck,
     ) -> Result<Step, LinearError> {
         if problem.conservative() {
             self.downhill_direction(problem)?;
         } else {
             self.direction(problem, Curvature::Exact)?;
         }
-        Ok(match self.settled(z, goal, settling) {
-            Settled::Yes => Step::NotNeeded,
-            Settled::Never => Step::Hidden,
-            Settled::NotYet if problem.conservative() => {
-                search::downhill(self, problem, z, goal.tolerance).map_or(Step::Stuck, Step::Taken)
+        Ok(match self.settled(z, criteria, settling) {
+            RoundingVerdict::Yes => Step::NotNeeded,
+            RoundingVerdict::Never => Step::Hidden,
+            RoundingVerdict::NotYet if problem.conservative() => {
+                search::downhill(self, problem, z, criteria.tolerance).map_or(Step::Stuck, Step::Taken)
             }
-            Settled::NotYet => {
-                search::smaller_residual(self, problem, z, goal.tolerance).map_or(Step::Stuck, Step::Taken)
+            RoundingVerdict::NotYet => {
+                search::smaller_residual(self, problem, z, criteria.tolerance).map_or(Step::Stuck, Step::Taken)
             }
         })
     }

@@ -1,6 +1,6 @@
 //! The problem that Newton's iteration solves.
 
-use super::{Accuracy, Expected, Inertia, LinearError};
+use super::{Accuracy, ExpectedUse, Inertia, LinearError};
 
 /// Sizes that residuals and increments are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub trait NonlinearProblem {
 
     /// Called after the residual at a first guess `z` `[n]`. Replaces a guess that goes too far by a more cautious one
     /// and returns `true`; `false` keeps it.
-    fn retreat(&mut self, z: &mut [f64]) -> bool {
+    fn replace_far_guess(&mut self, z: &mut [f64]) -> bool {
         let _ = z;
         false
     }
@@ -47,17 +47,18 @@ pub trait NonlinearProblem {
     fn linearise(&mut self, curvature: Curvature) -> Result<Inertia, LinearError>;
 
     /// Factorises a symmetric positive definite approximation of the tangent at the last evaluated residual, for many
-    /// solves. Returns `false` if there is none. `expected` is its expected use ([`super::LinearSolver::anticipate`]).
+    /// solves. Returns `false` if there is none. `expected` is its expected use
+    /// ([`super::LinearSolver::set_expected_use`]).
     ///
     /// # Errors
     /// A tangent that is not finite.
-    fn freeze(&mut self, expected: Expected) -> Result<bool, LinearError> {
+    fn freeze(&mut self, expected: ExpectedUse) -> Result<bool, LinearError> {
         let _ = expected;
         Ok(false)
     }
 
     /// Whether [`NonlinearProblem::freeze`] would have chosen another solver for this expected use.
-    fn prefers_another(&self, expected: Expected) -> bool {
+    fn prefers_other_solver(&self, expected: ExpectedUse) -> bool {
         let _ = expected;
         false
     }
@@ -72,12 +73,12 @@ pub trait NonlinearProblem {
     fn take_frozen(&mut self) {}
 
     /// Whether factors are reused over many solves.
-    fn keeps(&self) -> bool {
+    fn reuses_factors(&self) -> bool {
         false
     }
 
     /// Sets the accuracy of further solves; direct solvers ignore it.
-    fn ask(&mut self, accuracy: Accuracy) {
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
         let _ = accuracy;
     }
 

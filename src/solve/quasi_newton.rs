@@ -10,9 +10,11 @@
 //! Between steps: as soon as the extra iterations on an old factor, compared with a new one, add up to a factorisation.
 //! All costs are counted, none are timed.
 
-use super::newton::{Convergence, Goal, Newton, NewtonReport, NonlinearProblem, Settled, Settling, Step};
+use super::newton::{
+    Convergence, ConvergenceCriteria, Newton, NewtonReport, NonlinearProblem, RoundingCheck, RoundingVerdict, Step,
+};
 use super::norms::{dot, norm};
-use super::{Expected, LinearError, forcing, search};
+use super::{ExpectedUse, LinearError, forcing, search};
 
 /// SecantPairs kept.
 const PAIRS: usize = 8;
@@ -40,7 +42,7 @@ pub struct FactorHistory {
     /// total iterations with it
     pub served: u32,
     /// expected use of a factor, learnt from earlier ones
-    pub expected: Expected,
+    pub expected: ExpectedUse,
     /// solves by conjugate gradients with it
     pub cg_solves: u32,
     /// their iterations
@@ -53,35 +55,35 @@ pub struct FactorHistory {
 
 impl FactorHistory {
     /// Without a factor, but with what was learnt from earlier ones.
-    pub fn lost(self) -> Self {
+    pub fn without_factor(self) -> Self {
         FactorHistory { made: false, fresh: 0, excess: 0, served: 0, cg_solves: 0, cg_iterations: 0, ..self }
     }
 
     /// The same after a change of the step size, which changes the number of iterations.
-    pub fn of_another_step(self) -> Self {
-        let expected = Expected { cg_iterations: 0.0, ..self.expected };
-        FactorHistory { expected, ..self.lost() }
+    pub fn after_step_change(self) -> Self {
+        let expected = ExpectedUse { cg_iterations: 0.0, ..self.expected };
+        FactorHistory { expected, ..self.without_factor() }
     }
 
     /// Expected use of the next factor after what this one has shown. `cost` [-] is the cost of a factor in iterations.
-    fn seen(&self, cost: f64) -> Expected {
+    fn expected_use(&self, cost: f64) -> ExpectedUse {
         let useful = f64::from(self.served.saturating_sub(self.excess).max(1));
         let reuse = 0.5 * (self.expected.reuse + useful / cost.max(1.0).sqrt());
         let cg_iterations = match self.cg_solves {
             0 => self.expected.cg_iterations,
             solves => f64::from(self.cg_iterations) / f64::from(solves),
         };
-        Expected { reuse, cg_iterations }
+        ExpectedUse { reuse, cg_iterations }
     }
 
     /// The frozen factor failed in a step: the next steps use the exact tangent, twice as many as the last time.
-    pub(super) fn gave_up(&mut self) {
+    pub(super) fn record_failure(&mut self) {
         self.rest = self.next_rest.clamp(1, LONGEST_REST);
-        *self = FactorHistory { next_rest: 2 * self.rest, ..self.lost() };
+        *self = FactorHistory { next_rest: 2 * self.rest, ..self.without_factor() };
     }
 
     /// Whether this step uses the exact tangent.
-    pub(super) fn rests(&mut self) -> bool {
+    pub(super) fn uses_exact_tangent(&mut self) -> bool {
         let rests = self.rest > 0;
         self.rest = self.rest.saturating_sub(1);
         rests
@@ -122,7 +124,7 @@ impl SecantPairs {
         Self::new(n, PAIRS)
     }
 
-    fn forget(&mut self) {
+    fn clear(&mut self) {
         (self.next, self.held) = (0, 0);
     }
 
@@ -186,12 +188,12 @@ pub(super) fn solve(
     newton: &mut Newton,
     problem: &mut dyn NonlinearProblem,
     z: &mut [f64],
-    goal: Goal,
+    criteria: ConvergenceCriteria,
     frozen: &mut FactorHistory,
 ) -> Result<Option<NewtonReport>, LinearError> {
     let mut pairs = std::mem::take(&mut newton.pairs);
-    pairs.forget();
-    let found = Iteration { newton, problem, pairs: &mut pairs, goal, frozen }.run(z);
+    pairs.clear();
+    let found = Iteration { newton, problem, pairs: &mut pairs, criteria, frozen }.run(z);
     newton.pairs = pairs;
     found
 }
@@ -200,7 +202,7 @@ struct Iteration<'a> {
     newton: &'a mut Newton,
     problem: &'a mut dyn NonlinearProblem,
     pairs: &'a mut SecantPairs,
-    goal: Goal,
+    criteria: ConvergenceCriteria,
     frozen: &'a mut FactorHistory,
 }
 
@@ -219,7 +221,7 @@ impl ConvergenceRate {
         ConvergenceRate { iterations: 0, residuals }
     }
 
-    fn went_to(&mut self, residual: f64) {
+    fn record_residual(&mut self, residual: f64) {
         self.iterations += 1;
         self.residuals.rotate_right(1);
         self.residuals[0] = residual;
@@ -252,14 +254,14 @@ impl Iteration<'_> {
         for iterations in 1..=self.newton.most_iterations() {
             self.newton.spent = iterations;
             let step = match &mut settling {
-                Some(settling) => self.settle(z, settling)?,
+                Some(settling) => self.correct_at_rounding(z, settling)?,
                 None => self.step(z)?,
             };
             let lambda = match step {
                 Step::Taken(lambda) => lambda,
                 Step::NotNeeded => {
-                    self.learn(rate_seen.iterations + 1, fresh);
-                    return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
+                    self.record_step(rate_seen.iterations + 1, fresh);
+                    return Ok(Some(NewtonReport { iterations, residual: self.criteria.over_scale(residual) }));
                 }
                 Step::Hidden => return Ok(None),
                 Step::Stuck => {
@@ -274,18 +276,19 @@ impl Iteration<'_> {
             };
             let before = residual;
             residual = norm(&self.newton.r);
-            rate_seen.went_to(residual);
-            match self.newton.convergence(z, self.goal, lambda * residual / before) {
+            rate_seen.record_residual(residual);
+            match self.newton.convergence(z, self.criteria, lambda * residual / before) {
                 Convergence::Converged => {
-                    self.learn(rate_seen.iterations, fresh);
-                    return Ok(Some(NewtonReport { iterations, residual: self.goal.over_scale(residual) }));
+                    self.record_step(rate_seen.iterations, fresh);
+                    return Ok(Some(NewtonReport { iterations, residual: self.criteria.over_scale(residual) }));
                 }
                 // An old factor or secant pairs of rounded differences would prove nothing.
                 Convergence::Rounding if settling.is_none() => {
                     if !self.refreeze(z)? {
                         return Ok(None);
                     }
-                    (fresh, rate_seen, settling) = (true, ConvergenceRate::new(residual), Some(Settling::default()));
+                    (fresh, rate_seen, settling) =
+                        (true, ConvergenceRate::new(residual), Some(RoundingCheck::default()));
                     continue;
                 }
                 Convergence::Rounding => continue,
@@ -293,7 +296,7 @@ impl Iteration<'_> {
             }
             let needed = if self.frozen.fresh > 0 { self.frozen.fresh } else { EXPECTED };
             if rate_seen
-                .left(self.goal.tolerance)
+                .left(self.criteria.tolerance)
                 .is_some_and(|left| left > self.problem.factor_cost() + f64::from(needed))
             {
                 factors += 1;
@@ -308,14 +311,14 @@ impl Iteration<'_> {
 
     /// Whether the other solver would have been chosen, had the number of uses and of iterations a solve been known.
     fn another_would_serve(&self) -> bool {
-        let (seen, expected) = (self.frozen.seen(self.problem.factor_cost()), self.frozen.expected);
+        let (seen, expected) = (self.frozen.expected_use(self.problem.factor_cost()), self.frozen.expected);
         // Before it has served as long as expected, its total use is unknown.
         let reuse = seen.reuse.max(expected.reuse);
-        self.problem.prefers_another(Expected { reuse, ..seen })
+        self.problem.prefers_other_solver(ExpectedUse { reuse, ..seen })
     }
 
     /// Records the iterations of a step.
-    fn learn(&mut self, iterations: u32, fresh: bool) {
+    fn record_step(&mut self, iterations: u32, fresh: bool) {
         self.frozen.served += iterations;
         self.frozen.next_rest /= 2;
         if fresh {
@@ -328,12 +331,12 @@ impl Iteration<'_> {
 
     /// Factorises the tangent at the last evaluated residual.
     fn freeze(&mut self) -> Result<bool, LinearError> {
-        self.pairs.forget();
+        self.pairs.clear();
         if self.frozen.made {
-            self.frozen.expected = self.frozen.seen(self.problem.factor_cost());
+            self.frozen.expected = self.frozen.expected_use(self.problem.factor_cost());
         }
         let made = self.problem.freeze(self.frozen.expected)?;
-        *self.frozen = FactorHistory { made, ..self.frozen.lost() };
+        *self.frozen = FactorHistory { made, ..self.frozen.without_factor() };
         Ok(made)
     }
 
@@ -347,23 +350,23 @@ impl Iteration<'_> {
     }
 
     /// The next correction if the residual is rounding, and a line search along it if it is not small.
-    fn settle(&mut self, z: &mut [f64], settling: &mut Settling) -> Result<Step, LinearError> {
+    fn correct_at_rounding(&mut self, z: &mut [f64], settling: &mut RoundingCheck) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.ask(forcing::settling(norm(r), self.goal.tolerance));
+        self.problem.set_accuracy(forcing::settling(norm(r), self.criteria.tolerance));
         dz.copy_from_slice(r);
         self.problem.solve(dz)?;
         dz.iter_mut().for_each(|dz| *dz = -*dz);
-        Ok(match self.newton.settled(z, self.goal, settling) {
-            Settled::Yes => Step::NotNeeded,
-            Settled::Never => Step::Hidden,
-            Settled::NotYet => self.search(z).map_or(Step::Stuck, Step::Taken),
+        Ok(match self.newton.settled(z, self.criteria, settling) {
+            RoundingVerdict::Yes => Step::NotNeeded,
+            RoundingVerdict::Never => Step::Hidden,
+            RoundingVerdict::NotYet => self.search(z).map_or(Step::Stuck, Step::Taken),
         })
     }
 
     /// One direction and the line search along it.
     fn step(&mut self, z: &mut [f64]) -> Result<Step, LinearError> {
         let Newton { r, dz, .. } = &mut *self.newton;
-        self.problem.ask(forcing::reused(norm(r), self.goal.tolerance));
+        self.problem.set_accuracy(forcing::reused(norm(r), self.criteria.tolerance));
         self.pairs.before.copy_from_slice(r);
         dz.copy_from_slice(r);
         let before = self.problem.cg_iterations();
@@ -385,7 +388,7 @@ impl Iteration<'_> {
         if dot(&self.newton.r, &self.newton.dz) >= 0.0 {
             return None;
         }
-        search::downhill(self.newton, self.problem, z, self.goal.tolerance)
+        search::downhill(self.newton, self.problem, z, self.criteria.tolerance)
     }
 }
 

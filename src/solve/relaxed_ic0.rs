@@ -44,7 +44,7 @@ impl NodeBlocks {
             let beside = pattern.column(u).iter().zip(&values[first..]).zip(&mut entries);
             // Visits all of the column, so that the next one continues at its own entries.
             beside.fold(true, |small, ((&r, value), &entry)| {
-                small & (entry == ELSEWHERE || put(below, entry, value * scale[u] * scale[r as usize]))
+                small & (entry == ELSEWHERE || store(below, entry, value * scale[u] * scale[r as usize]))
             })
         })
     }
@@ -140,7 +140,7 @@ impl NodeBlocks {
 
 /// Stores a scaled value of W. Returns whether it is as small as in a positive definite matrix.
 #[inline(always)]
-fn put(below: &mut [f32], entry: u32, scaled: f64) -> bool {
+fn store(below: &mut [f32], entry: u32, scaled: f64) -> bool {
     let small = scaled.abs() <= f64::from(LARGEST);
     if small {
         below[entry as usize] = scaled as f32;

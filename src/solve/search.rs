@@ -29,10 +29,13 @@ pub(super) fn smaller_residual(
     let before = norm(&newton.r);
     let mut lambda = 1.0;
     for _ in 0..MAX_TRIALS {
-        let landed = newton.look(problem, z, lambda, tolerance);
+        let landed = newton.evaluate_at(problem, z, lambda, tolerance);
         let residual = norm(&newton.r_trial);
-        if residual <= (1.0 - ARMIJO * lambda) * before || landed || newton.nears(problem, lambda, residual) {
-            newton.go(z);
+        if residual <= (1.0 - ARMIJO * lambda) * before
+            || landed
+            || newton.correction_shrinks(problem, lambda, residual)
+        {
+            newton.accept_trial(z);
             return Some(lambda);
         }
         lambda *= 0.5;
@@ -54,12 +57,12 @@ pub(super) fn downhill(
     let mut high: Option<(f64, f64)> = None;
     let mut lambda = 1.0;
     for trial in 0..MAX_TRIALS {
-        let landed = newton.look(problem, z, lambda, tolerance);
+        let landed = newton.evaluate_at(problem, z, lambda, tolerance);
         // The slope may be finite although forces overflow, if the direction does not act on them.
         let here = if norm(&newton.r_trial).is_finite() { dot(&newton.r_trial, &newton.dz) } else { f64::INFINITY };
         let left = if trial == 0 { FULL_SLOPE } else { SLOPE } * slope.abs();
         if landed || here.is_finite() && here.abs() <= left {
-            newton.go(z);
+            newton.accept_trial(z);
             return Some(lambda);
         }
         if here < 0.0 && here.is_finite() {
@@ -71,8 +74,8 @@ pub(super) fn downhill(
     }
     // The bracket has closed on a kink or is unbounded: its lower end still lies below the start.
     (low.0 > 0.0).then(|| {
-        newton.look(problem, z, low.0, tolerance);
-        newton.go(z);
+        newton.evaluate_at(problem, z, low.0, tolerance);
+        newton.accept_trial(z);
         low.0
     })
 }
@@ -87,7 +90,7 @@ fn between((a, slope_a): (f64, f64), (b, slope_b): (f64, f64)) -> f64 {
 impl Newton {
     /// Evaluates the residual at z + lambda dz. Returns whether it is within the tolerance, which is accepted whatever
     /// the merit function says: rounding may not allow a decrease.
-    fn look(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], lambda: f64, tolerance: f64) -> bool {
+    fn evaluate_at(&mut self, problem: &mut dyn NonlinearProblem, z: &[f64], lambda: f64, tolerance: f64) -> bool {
         for ((trial, z), dz) in self.trial.iter_mut().zip(z).zip(&self.dz) {
             *trial = z + lambda * dz;
         }
@@ -96,7 +99,7 @@ impl Newton {
     }
 
     /// Accepts the last trial point.
-    fn go(&mut self, z: &mut [f64]) {
+    fn accept_trial(&mut self, z: &mut [f64]) {
         z.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.r, &mut self.r_trial);
     }
@@ -105,7 +108,7 @@ impl Newton {
     /// tangent predicts a correction clearly smaller than the step (restricted natural monotonicity: Deuflhard 2004,
     /// section 3.3, algorithm NLEQ-ERR). If a stiff spring turns or a flat sheet begins to bulge, the residual must
     /// rise first, as its norm only sees the stiff direction.
-    fn nears(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, residual: f64) -> bool {
+    fn correction_shrinks(&mut self, problem: &mut dyn NonlinearProblem, lambda: f64, residual: f64) -> bool {
         if !residual.is_finite() {
             return false;
         }

@@ -2,7 +2,7 @@
 
 use super::error::StudyError;
 use super::experiment::Experiment;
-use super::row::Pace;
+use super::row::StepSetting;
 use crate::case::fingerprint::{Fingerprint, FingerprintError};
 use crate::case::schema::Method;
 use crate::case::spec::{Problem, SystemSpec};
@@ -101,12 +101,12 @@ pub fn nominal_pass(scene: &dyn Scene) -> f64 {
     SMALL_PASS + spring * sizes[0] + triangle * sizes[1] + node * sizes[2]
 }
 
-impl Pace {
+impl StepSetting {
     /// For the driver.
     pub fn step(self) -> Step {
         match self {
-            Pace::Step(h) => Step::Fixed(h),
-            Pace::Tolerance(relative) => Step::Adaptive(Tolerance { relative, absolute: relative / 100.0 }),
+            StepSetting::Step(h) => Step::Fixed(h),
+            StepSetting::Tolerance(relative) => Step::Adaptive(Tolerance { relative, absolute: relative / 100.0 }),
         }
     }
 }

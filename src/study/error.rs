@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::reference::NoWay;
+use super::reference::ReferenceFailure;
 use crate::case::CaseError;
 use crate::case::fingerprint::FingerprintError;
 use crate::integrate::registry::MethodError;
@@ -33,9 +33,9 @@ pub enum StudyError {
     )]
     NoReference {
         /// why not by explicit pairs
-        explicit: NoWay,
+        explicit: ReferenceFailure,
         /// why not by implicit steps
-        implicit: NoWay,
+        implicit: ReferenceFailure,
     },
     /// Errors are relative to a motion that is not there.
     #[error("nothing moves in this case, so that errors relative to the motion cannot be told")]

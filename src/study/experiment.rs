@@ -115,7 +115,7 @@ impl<'a> Experiment<'a> {
     /// # Errors
     /// A method that does not fit the scene.
     pub fn stepper(&self) -> Result<Stepper<'a>, NeedsNetwork> {
-        Stepper::bind(self.method.scheme(self.solver), self.scene.abilities())
+        Stepper::bind(self.method.scheme(self.solver), self.scene.interfaces())
     }
 
     /// Makes the run with a stepper of its own. `frames` visits the frames; `on_event` hears of every event after it.

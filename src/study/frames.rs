@@ -6,7 +6,7 @@
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::model::state::State;
 use crate::output::hermite::interpolate;
-use crate::output::schedule::{Due, Schedule, tolerance};
+use crate::output::schedule::{FrameDue, Schedule, tolerance};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -177,8 +177,8 @@ impl Observer for Sampler<'_> {
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
         while let Some(due) = self.schedule.next_in(step.from, step.t) {
             match (due, step.start, step.end) {
-                (Due::End, _, Some(end)) => self.visit(&end.state),
-                (Due::Between(at), Some(start), Some(end)) => {
+                (FrameDue::End, _, Some(end)) => self.visit(&end.state),
+                (FrameDue::Between(at), Some(start), Some(end)) => {
                     let mut between = std::mem::take(&mut self.between);
                     interpolate(start.state.as_ref(), end.state.as_ref(), at.fraction, &mut between);
                     self.visit(&between);

@@ -8,7 +8,7 @@ use super::error::StudyError;
 use super::experiment::{Event, Experiment, ExperimentError, Flow, Start};
 use super::frames::Sampler;
 use super::reference::Reference;
-use super::row::{Job, Measured, Pace, RowStatus};
+use super::row::{Job, Measured, RowStatus, StepSetting};
 use super::runner::Runner;
 use super::store::Unfinished;
 use crate::drive::observer::Occasion;
@@ -47,7 +47,7 @@ impl Runner<'_> {
     pub(super) fn measure(&self, variant: &PreparedVariant, job: &Job) -> Result<Ended, StudyError> {
         let PreparedVariant { bench, reference, deadline } = variant;
         let method = choice(&job.method)?;
-        if let Pace::Step(h) = job.pace
+        if let StepSetting::Step(h) = job.setting
             && h > bench.end()
         {
             let end = bench.end();
@@ -63,7 +63,7 @@ impl Runner<'_> {
         let between = if bench.scene.n_dof() < SMALL { CLOCK_EVERY } else { 0 };
         let (mut countdown, mut saved, mut failed) = (0, Instant::now(), None);
         let interrupt = Stop::on(self.interrupt);
-        let experiment = Experiment { interrupt, single_steps: 0, ..bench.experiment(&method, job.pace.step()) };
+        let experiment = Experiment { interrupt, single_steps: 0, ..bench.experiment(&method, job.setting.step()) };
         let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
             let Event::Boundary(run) = event else { return Flow::Continue };
             let mut save = || {

@@ -14,7 +14,6 @@ mod error;
 pub mod experiment;
 pub(crate) mod forecast;
 pub mod frames;
-mod ladder;
 mod measure;
 pub mod options;
 pub mod pareto;
@@ -25,6 +24,7 @@ pub mod report;
 pub mod row;
 mod runner;
 pub mod stability;
+mod step_grid;
 pub mod store;
 mod template;
 

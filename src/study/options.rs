@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bench::choice;
 use super::error::StudyError;
-use super::ladder::{decades, series};
+use super::step_grid::{decades, series};
 use crate::case::schema::{Method, Study};
 
 /// Times a run is repeated to measure its cost, if nobody says.

@@ -31,12 +31,12 @@ mod tests {
     use super::*;
     use crate::case::schema::Method;
     use crate::integrate::registry::Family;
-    use crate::study::row::{Job, Measured, Pace, RowStatus};
+    use crate::study::row::{Job, Measured, RowStatus, StepSetting};
 
     fn row(id: &str, status: RowStatus, error: f64, cost: f64) -> Row {
         let method = Method { name: "rk4".to_owned(), parameters: Default::default() };
         Row {
-            job: Job { id: id.to_owned(), variant: 0, method, pace: Pace::Step(1.0) },
+            job: Job { id: id.to_owned(), variant: 0, method, setting: StepSetting::Step(1.0) },
             family: Family::Explicit,
             measured: Measured { status, error: Some(error), ..Measured::default() },
             cpu_seconds: Some(cost),

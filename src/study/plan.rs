@@ -9,11 +9,11 @@ use serde_json::Value;
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::ladder::Scales;
 use super::options::StudyOptions;
-use super::reference::{Account, Reference, Workshop};
-use super::row::{Job, Pace, label};
-use crate::analysis::critical::Effort;
+use super::reference::{Reference, ReferenceReport, Workshop};
+use super::row::{Job, StepSetting, label};
+use super::step_grid::StepScales;
+use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::case::Case;
 use crate::case::fingerprint::Fingerprint;
@@ -70,7 +70,7 @@ pub struct Variant {
     /// [s] critical step at the start, method by method; only those with a limit
     pub critical_steps: BTreeMap<String, f64>,
     /// the reference
-    pub reference: Account,
+    pub reference: ReferenceReport,
 }
 
 /// What a plan is made from.
@@ -175,11 +175,11 @@ impl Planner<'_> {
         variant: usize,
     ) -> Result<(BTreeMap<String, f64>, Vec<Job>), StudyError> {
         let state = bench.scene.initial_state();
-        let effort = Effort { stop: Stop::on(self.stop), ..Effort::FULL };
+        let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let mut spectrum = Spectrum::with(&*bench.scene, state.as_ref(), effort);
-        let scales = Scales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
+        let scales = StepScales::of(&spectrum, bench.every, bench.end(), reference.account.motion.period());
         let mut limits = BTreeMap::new();
-        let mut paces: Vec<Tried> = Vec::new();
+        let mut settings: Vec<Tried> = Vec::new();
         for (method, choice) in self.methods()? {
             let limit = spectrum.critical_step(&choice).step;
             if limit.is_finite() {
@@ -195,27 +195,33 @@ impl Planner<'_> {
                 None if self.options.steps.is_some() || choice.order() < 2 => Vec::new(),
                 None => scales.tolerances(choice.order(), limit),
             };
-            let steps = steps.into_iter().map(Pace::Step);
-            let list = steps.chain(tolerances.into_iter().map(Pace::Tolerance)).collect();
-            paces.push(Tried { step_seconds: bench.nominal_step(&choice), order: choice.order(), limit, method, list });
+            let steps = steps.into_iter().map(StepSetting::Step);
+            let list = steps.chain(tolerances.into_iter().map(StepSetting::Tolerance)).collect();
+            settings.push(Tried {
+                step_seconds: bench.nominal_step(&choice),
+                order: choice.order(),
+                limit,
+                method,
+                list,
+            });
         }
         if spectrum.stopped() {
             return Err(StudyError::Interrupted);
         }
-        self.add_own(bench, &mut paces);
-        Ok((limits, by_cost(paces, &scales, variant)))
+        self.add_own(bench, &mut settings);
+        Ok((limits, by_cost(settings, &scales, variant)))
     }
 
     /// The case's own choice belongs to its study, unless other methods and steps were asked for.
-    fn add_own(&self, bench: &Bench, paces: &mut [Tried]) {
+    fn add_own(&self, bench: &Bench, settings: &mut [Tried]) {
         let StudyOptions { steps, tolerances, .. } = &self.options;
         let own = match bench.problem.time.step {
-            Step::Fixed(h) if steps.is_none() => Pace::Step(h),
-            Step::Adaptive(tolerance) if tolerances.is_none() => Pace::Tolerance(tolerance.relative),
+            Step::Fixed(h) if steps.is_none() => StepSetting::Step(h),
+            Step::Adaptive(tolerance) if tolerances.is_none() => StepSetting::Tolerance(tolerance.relative),
             _ => return,
         };
         let method = &self.case.file().time.method;
-        if let Some(tried) = paces.iter_mut().find(|tried| tried.method == *method)
+        if let Some(tried) = settings.iter_mut().find(|tried| tried.method == *method)
             && !tried.list.contains(&own)
         {
             tried.list.push(own);
@@ -226,7 +232,7 @@ impl Planner<'_> {
 /// A method and what it is tried with.
 struct Tried {
     method: Method,
-    list: Vec<Pace>,
+    list: Vec<StepSetting>,
     /// [s] nominal cost of a step
     step_seconds: f64,
     order: u32,
@@ -236,10 +242,10 @@ struct Tried {
 
 impl Tried {
     /// [s] Nominal cost of a run.
-    fn seconds(&self, pace: Pace, scales: &Scales) -> f64 {
-        let h = match pace {
-            Pace::Step(h) => h,
-            Pace::Tolerance(t) => {
+    fn seconds(&self, setting: StepSetting, scales: &StepScales) -> f64 {
+        let h = match setting {
+            StepSetting::Step(h) => h,
+            StepSetting::Tolerance(t) => {
                 scales.rough_step(t, self.order).min(if self.limit > 0.0 { self.limit } else { f64::INFINITY })
             }
         };
@@ -249,18 +255,19 @@ impl Tried {
 
 /// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run
 /// and what it is.
-fn by_cost(tried: Vec<Tried>, scales: &Scales, variant: usize) -> Vec<Job> {
-    let runs = tried.iter().flat_map(|t| t.list.iter().map(|pace| (t.seconds(*pace, scales), &t.method, *pace)));
-    let mut runs: Vec<(f64, &Method, Pace)> = runs.collect();
+fn by_cost(tried: Vec<Tried>, scales: &StepScales, variant: usize) -> Vec<Job> {
+    let runs =
+        tried.iter().flat_map(|t| t.list.iter().map(|setting| (t.seconds(*setting, scales), &t.method, *setting)));
+    let mut runs: Vec<(f64, &Method, StepSetting)> = runs.collect();
     runs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let job = |(number, (_, method, pace)): (usize, (f64, &Method, Pace))| {
-        let what = match pace {
-            Pace::Step(h) => format!("h{h:.4e}"),
-            Pace::Tolerance(t) => format!("tol{t:.2e}"),
+    let job = |(number, (_, method, setting)): (usize, (f64, &Method, StepSetting))| {
+        let what = match setting {
+            StepSetting::Step(h) => format!("h{h:.4e}"),
+            StepSetting::Tolerance(t) => format!("tol{t:.2e}"),
         };
         let method_stem: String = file_stem(&label(method)).chars().take(LONGEST).collect();
         let id = format!("v{variant}-{number:04}-{method_stem}-{what}");
-        Job { id, variant, method: method.clone(), pace }
+        Job { id, variant, method: method.clone(), setting }
     };
     runs.into_iter().enumerate().map(job).collect()
 }

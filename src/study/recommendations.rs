@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::error::StudyError;
 use super::pareto::{TIE, cheapest};
 use super::plan::{Plan, Variant};
-use super::row::{Pace, Row, RowStatus};
+use super::row::{Row, RowStatus, StepSetting};
 use super::template::render;
 use crate::integrate::registry::Family;
 
@@ -24,7 +24,7 @@ pub struct Pick {
     pub method: String,
     /// its steps
     #[serde(flatten)]
-    pub pace: Pace,
+    pub setting: StepSetting,
     /// [-] its error
     pub error: f64,
     /// [s] its processor time
@@ -166,7 +166,7 @@ impl<'a> VariantRows<'a> {
         let rows = self.rows.iter().copied().filter(|row| which(row));
         let (row, cpu_seconds) = cheapest(rows, wanted, self.reference_error)?;
         let error = row.measured.error.unwrap_or(f64::NAN);
-        Some(Pick { id: row.job.id.clone(), method: row.label(), pace: row.job.pace, error, cpu_seconds })
+        Some(Pick { id: row.job.id.clone(), method: row.label(), setting: row.job.setting, error, cpu_seconds })
     }
 
     /// The cheapest without and with a matrix.

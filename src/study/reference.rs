@@ -18,7 +18,7 @@ use super::bench::{Bench, reference_tolerance};
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, Flow, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
-use crate::analysis::critical::Effort;
+use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
@@ -55,12 +55,12 @@ pub struct Reference {
     /// its frames
     pub frames: Frames,
     /// what it is worth
-    pub account: Account,
+    pub account: ReferenceReport,
 }
 
 /// How a reference was made and what it is worth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Account {
+pub struct ReferenceReport {
     /// the two solutions in words
     pub how: String,
     /// [-] their difference: root mean square over frames and nodes, over that of the motion
@@ -77,7 +77,7 @@ pub struct Account {
 
 /// Why one way to a reference is no way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoWay {
+pub enum ReferenceFailure {
     /// It would take too long.
     #[error("it would take about {} s, {} s are allowed; raise --budget, or shorten the run with --end", figures(*seconds, 2), figures(*allowance, 2))]
     TooLong {
@@ -151,14 +151,14 @@ impl Workshop<'_> {
     }
 
     /// By the two pairs.
-    fn explicit(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
+    fn explicit(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
         let [fine, coarse] = PAIRS.map(|name| MethodChoice::with_defaults(name).ok());
         let (Some(fine), Some(coarse)) = (fine, coarse) else {
-            return Err(NoWay::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
+            return Err(ReferenceFailure::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
         };
         let seconds = self.nominal_explicit(&fine);
         if seconds > self.allowance {
-            return Err(NoWay::TooLong { seconds, allowance: self.allowance });
+            return Err(ReferenceFailure::TooLong { seconds, allowance: self.allowance });
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
@@ -167,7 +167,7 @@ impl Workshop<'_> {
             let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), spent)?)));
             let (a, b) = match both {
                 Ok(both) => both,
-                Err(NoWay::TooLong { .. }) if best.is_some() => break,
+                Err(ReferenceFailure::TooLong { .. }) if best.is_some() => break,
                 Err(why) => return Err(why),
             };
             let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
@@ -182,8 +182,12 @@ impl Workshop<'_> {
                 break;
             }
         }
-        best.ok_or(NoWay::NotAgreed(f64::INFINITY)).and_then(|best| {
-            if best.account.error > NOT_AGREED { Err(NoWay::NotAgreed(best.account.error)) } else { Ok(best) }
+        best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(|best| {
+            if best.account.error > NOT_AGREED {
+                Err(ReferenceFailure::NotAgreed(best.account.error))
+            } else {
+                Ok(best)
+            }
         })
     }
 
@@ -191,19 +195,19 @@ impl Workshop<'_> {
     fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
         let scene = &*self.bench.scene;
         let state = scene.initial_state();
-        let effort = Effort { stop: Stop::on(self.stop), ..Effort::FULL };
+        let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
         let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
         self.bench.end() / longest * self.bench.nominal_step(method)
     }
 
     /// Newmark's trapezoidal rule, extrapolated.
-    fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, NoWay> {
-        let newmark = MethodChoice::with_defaults("newmark").map_err(|e| NoWay::Failed(e.to_string()))?;
+    fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
+        let newmark = MethodChoice::with_defaults("newmark").map_err(|e| ReferenceFailure::Failed(e.to_string()))?;
         let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
         let seconds = |j: i32| self.bench.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();
-        let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<NoWay>) = (None, 0.0, None);
+        let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<ReferenceFailure>) = (None, 0.0, None);
         for j in 0..24 {
             total += seconds(j);
             if total > self.allowance {
@@ -241,15 +245,14 @@ impl Workshop<'_> {
         }
         match best {
             Some(best) if best.account.error <= NOT_AGREED => Ok(best),
-            Some(best) => Err(NoWay::NotAgreed(best.account.error)),
-            None => {
-                Err(failed.unwrap_or(NoWay::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance }))
-            }
+            Some(best) => Err(ReferenceFailure::NotAgreed(best.account.error)),
+            None => Err(failed
+                .unwrap_or(ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance })),
         }
     }
 
     /// The frames of one run to the end.
-    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut Spent) -> Result<Frames, NoWay> {
+    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut Spent) -> Result<Frames, ReferenceFailure> {
         let told = match step {
             Step::Fixed(h) => format!("{} at step {h:.3e} s", method.info.name),
             Step::Adaptive(tolerance) => format!("{} at tolerance {:e}", method.info.name, tolerance.relative),
@@ -267,37 +270,40 @@ impl Workshop<'_> {
             Flow::stop_if(left == 0 || self.interrupted())
         });
         let Outcome { status, counters, failure, steps, t_end, .. } =
-            run.map_err(|e| NoWay::Failed(format!("{told}: {e}")))?;
+            run.map_err(|e| ReferenceFailure::Failed(format!("{told}: {e}")))?;
         spent.counters = spent.counters.plus(counters);
         let earlier = spent.seconds;
         spent.seconds += nominal * steps as f64;
         match status {
             Status::Completed => Ok(sampler.into_frames()),
-            Status::Interrupted if self.interrupted() => Err(NoWay::Failed("interrupted".to_owned())),
+            Status::Interrupted if self.interrupted() => Err(ReferenceFailure::Failed("interrupted".to_owned())),
             Status::Interrupted => {
                 let whole = nominal * steps as f64 * self.bench.end() / t_end;
-                Err(NoWay::TooLong { seconds: earlier + whole, allowance: self.allowance })
+                Err(ReferenceFailure::TooLong { seconds: earlier + whole, allowance: self.allowance })
             }
             Status::Diverged | Status::NotConverged => {
                 let why = failure.map_or_else(String::new, |failure| format!(": {}", failure.cause));
-                Err(NoWay::Failed(format!("{told} failed{why}")))
+                Err(ReferenceFailure::Failed(format!("{told} failed{why}")))
             }
         }
     }
 }
 
 /// The finer of two solutions with their difference.
-fn agreed(fine: Frames, coarse: &Frames, how: String) -> Result<Reference, NoWay> {
+fn agreed(fine: Frames, coarse: &Frames, how: String) -> Result<Reference, ReferenceFailure> {
     let motion = fine.motion;
     if motion.squares == 0.0 {
-        return Ok(Reference { account: Account { how, motion, ..Account::default() }, frames: fine });
+        return Ok(Reference { account: ReferenceReport { how, motion, ..ReferenceReport::default() }, frames: fine });
     }
     let difference = Distance::between(&fine, coarse).over(motion);
     let [error, error_max] = difference
         .filter(|difference| difference.iter().all(|e| e.is_finite()))
-        .ok_or(NoWay::NotAgreed(f64::INFINITY))?
+        .ok_or(ReferenceFailure::NotAgreed(f64::INFINITY))?
         .map(|e| e.max(ROUNDING));
-    Ok(Reference { account: Account { how, error, error_max, motion, ..Account::default() }, frames: fine })
+    Ok(Reference {
+        account: ReferenceReport { how, error, error_max, motion, ..ReferenceReport::default() },
+        frames: fine,
+    })
 }
 
 /// T + (T - coarser)/(4^k - 1), frame by frame.

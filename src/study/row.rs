@@ -9,7 +9,7 @@ use crate::integrate::registry::Family;
 /// How a run goes through time, as a study writes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Pace {
+pub enum StepSetting {
     /// [s] fixed steps of this size
     Step(f64),
     /// [-] adaptive steps within this share of the motion; the absolute tolerance is a hundredth of it, in metres
@@ -27,7 +27,7 @@ pub struct Job {
     pub method: Method,
     /// steps
     #[serde(flatten)]
-    pub pace: Pace,
+    pub setting: StepSetting,
 }
 
 /// How a run of a study ended.

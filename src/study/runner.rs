@@ -12,7 +12,7 @@ use super::error::StudyError;
 use super::measure::{Ended, PreparedVariant};
 use super::pareto::mark_front;
 use super::plan::{Plan, Variant};
-use super::row::{Job, Measured, Pace, Row, RowStatus, label, median};
+use super::row::{Job, Measured, Row, RowStatus, StepSetting, label, median};
 use super::store::Store;
 use crate::case::Case;
 
@@ -172,9 +172,9 @@ impl Runner<'_> {
         let order = f64::from(choice(&job.method)?.order());
         let mut nearest: Option<(f64, f64)> = None;
         for other in self.plan.jobs.iter().filter(|o| o.variant == job.variant && o.method == job.method) {
-            let more = match (job.pace, other.pace) {
-                (Pace::Step(h), Pace::Step(other)) => other / h,
-                (Pace::Tolerance(t), Pace::Tolerance(other)) => (other / t).powf(1.0 / order),
+            let more = match (job.setting, other.setting) {
+                (StepSetting::Step(h), StepSetting::Step(other)) => other / h,
+                (StepSetting::Tolerance(t), StepSetting::Tolerance(other)) => (other / t).powf(1.0 / order),
                 _ => continue,
             };
             let Some(found) = self.store.measured(other)?.filter(|m| m.status == RowStatus::Completed) else {
@@ -206,9 +206,9 @@ impl Plan {
 }
 
 fn described(job: &Job, pass: usize, plan: &Plan) -> String {
-    let what = match job.pace {
-        Pace::Step(h) => format!("step {h:.4e} s"),
-        Pace::Tolerance(t) => format!("tolerance {t:e}"),
+    let what = match job.setting {
+        StepSetting::Step(h) => format!("step {h:.4e} s"),
+        StepSetting::Tolerance(t) => format!("tolerance {t:e}"),
     };
     let stiff = plan.variant_of(job).map_or(1.0, |v| v.stiffness_factor);
     let stiff = if stiff == 1.0 { String::new() } else { format!(", {stiff} times as stiff") };

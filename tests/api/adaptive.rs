@@ -53,7 +53,7 @@ impl Observer for Times {
     }
 
     fn resumable(&mut self, at: &Resumable<'_>) -> Result<(), ObserveError> {
-        self.anew.extend(at.adaptive.filter(|state| state.begins_anew()).map(|_| at.at.state.t));
+        self.anew.extend(at.adaptive.filter(|state| state.restarts()).map(|_| at.at.state.t));
         Ok(())
     }
 }

@@ -75,7 +75,7 @@ fn solutions_are_those_of_cholesky() {
         assert_eq!(solver.factor(&values), Ok(Inertia::Unknown));
         let mut before = 0;
         for relative in [1e-2, 1e-6, 1e-12] {
-            solver.ask(Accuracy::to(relative));
+            solver.set_accuracy(Accuracy::to(relative));
             let (mut x, made) = (b.clone(), solver.work().iterations);
             solver.solve(&values, &mut x).expect("definite");
             let (off, iterations) = (difference(&x, &expected), solver.work().iterations - made);
@@ -135,7 +135,7 @@ fn a_right_hand_side_that_is_not_finite_is_refused() {
     let mut solver = cg(&pattern);
     solver.factor(&values).expect("definite");
     for relative in [1e-3, 1e-12] {
-        solver.ask(Accuracy::to(relative));
+        solver.set_accuracy(Accuracy::to(relative));
         for bad in [f64::NAN, f64::INFINITY] {
             let mut b = random_vector(pattern.n(), 2);
             b[7] = bad;
@@ -173,7 +173,7 @@ fn a_solve_that_does_not_converge_ends_with_its_numbers() {
     }
     let mut solver = cg(&pattern);
     solver.factor(&values).expect("definite");
-    solver.ask(Accuracy::to(1e-10));
+    solver.set_accuracy(Accuracy::to(1e-10));
     let b = random_vector(n as usize, 5);
     match solver.solve(&values, &mut b.clone()) {
         Err(error @ LinearError::Stalled { iterations, residual, asked }) => {
@@ -213,7 +213,7 @@ fn of_unit_springs(mut spec: NetworkSpec, (nth, stiffer): (usize, f64)) -> (Arc<
 fn solution((pattern, values): &(Arc<Pattern>, Vec<f64>), relative: f64) -> (Vec<f64>, Vec<f64>, u64) {
     let (mut solver, b) = (cg(pattern), random_vector(pattern.n(), 7));
     assert_eq!(solver.factor(values), Ok(Inertia::Unknown));
-    solver.ask(Accuracy::to(relative));
+    solver.set_accuracy(Accuracy::to(relative));
     let (mut x, before) = (b.clone(), solver.work().iterations);
     solver.solve(values, &mut x).expect("definite");
     (b, x, solver.work().iterations - before)

@@ -116,7 +116,7 @@ fn radius(scene: &dyn Scene, name: &str, h: f64) -> f64 {
             from.state.v[dof] += amount
         }
         scene.evaluate(from.state.as_ref(), &mut from.forces);
-        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("it binds");
+        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("it binds");
         stepper.start(&from).expect("it starts");
         let mut to = from.clone();
         // The time stands still, so that only the state makes a difference.
@@ -278,7 +278,7 @@ fn air_agrees_with_the_dense_step() {
         net["aero"] = json!({"wind": [0.0, 0.3 * wind, wind], "law": {"permeable":
             {"a": law[0], "b": law[1], "thickness": 1.0}}});
         let scene = scene(&network(net));
-        assert!(!scene.abilities().tangent.symmetric());
+        assert!(!scene.interfaces().tangent.symmetric());
         agrees(&*scene, &format!("air {seed}"));
     }
 }

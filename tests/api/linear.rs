@@ -159,7 +159,7 @@ fn a_kept_factor_solves_as_exactly_as_it_is_asked_to() {
         exact.solve(&values, &mut expected).expect("definite");
         let size = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         for asked in [1e-3, 1e-9] {
-            kept.ask(Accuracy::to(asked));
+            kept.set_accuracy(Accuracy::to(asked));
             let mut x = b.clone();
             kept.solve(&values, &mut x).expect("definite");
             let off = x.iter().zip(&expected).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / size;

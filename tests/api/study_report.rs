@@ -10,7 +10,7 @@ use canopy_fem::study::Study;
 use canopy_fem::study::options::{StudyOptions, TypedOptions};
 use canopy_fem::study::recommendations::Recommendations;
 use canopy_fem::study::report::{Machine, Rerun, write};
-use canopy_fem::study::row::{Pace, Row, RowStatus, label};
+use canopy_fem::study::row::{Row, RowStatus, StepSetting, label};
 use sample::{Law, laws, method, some_laws, study, with_ends};
 use svg::{Element, axis, elements, frames, marks};
 use tempfile::TempDir;
@@ -63,14 +63,14 @@ fn the_table_is_what_the_contract_says() {
     let mut study = study("table", &[1.0], &some_laws(&["hht"]), None);
     study.rows.truncate(3);
     let [a, b, c] = study.rows.as_mut_slice() else { panic!("three rows") };
-    (a.job.pace, a.measured.error, a.measured.error_max, a.measured.energy_error) =
-        (Pace::Step(0.001), Some(2.5e-7), Some(1e-6), Some(0.0));
+    (a.job.setting, a.measured.error, a.measured.error_max, a.measured.energy_error) =
+        (StepSetting::Step(0.001), Some(2.5e-7), Some(1e-6), Some(0.0));
     (a.cpu_seconds, a.measured.counters.force_evaluations, a.measured.counters.tangent_assemblies) =
         (Some(0.125), 17, 5);
     (a.measured.counters.factorizations, a.measured.counters.linear_solves, a.pareto) = (3, 9, true);
     b.job.method = method("rk4", &[]);
-    (b.job.pace, b.measured.status, b.measured.error, b.measured.error_max) =
-        (Pace::Tolerance(1e-4), RowStatus::Diverged, None, Some(f64::NAN));
+    (b.job.setting, b.measured.status, b.measured.error, b.measured.error_max) =
+        (StepSetting::Tolerance(1e-4), RowStatus::Diverged, None, Some(f64::NAN));
     (b.measured.energy_error, b.cpu_seconds, b.pareto) = (Some(1e300), Some(1e-5), false);
     b.measured.counters = Default::default();
     *c = Row { pareto: false, cpu_seconds: None, measured: Default::default(), ..c.clone() };
@@ -133,7 +133,7 @@ fn runs_are_drawn_where_they_belong() {
     let mut expected: Vec<(f64, f64)> = study
         .rows
         .iter()
-        .filter(|r| matches!(r.job.pace, Pace::Step(_)))
+        .filter(|r| matches!(r.job.setting, StepSetting::Step(_)))
         .filter_map(|r| Some((r.measured.error?.max(2.3e-9), r.cpu_seconds?)))
         .collect();
     expected.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -53,7 +53,7 @@ fn sheet() -> NetworkSpec {
 fn bits_after(threads: usize, method: &str, steps: u32) -> Vec<u64> {
     let scene = build_network(sheet(), Threads::new(threads).expect("threads")).expect("the fixture is sound");
     let choice = MethodChoice::with_defaults(method).expect("registered");
-    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("a network");
+    let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("a network");
     let mut from = Point { state: scene.initial_state(), forces: scene.new_forces() };
     scene.evaluate(from.state.as_ref(), &mut from.forces);
     stepper.start(&from).expect("a small scene");

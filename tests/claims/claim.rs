@@ -10,12 +10,12 @@ pub struct Claim {
     /// what a run gave
     pub measured: f64,
     /// what theory says
-    pub expected: Expected,
+    pub expected: ExpectedUse,
 }
 
 /// What theory says of a measured number.
 #[derive(Clone, Copy, Debug)]
-pub enum Expected {
+pub enum ExpectedUse {
     /// a value, to a share of its size
     Relative { value: f64, tolerance: f64 },
     /// a value, to an absolute tolerance in its own unit
@@ -31,42 +31,42 @@ pub enum Expected {
 impl Claim {
     /// `measured` equals `value` to the share `tolerance` of it.
     pub fn relative(what: impl Into<String>, measured: f64, value: f64, tolerance: f64) -> Self {
-        Claim { what: what.into(), measured, expected: Expected::Relative { value, tolerance } }
+        Claim { what: what.into(), measured, expected: ExpectedUse::Relative { value, tolerance } }
     }
 
     /// `measured` equals `value` to `tolerance`, in the unit of both.
     pub fn absolute(what: impl Into<String>, measured: f64, value: f64, tolerance: f64) -> Self {
-        Claim { what: what.into(), measured, expected: Expected::Absolute { value, tolerance } }
+        Claim { what: what.into(), measured, expected: ExpectedUse::Absolute { value, tolerance } }
     }
 
     /// `measured`, an error, is below `bound`.
     pub fn below(what: impl Into<String>, measured: f64, bound: f64) -> Self {
-        Claim { what: what.into(), measured, expected: Expected::Below(bound) }
+        Claim { what: what.into(), measured, expected: ExpectedUse::Below(bound) }
     }
 
     /// `measured` is between two bounds.
     pub fn between(what: impl Into<String>, measured: f64, low: f64, high: f64) -> Self {
-        Claim { what: what.into(), measured, expected: Expected::Between(low, high) }
+        Claim { what: what.into(), measured, expected: ExpectedUse::Between(low, high) }
     }
 
     /// A statement without a number.
     pub fn is(what: impl Into<String>, so: bool) -> Self {
-        Claim { what: what.into(), measured: f64::from(u8::from(so)), expected: Expected::So }
+        Claim { what: what.into(), measured: f64::from(u8::from(so)), expected: ExpectedUse::So }
     }
 
     /// How far from the expected value, in the tolerance's measure; nothing for a bound.
     pub fn off(&self) -> Option<f64> {
         match self.expected {
-            Expected::Relative { value, .. } => Some((self.measured - value).abs() / value.abs()),
-            Expected::Absolute { value, .. } => Some((self.measured - value).abs()),
-            Expected::Below(_) | Expected::Between(..) | Expected::So => None,
+            ExpectedUse::Relative { value, .. } => Some((self.measured - value).abs() / value.abs()),
+            ExpectedUse::Absolute { value, .. } => Some((self.measured - value).abs()),
+            ExpectedUse::Below(_) | ExpectedUse::Between(..) | ExpectedUse::So => None,
         }
     }
 
     /// The measured value as the table shows it.
     fn shown(&self) -> String {
         match self.expected {
-            Expected::So => if self.measured == 1.0 { "yes" } else { "no" }.to_owned(),
+            ExpectedUse::So => if self.measured == 1.0 { "yes" } else { "no" }.to_owned(),
             _ => short(self.measured),
         }
     }
@@ -75,22 +75,22 @@ impl Claim {
     pub fn holds(&self) -> bool {
         let off = self.off().unwrap_or(0.0);
         match self.expected {
-            Expected::Relative { tolerance, .. } | Expected::Absolute { tolerance, .. } => off <= tolerance,
-            Expected::So => self.measured == 1.0,
-            Expected::Below(bound) => self.measured.abs() <= bound,
-            Expected::Between(low, high) => (low..=high).contains(&self.measured),
+            ExpectedUse::Relative { tolerance, .. } | ExpectedUse::Absolute { tolerance, .. } => off <= tolerance,
+            ExpectedUse::So => self.measured == 1.0,
+            ExpectedUse::Below(bound) => self.measured.abs() <= bound,
+            ExpectedUse::Between(low, high) => (low..=high).contains(&self.measured),
         }
     }
 }
 
-impl fmt::Display for Expected {
+impl fmt::Display for ExpectedUse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Expected::Relative { value, tolerance } => write!(f, "{} to {tolerance:.1e} of it", short(value)),
-            Expected::Absolute { value, tolerance } => write!(f, "{} +- {tolerance:.1e}", short(value)),
-            Expected::Below(bound) => write!(f, "below {bound:.1e}"),
-            Expected::So => f.write_str("yes"),
-            Expected::Between(low, high) => write!(f, "{} .. {}", short(low), short(high)),
+            ExpectedUse::Relative { value, tolerance } => write!(f, "{} to {tolerance:.1e} of it", short(value)),
+            ExpectedUse::Absolute { value, tolerance } => write!(f, "{} +- {tolerance:.1e}", short(value)),
+            ExpectedUse::Below(bound) => write!(f, "below {bound:.1e}"),
+            ExpectedUse::So => f.write_str("yes"),
+            ExpectedUse::Between(low, high) => write!(f, "{} .. {}", short(low), short(high)),
         }
     }
 }

@@ -28,7 +28,7 @@ pub struct Modes {
 impl Linearised {
     pub fn of(case: &Case) -> Self {
         let scene: Box<dyn Scene> = build_scene(case.problem().clone().take_system(), 1).expect("the case is good");
-        let system = scene.abilities().tangent;
+        let system = scene.interfaces().tangent;
         let mut stiffness = system.assembler().expect("small");
         system.assemble(system.initial_state().as_ref(), Weights { m: 0.0, c: 0.0, k: 1.0 }, &mut stiffness);
         let axis = |letter: &str| "xyz".find(letter).expect("a network's unknowns are x, y, z");

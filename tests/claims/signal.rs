@@ -2,7 +2,7 @@
 
 use crate::common::run::follow_on;
 use canopy_fem::case::Case;
-use canopy_fem::simulation::Seen;
+use canopy_fem::simulation::FollowedState;
 use std::f64::consts::PI;
 
 /// A motion with its rate at every step.
@@ -17,7 +17,7 @@ pub struct Signal {
 
 impl Signal {
     /// Runs a case to its end and reads a motion and its rate off every step.
-    pub fn of(case: &Case, read: impl Fn(&Seen<'_>) -> (f64, f64)) -> Self {
+    pub fn of(case: &Case, read: impl Fn(&FollowedState<'_>) -> (f64, f64)) -> Self {
         let mut signal = Signal::default();
         let outcome = follow_on(case, |seen| {
             let (x, v) = read(seen);

@@ -16,7 +16,7 @@ use crate::claim::Claim;
 use crate::linear_theory::{Character, Invariants, Member, Named, eigenvalues, generalized_alpha, hht, newmark};
 use crate::one_mass::{START, case, frequency};
 use canopy_fem::integrate::stepper::Attempt;
-use canopy_fem::integrate::{Carried, Counters};
+use canopy_fem::integrate::{CarriedState, Counters};
 use canopy_fem::model::point::Point;
 use canopy_fem::simulation::{bind, build_scene};
 
@@ -73,7 +73,7 @@ fn amplification(named: &Named, wh: f64) -> [[f64; 3]; 3] {
         let mut carried = vec![0.0; scene.n_dof()];
         carried[dof] = unit(2);
         stepper
-            .restore(&Carried { vectors: vec![carried], made_with: 0.0, ..Carried::default() })
+            .restore(&CarriedState { vectors: vec![carried], made_with: 0.0, ..CarriedState::default() })
             .expect("an acceleration is what the family carries");
         let mut to = start.clone();
         let step = Attempt { from: &start, h, t_next: h };

@@ -4,7 +4,7 @@ use canopy_fem::case::Case;
 use canopy_fem::drive::Outcome;
 use canopy_fem::drive::observer::{AcceptedStep, ObserveError, Observer, Point};
 use canopy_fem::model::state::State;
-use canopy_fem::simulation::{self, FollowSpec, Seen, bind, build_scene};
+use canopy_fem::simulation::{self, FollowSpec, FollowedState, bind, build_scene};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -50,12 +50,12 @@ pub fn run_with(case: &Case, threads: usize) -> Run {
 }
 
 /// Runs a case and shows its start and every accepted step to `watch`.
-pub fn follow(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Outcome {
+pub fn follow(case: &Case, watch: impl FnMut(&FollowedState<'_>)) -> Outcome {
     simulation::follow(case.problem(), FollowSpec::default(), watch).expect("it starts")
 }
 
 /// The same past a divergence: what a method does there can be known, too.
-pub fn follow_on(case: &Case, watch: impl FnMut(&Seen<'_>)) -> Outcome {
+pub fn follow_on(case: &Case, watch: impl FnMut(&FollowedState<'_>)) -> Outcome {
     simulation::follow(case.problem(), FollowSpec { keep_going: true, ..FollowSpec::default() }, watch)
         .expect("it starts")
 }

@@ -1,6 +1,6 @@
 //! The air section: checks, and porous laws reduced to the two coefficients of dp = linear v_n + quadratic v_n |v_n|.
 
-use super::geometry::{Geometry, Needs, triangles};
+use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{fraction, not_negative, positive, series};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -16,7 +16,7 @@ pub(super) fn air(
 ) -> Option<AirSpec> {
     let aero = aero?;
     if let Some(geometry) = geometry {
-        triangles(at, "the air", geometry, Needs::Normals, faults);
+        triangles(at, "the air", geometry, TriangleUse::Normals, faults);
     }
     let wind = match &aero.wind {
         Wind::Constant(wind) => Some(Series { t: vec![0.0], value: vec![*wind] }),

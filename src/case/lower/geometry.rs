@@ -126,7 +126,7 @@ fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faul
 
 /// What a section needs of the triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Needs {
+pub(super) enum TriangleUse {
     /// their areas
     Areas,
     /// their normals too: neighbours must turn the same way
@@ -135,7 +135,13 @@ pub(super) enum Needs {
 
 /// Notes a fault unless there are triangles that serve `user` (a section, in words). Degenerate triangles were refused
 /// with the mesh; orientation matters only where normals are used.
-pub(super) fn triangles(at: &Pointer, user: &str, geometry: &Geometry, needs: Needs, faults: &mut Faults<'_>) -> bool {
+pub(super) fn triangles(
+    at: &Pointer,
+    user: &str,
+    geometry: &Geometry,
+    needs: TriangleUse,
+    faults: &mut Faults<'_>,
+) -> bool {
     if geometry.mesh.triangles.is_empty() {
         faults.add_value(
             at,
@@ -145,7 +151,7 @@ pub(super) fn triangles(at: &Pointer, user: &str, geometry: &Geometry, needs: Ne
         );
         return false;
     }
-    if needs == Needs::Areas {
+    if needs == TriangleUse::Areas {
         return true;
     }
     match geometry.topology.check_orientation(&geometry.mesh) {

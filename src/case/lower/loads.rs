@@ -3,7 +3,7 @@
 use crate::model::unit_vector::unit_vector;
 use nalgebra::Vector3;
 
-use super::geometry::{Geometry, Needs, triangles};
+use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::series;
 use super::select;
 use crate::case::diagnostics::Faults;
@@ -31,9 +31,9 @@ pub(super) fn loads(at: &Pointer, list: &[Load], geometry: Option<&Geometry>, fa
         };
         match (load.pressure, load.force) {
             (Some(p), None) => {
-                loads.pressures.extend(pressure(&at, &Given { load, value: p, factor }, geometry, faults))
+                loads.pressures.extend(pressure(&at, &LoadInput { load, value: p, factor }, geometry, faults))
             }
-            (None, Some(f)) => loads.forces.extend(force(&at, &Given { load, value: f, factor }, geometry, faults)),
+            (None, Some(f)) => loads.forces.extend(force(&at, &LoadInput { load, value: f, factor }, geometry, faults)),
             (None, None) => faults.add_value(&at, "a load without value", "exactly one of pressure and force", None),
             (Some(_), Some(_)) => {
                 let hint = Some("write two loads".to_owned());
@@ -45,7 +45,7 @@ pub(super) fn loads(at: &Pointer, list: &[Load], geometry: Option<&Geometry>, fa
 }
 
 /// A load with its value and its factor; the outer `None` of the factor is a faulty table.
-struct Given<'a, T> {
+struct LoadInput<'a, T> {
     load: &'a Load,
     value: T,
     factor: Option<Option<Series<f64>>>,
@@ -53,14 +53,14 @@ struct Given<'a, T> {
 
 fn pressure(
     at: &Pointer,
-    given: &Given<'_, f64>,
+    given: &LoadInput<'_, f64>,
     geometry: Option<&Geometry>,
     faults: &mut Faults<'_>,
 ) -> Option<PressureLoad> {
-    let Given { load, value, factor } = given;
+    let LoadInput { load, value, factor } = given;
     let kind = pressure_kind(at, load, faults).filter(|_| faults.readable(&at.key("kind")));
     let geometry = geometry?;
-    let needs = if let Some(PressureKind::Dead(Some(_))) = kind { Needs::Areas } else { Needs::Normals };
+    let needs = if let Some(PressureKind::Dead(Some(_))) = kind { TriangleUse::Areas } else { TriangleUse::Normals };
     if !triangles(at, "a pressure", geometry, needs, faults) {
         return None;
     }
@@ -93,11 +93,11 @@ fn pressure_kind(at: &Pointer, load: &Load, faults: &mut Faults<'_>) -> Option<P
 
 fn force(
     at: &Pointer,
-    given: &Given<'_, [f64; 3]>,
+    given: &LoadInput<'_, [f64; 3]>,
     geometry: Option<&Geometry>,
     faults: &mut Faults<'_>,
 ) -> Option<NodalLoad> {
-    let Given { load, value, factor } = given;
+    let LoadInput { load, value, factor } = given;
     if load.kind.is_some() {
         faults.add(&at.key("kind"), "only with pressure");
     }

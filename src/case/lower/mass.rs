@@ -1,6 +1,6 @@
 //! Lumped masses.
 
-use super::geometry::{Geometry, Needs, triangles};
+use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::not_negative;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -13,7 +13,8 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
     let Some(section) = section else { return mass };
     if let Some(density) = section.areal_density {
         let at = at.key("areal_density");
-        if not_negative(&at, density, faults) && triangles(&at, "a mass per area", geometry, Needs::Areas, faults) {
+        if not_negative(&at, density, faults) && triangles(&at, "a mass per area", geometry, TriangleUse::Areas, faults)
+        {
             for (corners, area) in geometry.mesh.triangles.iter().zip(&geometry.area) {
                 for &node in corners {
                     add(&mut mass, node, density * area / 3.0);

@@ -32,7 +32,7 @@ use geometry::Geometry;
 use numbers::{not_negative, positive};
 
 /// What was built, and the geometry for the next build of a study.
-pub(crate) type Built = (Problem, Option<Arc<Geometry>>);
+pub(crate) type LoweredCase = (Problem, Option<Arc<Geometry>>);
 
 /// Checks and builds a case. `None` means that there are faults; there may be faults without it.
 pub(crate) fn build(
@@ -40,7 +40,7 @@ pub(crate) fn build(
     base: &Path,
     known: Option<Arc<Geometry>>,
     faults: &mut Faults<'_>,
-) -> Option<Built> {
+) -> Option<LoweredCase> {
     let root = Pointer::root();
     name(&root.key("name"), &file.name, faults);
     let timing = time::time(&file.time, &file.system, faults);
@@ -63,7 +63,7 @@ pub(crate) fn build(
             let spec = network::network(&at, network, geometry.as_deref(), step, faults);
             if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))
             {
-                tables::warn_of_short_pulses(&at, network, tables::Steps { h, end: spec.end }, faults);
+                tables::warn_of_short_pulses(&at, network, tables::StepTimes { h, end: spec.end }, faults);
             }
             (spec.map(|spec| SystemSpec::Network(Box::new(spec))), geometry)
         }

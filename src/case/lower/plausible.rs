@@ -8,7 +8,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::PorousLaw;
 use crate::format_number::figures;
 use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec};
-use crate::preflight::air::{Stream, excess_pressure};
+use crate::preflight::air::{FreeStream, excess_pressure};
 use crate::warning::WarningCode;
 
 /// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here know nothing of compression.
@@ -53,7 +53,7 @@ pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults
     let first = winds().next().unwrap_or_default();
     let against = spec.velocity.iter().map(|v| (first - Vector3::from(*v)).norm());
     let speed = winds().map(|w| w.norm()).chain(against).fold(0.0, f64::max);
-    let stream = Stream { linear: *linear, quadratic: *quadratic, density, speed, coefficient };
+    let stream = FreeStream { linear: *linear, quadratic: *quadratic, density, speed, coefficient };
     if let Some(excess) = excess_pressure(stream) {
         faults.warn(WarningCode::AirPressure, format!("{at}: {excess}"));
     }

@@ -39,7 +39,7 @@ pub(super) fn springs(
         let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
         if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()
-            && let Some(group) = group(&at, Members { rule, values, edges, rest_length, step }, geometry, faults)
+            && let Some(group) = group(&at, RuleEdges { rule, values, edges, rest_length, step }, geometry, faults)
         {
             groups.push(group);
         }
@@ -52,12 +52,12 @@ pub(super) fn springs(
 
 /// Values of a rule that need no edge.
 #[derive(Clone, Copy, Debug)]
-struct Values {
+struct RuleValues {
     stiffness: Stiffness,
     slack: Slack,
 }
 
-fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Values> {
+fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<RuleValues> {
     let stiffness = stiffness(at, rule, faults);
     if let Some(density) = rule.linear_density {
         not_negative(&at.key("linear_density"), density, faults);
@@ -74,7 +74,7 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Va
         }
     };
     let dashpot = rule.dashpot.is_none_or(|d| dashpot_number(&at.key("dashpot"), d, faults));
-    Some(Values { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
+    Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
 }
 
 /// The edges that follow this rule: the selected ones that no earlier rule took.
@@ -102,9 +102,9 @@ fn claim(
 
 /// A rule with the edges that follow it.
 #[derive(Debug)]
-struct Members<'a> {
+struct RuleEdges<'a> {
     rule: &'a SpringRule,
-    values: Values,
+    values: RuleValues,
     edges: Vec<u32>,
     /// [m] one an edge
     rest_length: Vec<f64>,
@@ -112,8 +112,8 @@ struct Members<'a> {
     step: Option<Step>,
 }
 
-fn group(at: &Pointer, members: Members<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
-    let Members { rule, values, edges, rest_length, step } = members;
+fn group(at: &Pointer, members: RuleEdges<'_>, geometry: &Geometry, faults: &mut Faults<'_>) -> Option<SpringGroup> {
+    let RuleEdges { rule, values, edges, rest_length, step } = members;
     let stiffness = values.stiffness.of_edges(at, &edges, &rest_length, geometry, faults)?;
     let dashpot = match rule.dashpot {
         None => None,

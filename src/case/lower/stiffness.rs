@@ -1,6 +1,6 @@
 //! Rest length, stiffness and dashpot coefficient of single edges.
 
-use super::geometry::{Geometry, Needs, triangles};
+use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::{not_negative, positive};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -93,7 +93,7 @@ impl Stiffness {
                 faults.add_value(&at, value, "edges of triangles", Some(hint));
                 return None;
             }
-            if !triangles(&at, "a membrane stiffness", geometry, Needs::Areas, faults) {
+            if !triangles(&at, "a membrane stiffness", geometry, TriangleUse::Areas, faults) {
                 return None;
             }
         }

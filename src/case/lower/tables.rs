@@ -15,7 +15,7 @@ const AT_END: f64 = 1e-6;
 
 /// Times of a run in fixed steps.
 #[derive(Clone, Copy)]
-pub(super) struct Steps {
+pub(super) struct StepTimes {
     /// [s] step
     pub h: f64,
     /// [s] end of the run
@@ -23,7 +23,7 @@ pub(super) struct Steps {
 }
 
 /// Warns, once a table, of the first pulse of a load or of the wind that is shorter than two steps and not met by them.
-pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: Steps, faults: &mut Faults<'_>) {
+pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepTimes, faults: &mut Faults<'_>) {
     let loads = network.loads.iter().enumerate();
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
         let at = at.key("loads").index(i).key("table");
@@ -38,18 +38,18 @@ pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: Steps
 
 /// Short pulses of a table.
 #[derive(Clone, Copy, Default)]
-struct Pulses {
+struct ShortPulses {
     count: usize,
     /// [s] time of the first and how long it lasts
     first: [f64; 2],
 }
 
 /// A pulse goes up and then down, or down and then up.
-fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, Steps { h, end }: Steps) -> Pulses {
+fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, StepTimes { h, end }: StepTimes) -> ShortPulses {
     let extremes = |[low, high]: [f64; 2], [_, value]: [f64; 2]| [low.min(value), high.max(value)];
     let [low, high] = rows.clone().fold([f64::INFINITY, f64::NEG_INFINITY], extremes);
     let at_end = |t: f64| (t / h - (t / h).round()).abs() <= AT_END;
-    let mut found = Pulses::default();
+    let mut found = ShortPulses::default();
     // The last stretch that is not level: its start and rise, and whether all rows since lie at the ends of steps.
     let mut before: Option<([f64; 2], bool)> = None;
     for ([t, value], [t_next, next]) in rows.clone().zip(rows.skip(1)) {
@@ -73,8 +73,8 @@ fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, Steps { h, end }: Steps)
     found
 }
 
-fn warn(at: &Pointer, kept: &str, found: Pulses, Steps { h, .. }: Steps, faults: &mut Faults<'_>) {
-    let Pulses { count, first: [start, lasts] } = found;
+fn warn(at: &Pointer, kept: &str, found: ShortPulses, StepTimes { h, .. }: StepTimes, faults: &mut Faults<'_>) {
+    let ShortPulses { count, first: [start, lasts] } = found;
     if count == 0 {
         return;
     }

@@ -1,9 +1,9 @@
 //! The three ways to make an attempt and estimate its error.
 
 use super::estimate::{Deviation, Pair, doubled, embedded};
-use super::{Adaptive, Guess, Trial};
+use super::{Adaptive, EstimateInfo, PlannedStep};
 use crate::integrate::stepper::{Attempt, Stepper};
-use crate::integrate::{Carried, Counters, PairInfo, StepError, StepReport};
+use crate::integrate::{CarriedState, Counters, PairInfo, StepError, StepReport};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
@@ -12,7 +12,7 @@ const GROWTH: [f64; 2] = [2.0, 5.0];
 
 /// A step that was accepted.
 #[derive(Clone, Copy, Debug)]
-pub enum Kept {
+pub enum AdaptiveStep {
     /// one step, to the caller's point; what the scheme carries is pending
     Single(StepReport),
     /// two halves: the first to the caller's point, accepted; the second to [`Adaptive::second`], pending
@@ -21,7 +21,7 @@ pub enum Kept {
 
 /// Why an attempt was dropped.
 #[derive(Clone, Debug)]
-pub enum Dropped {
+pub enum DropReason {
     /// the error is too large, or not a number
     Error(Deviation),
     /// a step could not be solved
@@ -29,7 +29,7 @@ pub enum Dropped {
 }
 
 /// What attempts are made with.
-pub struct Bench<'a, 's> {
+pub struct AttemptContext<'a, 's> {
     /// the scene
     pub scene: &'a dyn Scene,
     /// the scheme bound to it
@@ -38,11 +38,11 @@ pub struct Bench<'a, 's> {
     pub counters: &'a mut Counters,
 }
 
-impl Bench<'_, '_> {
+impl AttemptContext<'_, '_> {
     /// One attempt with the forces at its end, which the estimate needs even if the scheme does not.
-    fn step(&mut self, from: &Point, t_next: f64, to: &mut Point) -> Result<StepReport, Dropped> {
+    fn step(&mut self, from: &Point, t_next: f64, to: &mut Point) -> Result<StepReport, DropReason> {
         let attempt = Attempt { from, h: t_next - from.state.t, t_next };
-        let report = self.stepper.attempt(attempt, to, self.counters).map_err(Dropped::Unsolved)?;
+        let report = self.stepper.attempt(attempt, to, self.counters).map_err(DropReason::Unsolved)?;
         if !report.forces_at_end {
             self.counters.evaluate(self.scene, to.state.as_ref(), &mut to.forces);
         }
@@ -54,14 +54,14 @@ impl Bench<'_, '_> {
         &mut self,
         middle: &Point,
         (t_next, end): (f64, &mut Point),
-        judge: impl FnOnce(&Point, &Point) -> Result<(), Dropped>,
-    ) -> Result<(StepReport, Carried), Dropped> {
+        judge: impl FnOnce(&Point, &Point) -> Result<(), DropReason>,
+    ) -> Result<(StepReport, CarriedState), DropReason> {
         let carried = self.stepper.save();
         self.stepper.accept();
         match self.step(middle, t_next, end).and_then(|report| judge(middle, end).map(|()| report)) {
             Ok(report) => Ok((report, carried)),
             Err(dropped) => {
-                self.stepper.restore(&carried).map_err(Dropped::Unsolved)?;
+                self.stepper.restore(&carried).map_err(DropReason::Unsolved)?;
                 Err(dropped)
             }
         }
@@ -72,50 +72,50 @@ impl Adaptive {
     /// One step, its error by the parabola through three accelerations.
     pub(super) fn single(
         &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
+        bench: &mut AttemptContext<'_, '_>,
+        trial: PlannedStep,
         from: &Point,
         to: &mut Point,
-    ) -> Result<Kept, Dropped> {
+    ) -> Result<AdaptiveStep, DropReason> {
         let report = bench.step(from, trial.t, to)?;
         self.check_branches(bench, trial, [from, to])?;
         let inverse_mass = bench.scene.inverse_mass();
-        let bends = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
+        let derivatives = self.state.before.estimate(trial.h, [from, to], inverse_mass, &mut self.error);
         for error in [&mut self.error.x, &mut self.error.v] {
-            bench.stepper.filter_error(error, bench.counters).map_err(Dropped::Unsolved)?;
+            bench.stepper.filter_error(error, bench.counters).map_err(DropReason::Unsolved)?;
         }
-        self.judge(trial, Guess { bends, most_growth: GROWTH[0], pair: None }, to)?;
+        self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[0], pair: None }, to)?;
         self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
         self.state.before.remember(trial.h, from, inverse_mass);
-        Ok(Kept::Single(report))
+        Ok(AdaptiveStep::Single(report))
     }
 
     /// One step, its error by the scheme's own pair.
     pub(super) fn by_pair(
         &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
+        bench: &mut AttemptContext<'_, '_>,
+        trial: PlannedStep,
         pair: PairInfo,
         from: &Point,
         to: &mut Point,
-    ) -> Result<Kept, Dropped> {
+    ) -> Result<AdaptiveStep, DropReason> {
         let report = bench.step(from, trial.t, to)?;
         self.check_branches(bench, trial, [from, to])?;
         let attempt = Attempt { from, h: trial.h, t_next: trial.t };
-        let bends = embedded(bench.stepper, attempt, to, &mut self.error);
-        self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
+        let derivatives = embedded(bench.stepper, attempt, to, &mut self.error);
+        self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: Some(pair) }, to)?;
         self.state.memory.refresh(bench.scene, to.state.as_ref(), &self.error.v, &mut self.product);
-        Ok(Kept::Single(report))
+        Ok(AdaptiveStep::Single(report))
     }
 
     /// A step and two halves of it, whose difference estimates the error.
     pub(super) fn halves(
         &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
+        bench: &mut AttemptContext<'_, '_>,
+        trial: PlannedStep,
         from: &Point,
         to: &mut Point,
-    ) -> Result<Kept, Dropped> {
+    ) -> Result<AdaptiveStep, DropReason> {
         // Taken out and put back, because judging needs the rest of `self`.
         let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
         let [whole, second] = &mut *pair;
@@ -126,13 +126,13 @@ impl Adaptive {
             let inverse_mass = bench.scene.inverse_mass();
             let judge = |middle: &Point, end: &Point| {
                 let pair = Pair { h: trial.h, from, middle, halves: end, whole };
-                let bends = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
-                self.judge(trial, Guess { bends, most_growth: GROWTH[1], pair: None }, end)
+                let derivatives = doubled(self.spec.order, &pair, inverse_mass, &mut self.error);
+                self.judge(trial, EstimateInfo { derivatives, most_growth: GROWTH[1], pair: None }, end)
             };
             let (last, carried) = bench.second_half(to, (trial.t, second), judge)?;
             self.carried = carried;
             self.state.memory.refresh(bench.scene, second.state.as_ref(), &self.error.v, &mut self.product);
-            Ok(Kept::Halves([first, last]))
+            Ok(AdaptiveStep::Halves([first, last]))
         });
         self.pair = Some(pair);
         if tried.is_ok() {

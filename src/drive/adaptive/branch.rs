@@ -9,9 +9,9 @@
 //! A step of h in a run of T may leave a share `sqrt(h/T)` to the changes within it: they come at random, so their
 //! errors add up as their squares do.
 
-use super::attempt::{Bench, Dropped};
+use super::attempt::{AttemptContext, DropReason};
 use super::estimate::Deviation;
-use super::{Adaptive, Trial};
+use super::{Adaptive, PlannedStep};
 use crate::model::point::Point;
 
 /// [-] of the step, the most that is left of one that ends where a force changes its law.
@@ -28,10 +28,10 @@ impl Adaptive {
     /// Drops a step that was tried from one point to another where more changes within it than may.
     pub(super) fn check_branches(
         &mut self,
-        bench: &mut Bench<'_, '_>,
-        trial: Trial,
+        bench: &mut AttemptContext<'_, '_>,
+        trial: PlannedStep,
         [from, to]: [&Point; 2],
-    ) -> Result<(), Dropped> {
+    ) -> Result<(), DropReason> {
         if self.kick.is_empty() {
             return Ok(());
         }
@@ -52,7 +52,7 @@ impl Adaptive {
         self.state.event = (to_event > small).then_some(from.state.t + to_event);
         self.state.controller.cut(to_event.max(small));
         let worst = self.kick.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        Err(Dropped::Error(Deviation { ratio: off, dof: worst.map_or(0, |(dof, _)| dof) }))
+        Err(DropReason::Error(Deviation { ratio: off, dof: worst.map_or(0, |(dof, _)| dof) }))
     }
 
     /// [-] What the kick makes of what a step of `h` [s] may.

@@ -37,7 +37,7 @@ pub struct Controller {
 
 /// An attempt's error and what it was made with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judged {
+pub struct RatedAttempt {
     /// [s] its step; less than what was asked for where a time had to be met
     pub h: f64,
     /// [-] E
@@ -65,7 +65,7 @@ impl Controller {
     }
 
     /// After a step that is kept.
-    pub fn accept(&mut self, Judged { h, error, order, most_growth }: Judged) {
+    pub fn accept(&mut self, RatedAttempt { h, error, order, most_growth }: RatedAttempt) {
         let (now, p) = (error.max(NO_ERROR), f64::from(order));
         let factor = SAFETY * now.powf(-PRESENT / p) * self.previous.powf(PREVIOUS / p);
         // What was too large a moment ago still is.
@@ -83,7 +83,7 @@ impl Controller {
     }
 
     /// After a step that ended where the next begins anew: being cut to that time, it says nothing of the next.
-    pub fn end_stretch(&mut self) {
+    pub fn end_smooth_interval(&mut self) {
         (self.previous, self.dropped) = (1.0, 0);
     }
 
@@ -93,7 +93,7 @@ impl Controller {
     }
 
     /// After a step whose error was too large, or not a number.
-    pub fn too_large(&mut self, Judged { h, error, order, .. }: Judged) {
+    pub fn too_large(&mut self, RatedAttempt { h, error, order, .. }: RatedAttempt) {
         let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / f64::from(order)) } else { MOST_SHRINK };
         self.drop_to(h * factor.clamp(MOST_SHRINK, SAFETY));
     }
@@ -126,7 +126,7 @@ mod tests {
                 let mut c = Controller::new(first);
                 for _ in 0..200 {
                     let (h, p) = (c.step(), f64::from(order));
-                    let judged = Judged { h, error: (h / 0.01).powf(p), order, most_growth: 2.0 };
+                    let judged = RatedAttempt { h, error: (h / 0.01).powf(p), order, most_growth: 2.0 };
                     if judged.error <= 1.0 { c.accept(judged) } else { c.too_large(judged) }
                 }
                 let expected = 0.01 * SAFETY.powf(1.0 / 0.3);
@@ -138,11 +138,11 @@ mod tests {
     #[test]
     fn a_step_cut_short_is_not_remembered() {
         let mut c = Controller::new(0.1);
-        c.accept(Judged { h: 0.001, error: 1e-6, order: 2, most_growth: 2.0 });
+        c.accept(RatedAttempt { h: 0.001, error: 1e-6, order: 2, most_growth: 2.0 });
         assert_eq!(c.step(), 0.1);
-        c.too_large(Judged { h: 0.1, error: f64::NAN, order: 2, most_growth: 2.0 });
+        c.too_large(RatedAttempt { h: 0.1, error: f64::NAN, order: 2, most_growth: 2.0 });
         assert!((c.step() - 0.01).abs() < 1e-15 && c.dropped() == 1);
-        c.accept(Judged { h: 0.01, error: 1e-9, order: 2, most_growth: 2.0 });
+        c.accept(RatedAttempt { h: 0.01, error: 1e-9, order: 2, most_growth: 2.0 });
         assert!((c.step() - 0.01).abs() < 1e-15 && c.dropped() == 0, "no growth right after a drop");
     }
 }

@@ -25,7 +25,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::drive::clock::Tolerance;
-use crate::integrate::ErrorOut;
+use crate::integrate::ErrorEstimate;
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::point::Point;
 use crate::model::state::StateRef;
@@ -49,7 +49,7 @@ impl LocalError {
 /// What the motion has come to so far: errors are compared with it. Norms are Euclidean, over all degrees of freedom.
 /// Part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct MotionScale {
     /// [m] largest displacement from where it was at t = 0
     x: f64,
     /// [m/s] largest velocity
@@ -77,36 +77,36 @@ pub struct Deviation {
 
 /// Squares of the first and second derivative of the accelerations in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bends {
+pub struct AccelerationDerivatives {
     slow: f64,
     fast: f64,
 }
 
-impl Bends {
+impl AccelerationDerivatives {
     fn add(&mut self, first: f64, second: f64) {
         self.slow += first * first;
         self.fast += second * second;
     }
 }
 
-impl Motion {
-    /// With the bends of one more step.
+impl MotionScale {
+    /// With the derivatives of one more step.
     #[must_use]
-    pub fn bent(self, bends: Bends) -> Self {
-        Motion { slow: KEPT * self.slow + bends.slow, fast: KEPT * self.fast + bends.fast, ..self }
+    pub fn with_derivatives(self, derivatives: AccelerationDerivatives) -> Self {
+        MotionScale { slow: KEPT * self.slow + derivatives.slow, fast: KEPT * self.fast + derivatives.fast, ..self }
     }
 
     /// With the state `at`, of a run that began at positions `start`. Only of a step that is kept: one that blows up is
     /// not to be compared with its own size.
     #[must_use]
-    pub fn at(self, start: &[f64], at: StateRef<'_>) -> Self {
+    pub fn with_state(self, start: &[f64], at: StateRef<'_>) -> Self {
         let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
         let v = at.v.iter().map(|v| v * v).sum::<f64>().sqrt();
-        Motion { x: self.x.max(x), v: self.v.max(v), ..self }
+        MotionScale { x: self.x.max(x), v: self.v.max(v), ..self }
     }
 
     /// [-] w h of what a step of `h` [s] gets wrong, at most 1: beyond that an estimate is no small part of the motion.
-    pub fn turn(&self, h: f64) -> f64 {
+    pub fn phase_increment(&self, h: f64) -> f64 {
         let period = self.period(h);
         if period > 0.0 { h / period } else { 1.0 }
     }
@@ -147,7 +147,7 @@ impl Motion {
         let rounding = if in_positions < allowed { rounding } else { 0.0 };
         let (mut sum, mut largest, mut dof) = (0.0, 0.0, 0);
         for (i, ((ex, ev), (x, v))) in error.x.iter().zip(&error.v).zip(end.x.iter().zip(end.v)).enumerate() {
-            let (ex, ev) = (above(*ex, rounding * x.abs()), above(*ev, rounding * v.abs()));
+            let (ex, ev) = (above_rounding(*ex, rounding * x.abs()), above_rounding(*ev, rounding * v.abs()));
             let square = ex * ex + (period * ev).powi(2);
             sum += square;
             if square > largest {
@@ -163,7 +163,7 @@ impl Motion {
 }
 
 /// What of an estimate is above the rounding of the number that it is an estimate for; not a number where it is none.
-fn above(estimate: f64, rounding: f64) -> f64 {
+fn above_rounding(estimate: f64, rounding: f64) -> f64 {
     if estimate.abs() <= rounding { 0.0 } else { estimate.abs() - rounding }
 }
 
@@ -197,30 +197,41 @@ impl Quadrature {
     }
 
     /// The local error of a step of `h` [s]; the forces of both points are those at their states.
-    pub fn estimate(&self, h: f64, [from, to]: [&Point; 2], inverse_mass: &[f64], error: &mut LocalError) -> Bends {
+    pub fn estimate(
+        &self,
+        h: f64,
+        [from, to]: [&Point; 2],
+        inverse_mass: &[f64],
+        error: &mut LocalError,
+    ) -> AccelerationDerivatives {
         let (n, n1, g) = (&from.state, &to.state, self.gap);
-        let mut bends = Bends::default();
+        let mut derivatives = AccelerationDerivatives::default();
         for (i, m) in inverse_mass.iter().enumerate() {
             let (before, a, after) = (self.a[i], m * from.forces.total[i], m * to.forces.total[i]);
             let slope = (after - a) / h;
             let second = (slope - (a - before) / g) / (h + g);
             error.x[i] = (n1.x[i] - n.x[i] - h * n.v[i]) - h * h / 6.0 * (2.0 * a + after) + h.powi(4) / 12.0 * second;
             error.v[i] = (n1.v[i] - n.v[i]) - 0.5 * h * (a + after) + h.powi(3) / 6.0 * second;
-            bends.add(slope, 2.0 * second);
+            derivatives.add(slope, 2.0 * second);
         }
-        bends
+        derivatives
     }
 }
 
 /// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v
 /// are one step of the same oscillations, so they give the time scale as two derivatives of the acceleration do.
-pub fn embedded(stepper: &mut Stepper<'_>, attempt: Attempt<'_>, to: &Point, error: &mut LocalError) -> Bends {
-    stepper.embedded_error(attempt, to, ErrorOut { x: &mut error.x, v: &mut error.v });
-    let mut bends = Bends::default();
+pub fn embedded(
+    stepper: &mut Stepper<'_>,
+    attempt: Attempt<'_>,
+    to: &Point,
+    error: &mut LocalError,
+) -> AccelerationDerivatives {
+    stepper.embedded_error(attempt, to, ErrorEstimate { x: &mut error.x, v: &mut error.v });
+    let mut derivatives = AccelerationDerivatives::default();
     for (x, v) in error.x.iter().zip(&error.v) {
-        bends.add(*x, *v);
+        derivatives.add(*x, *v);
     }
-    bends
+    derivatives
 }
 
 /// A whole step beside two halves of it.
@@ -238,7 +249,7 @@ pub struct Pair<'a> {
 }
 
 /// The error of two half steps by a scheme of order `order`.
-pub fn doubled(order: u32, pair: &Pair<'_>, inverse_mass: &[f64], error: &mut LocalError) -> Bends {
+pub fn doubled(order: u32, pair: &Pair<'_>, inverse_mass: &[f64], error: &mut LocalError) -> AccelerationDerivatives {
     let &Pair { h, from, middle, halves, whole } = pair;
     let part = 1.0 / (2f64.powi(order.min(60) as i32) - 1.0);
     let difference = |e: &mut [f64], whole: &[f64], halves: &[f64]| {
@@ -248,10 +259,10 @@ pub fn doubled(order: u32, pair: &Pair<'_>, inverse_mass: &[f64], error: &mut Lo
     };
     difference(&mut error.x, &whole.state.x, &halves.state.x);
     difference(&mut error.v, &whole.state.v, &halves.state.v);
-    let mut bends = Bends::default();
+    let mut derivatives = AccelerationDerivatives::default();
     let forces = from.forces.total.iter().zip(&middle.forces.total).zip(&halves.forces.total);
     for (m, ((f0, f1), f2)) in inverse_mass.iter().zip(forces) {
-        bends.add(m * (f2 - f0) / h, 4.0 * m * (f2 - 2.0 * f1 + f0) / (h * h));
+        derivatives.add(m * (f2 - f0) / h, 4.0 * m * (f2 - 2.0 * f1 + f0) / (h * h));
     }
-    bends
+    derivatives
 }

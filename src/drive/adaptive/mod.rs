@@ -29,16 +29,16 @@ pub mod memory;
 mod progress;
 mod restart;
 
-pub use attempt::{Bench, Dropped, Kept};
-use controller::{Controller, Judged};
-use estimate::{Bends, LocalError, Motion, Quadrature};
+pub use attempt::{AdaptiveStep, AttemptContext, DropReason};
+use controller::{Controller, RatedAttempt};
+use estimate::{AccelerationDerivatives, LocalError, MotionScale, Quadrature};
 use memory::Memory;
 use progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Tolerance;
 use crate::integrate::stepper::Stepper;
-use crate::integrate::{Carried, PairInfo, StepError};
+use crate::integrate::{CarriedState, PairInfo, StepError};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
@@ -67,7 +67,7 @@ const ORDER_OF_PARABOLA: u32 = 2;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AdaptiveState {
     controller: Controller,
-    motion: Motion,
+    motion: MotionScale,
     before: Quadrature,
     memory: Memory,
     /// [-] of the tolerance, spent on jumps
@@ -83,7 +83,7 @@ pub struct AdaptiveState {
 
 impl AdaptiveState {
     /// Whether the next step begins anew: the scheme is to drop what it carries.
-    pub fn begins_anew(&self) -> bool {
+    pub fn restarts(&self) -> bool {
         self.anew
     }
 }
@@ -105,7 +105,7 @@ pub struct AdaptiveSpec {
 
 /// One attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trial {
+pub struct PlannedStep {
     /// [s] step
     pub h: f64,
     /// [s] time at its end
@@ -116,8 +116,8 @@ pub struct Trial {
 
 /// What is known of an attempt's error besides the error.
 #[derive(Clone, Copy, Debug)]
-struct Guess {
-    bends: Bends,
+struct EstimateInfo {
+    derivatives: AccelerationDerivatives,
     /// [-] the most the next step may grow
     most_growth: f64,
     /// of an estimate that the scheme's own pair made
@@ -139,9 +139,9 @@ pub struct Adaptive {
     /// [N s], then [m/s], what changes of forces' laws do within a step, where there are such forces
     kick: Vec<f64>,
     /// the motion without the step that was kept last
-    motion_before: Motion,
+    motion_before: MotionScale,
     /// what the scheme carried where the last halves began
-    carried: Carried,
+    carried: CarriedState,
     /// end of the whole step and of its second half, made when first needed
     pair: Option<Box<[Point; 2]>>,
     state: AdaptiveState,
@@ -151,7 +151,7 @@ impl Adaptive {
     /// A run from t = 0.
     pub fn new(scene: &dyn Scene, spec: AdaptiveSpec) -> Self {
         let first = scene.initial_state();
-        let motion = Motion::default().at(&first.x, first.as_ref());
+        let motion = MotionScale::default().with_state(&first.x, first.as_ref());
         let state = AdaptiveState { controller: Controller::new(FIRST * spec.end), motion, ..AdaptiveState::default() };
         Self::restore(scene, spec, state)
     }
@@ -166,7 +166,7 @@ impl Adaptive {
         let free = scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64;
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
         let kick = vec![0.0; if scene.has_branches() { start.len() } else { 0 }];
-        let (motion_before, carried) = (state.motion, Carried::default());
+        let (motion_before, carried) = (state.motion, CarriedState::default());
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
     }
 
@@ -181,7 +181,7 @@ impl Adaptive {
     }
 
     /// The next step to try from time `t` [s], or `None` at the end.
-    pub fn next(&self, t: f64) -> Option<Trial> {
+    pub fn next(&self, t: f64) -> Option<PlannedStep> {
         let met = |corner: f64| corner - t <= 4.0 * f64::EPSILON * corner;
         let corner = self.corners.iter().copied().find(|corner| !met(*corner))?;
         let corner = self.state.event.filter(|event| !met(*event)).map_or(corner, |event| event.min(corner));
@@ -194,14 +194,14 @@ impl Adaptive {
         let (at_corner, corner) = (frame.is_none(), frame.unwrap_or(corner));
         let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
         if asked >= rest * (1.0 - 1e-9) {
-            return Some(Trial { h: rest, t: corner, at_corner });
+            return Some(PlannedStep { h: rest, t: corner, at_corner });
         }
         // Two equal steps to the corner rather than a large and a tiny one.
         let t_next = t + if 2.0 * asked > rest { 0.5 * rest } else { asked };
-        Some(Trial { h: t_next - t, t: t_next, at_corner: false })
+        Some(PlannedStep { h: t_next - t, t: t_next, at_corner: false })
     }
 
-    /// Where the second half step ended, after [`Kept::Halves`].
+    /// Where the second half step ended, after [`AdaptiveStep::Halves`].
     pub fn second(&mut self) -> Option<&mut Point> {
         self.pair.as_deref_mut().map(|[_, second]| second)
     }
@@ -212,11 +212,11 @@ impl Adaptive {
     /// Why it is dropped; the scheme is then where it was, and the next step that is asked for is smaller.
     pub fn attempt(
         &mut self,
-        mut bench: Bench<'_, '_>,
-        trial: Trial,
+        mut bench: AttemptContext<'_, '_>,
+        trial: PlannedStep,
         from: &Point,
         to: &mut Point,
-    ) -> Result<Kept, Dropped> {
+    ) -> Result<AdaptiveStep, DropReason> {
         let by_parabola = self.spec.order <= ORDER_OF_PARABOLA && self.state.before.is_ready();
         let tried = if let Some(pair) = bench.stepper.pair() {
             self.by_pair(&mut bench, trial, pair, from, to)
@@ -227,18 +227,18 @@ impl Adaptive {
         };
         if let Err(dropped) = &tried {
             self.state.rejected += 1;
-            if matches!(dropped, Dropped::Unsolved(_)) {
+            if matches!(dropped, DropReason::Unsolved(_)) {
                 self.state.controller.unsolved(trial.h);
             }
         } else if trial.at_corner {
-            self.state.controller.end_stretch();
-            self.begin_anew();
+            self.state.controller.end_smooth_interval();
+            self.forget_history();
         }
         tried
     }
 
     /// The next step knows nothing of those before.
-    fn begin_anew(&mut self) {
+    fn forget_history(&mut self) {
         self.state.before.forget();
         (self.state.event, self.state.anew) = (None, true);
     }
@@ -264,33 +264,33 @@ impl Adaptive {
     }
 
     /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.
-    fn judge(&mut self, trial: Trial, guess: Guess, end: &Point) -> Result<(), Dropped> {
+    fn judge(&mut self, trial: PlannedStep, guess: EstimateInfo, end: &Point) -> Result<(), DropReason> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
-        let Guess { bends, most_growth, pair } = guess;
-        let moved = motion.bent(bends);
+        let EstimateInfo { derivatives, most_growth, pair } = guess;
+        let moved = motion.with_derivatives(derivatives);
         let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
         let off = moved.deviation(trial.h, &self.error, end.state.as_ref(), tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
         // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the
         // estimate.
-        let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.turn(trial.h));
+        let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.phase_increment(trial.h));
         let per_time = own * (run / trial.h) / share;
-        let judged = Judged { h: trial.h, error: per_time, order, most_growth };
+        let judged = RatedAttempt { h: trial.h, error: per_time, order, most_growth };
         if per_time <= 1.0 {
             controller.accept(judged);
         } else if controller.dropped() >= PATIENCE && off.ratio <= SHARE && *jumps + off.ratio <= ALL_JUMPS {
             *jumps += off.ratio;
             before.forget();
-            controller.accept(Judged { error: 1.0, ..judged });
+            controller.accept(RatedAttempt { error: 1.0, ..judged });
         } else if off.ratio <= TRIFLE && *jumps + off.ratio <= ALL_JUMPS {
             *jumps += off.ratio;
-            controller.accept(Judged { error: 0.5, ..judged });
+            controller.accept(RatedAttempt { error: 0.5, ..judged });
         } else {
             controller.too_large(judged);
-            return Err(Dropped::Error(off));
+            return Err(DropReason::Error(off));
         }
         self.motion_before = moved;
-        *motion = moved.at(&self.start, end.state.as_ref());
+        *motion = moved.with_state(&self.start, end.state.as_ref());
         Ok(())
     }
 }

@@ -11,7 +11,7 @@
 //! so that an error of j h^3/6 (order 1: a h^2/2) is about what a step of h in a run of T may make of the error tol.
 //! The first step's error is estimated by halving it, so a beginning that is too large shrinks.
 
-use super::attempt::Bench;
+use super::attempt::AttemptContext;
 use super::{Adaptive, FIRST, LARGEST};
 use crate::model::point::Point;
 
@@ -20,7 +20,7 @@ const PROBE: f64 = 0.01;
 
 impl Adaptive {
     /// Before an attempt from `from`, where the run begins anew there; `room` is overwritten then.
-    pub fn begin(&mut self, bench: &mut Bench<'_, '_>, from: &Point, room: &mut Point) {
+    pub fn begin(&mut self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) {
         if !std::mem::take(&mut self.state.anew) {
             return;
         }
@@ -30,7 +30,7 @@ impl Adaptive {
     }
 
     /// [s] h; 0 where it is not a number, or nothing acts.
-    fn starting_step(&self, bench: &mut Bench<'_, '_>, from: &Point, room: &mut Point) -> f64 {
+    fn starting_step(&self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) -> f64 {
         let inverse_mass = bench.scene.inverse_mass();
         let (run, allowed) = (self.spec.end, self.state.motion.allowed(self.spec.tolerance, self.free));
         let a = |point: &Point, i: usize| inverse_mass[i] * point.forces.total[i];

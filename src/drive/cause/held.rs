@@ -1,9 +1,9 @@
 //! What holds the parts of a net.
 
-use super::Question;
+use super::DiagnosisInput;
 use crate::mesh::components::components;
 
-impl Question<'_> {
+impl DiagnosisInput<'_> {
     /// Says so when nothing holds the part of the net that a degree of freedom belongs to.
     pub(super) fn unheld(&self, dof: usize) -> Option<String> {
         let n = self.scene.reference().len();

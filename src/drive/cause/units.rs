@@ -1,6 +1,6 @@
 //! Numbers that no scene has, which a wrong unit makes.
 
-use super::Question;
+use super::DiagnosisInput;
 use crate::format_number::figures;
 use crate::model::state::State;
 
@@ -9,7 +9,7 @@ const LIGHT: f64 = 299_792_458.0;
 /// Steps that nobody means to make.
 const ENDLESS: f64 = 1e12;
 
-impl Question<'_> {
+impl DiagnosisInput<'_> {
     /// Numbers that no scene has: what is absurd, and what to check.
     pub(super) fn units(&self, start: &State, steps: f64) -> Option<(String, &'static str)> {
         let mut f = vec![0.0; self.scene.n_dof()];

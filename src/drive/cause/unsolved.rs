@@ -1,13 +1,13 @@
 //! What can be said of a step that Newton could not solve.
 
-use super::Question;
+use super::DiagnosisInput;
 use crate::analysis::buckling;
 use crate::format_number::figures;
 
 /// [-] of the largest tension, and a strain: what rounding of positions makes.
 const ROUNDING: f64 = 1e-12;
 
-impl Question<'_> {
+impl DiagnosisInput<'_> {
     /// Words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest residual.
     pub(in crate::drive) fn unsolved(&self, worst: usize) -> (String, f64) {
         let (mut words, mut step) = (Vec::new(), 0.5 * self.h);

@@ -5,7 +5,7 @@ use super::super::failure::{DivergedState, FailureContext};
 use super::super::observer::{AcceptedStep, LedgerRow, Observer};
 use super::super::outcome::{RunSpec, Status};
 use super::super::step_policy::StepPolicy;
-use super::super::watch::{Trouble, WatchReport, Watched, power_of};
+use super::super::watch::{DivergenceKind, WatchReport, WatchedStep, power_of};
 use super::{BLOW_UP, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::Stepper;
@@ -40,12 +40,12 @@ impl Run<'_> {
             self.state.ledger.step(self.scene, (&self.state.from, &self.state.to), report, &self.state.row);
         let finite = row.is_finite() && self.scene.workers().all_finite(&self.state.to.forces.total);
         let left = !finite || self.has_left(self.scene.extent(self.state.to.state.as_ref()));
-        match self.look(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
+        match self.examine(tick, (&row, by_stages), if left { Some(finite) } else { None }) {
             WatchReport::Calm => {}
             WatchReport::Doubt(gain) => {
                 self.state.new_doubt = Some(self.context(tick).doubt(gain));
             }
-            WatchReport::Trouble(trouble) => {
+            WatchReport::Diverged(trouble) => {
                 let adaptive = matches!(self.state.policy, StepPolicy::Adaptive(_));
                 if let StepPolicy::Adaptive(policy) = &mut self.state.policy
                     && tick.h > 10.0 * policy.floor(self.state.from.state.t)
@@ -62,7 +62,7 @@ impl Run<'_> {
             }
         }
         let credible = self.state.watch.credible(&self.state.to, &row, self.state.steps + 1)
-            && self.state.reach.holds(&self.state.from.state, &self.state.to.state, row.kinetic);
+            && self.state.scene_limits.holds(&self.state.from.state, &self.state.to.state, row.kinetic);
         if part == StepPart::Last {
             stepper.accept();
         }
@@ -85,7 +85,7 @@ impl Run<'_> {
         for o in observers.iter_mut() {
             o.accepted(view)?;
             if let Some(doubt) = &doubt {
-                o.doubted(doubt);
+                o.warned(doubt);
             }
         }
         self.state.doubt = doubt.or(self.state.doubt.take());
@@ -102,17 +102,18 @@ impl Run<'_> {
     }
 
     /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
-    fn look(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> WatchReport {
+    fn examine(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> WatchReport {
         if left == Some(false) {
-            return WatchReport::Trouble(Trouble::NotFinite);
+            return WatchReport::Diverged(DivergenceKind::NotFinite);
         }
         let (scene, from, to, before) = (self.scene, &self.state.from, &self.state.to, &self.state.row);
         let (step, power) = (self.state.steps + 1, [from, to].map(|at| power_of(scene, &at.forces.tallies)));
-        let seen = self.state.watch.step(Watched { scene, from, to, before, after, by_stages, power, step, h: tick.h });
+        let seen =
+            self.state.watch.step(WatchedStep { scene, from, to, before, after, by_stages, power, step, h: tick.h });
         match (seen, left) {
             (WatchReport::Calm | WatchReport::Doubt(_), Some(_)) => {
-                let share = self.state.watch.share(to, after, step);
-                WatchReport::Trouble(Trouble::Spread {
+                let share = self.state.watch.gain_share(to, after, step);
+                WatchReport::Diverged(DivergenceKind::Spread {
                     times: BLOW_UP,
                     share,
                     error: self.state.ledger.energy_error(step),
@@ -122,7 +123,7 @@ impl Run<'_> {
         }
     }
 
-    fn diverged(&mut self, tick: Tick, trouble: Trouble, after: LedgerRow, left: bool) {
+    fn diverged(&mut self, tick: Tick, trouble: DivergenceKind, after: LedgerRow, left: bool) {
         if self.state.failure.is_none() {
             let diverged = DivergedState {
                 trouble,

@@ -1,6 +1,6 @@
 //! Attempts at the next accepted state: one step of a fixed size, or adaptive ones until one is kept.
 
-use super::super::adaptive::{Bench, Dropped, Kept};
+use super::super::adaptive::{AdaptiveStep, AttemptContext, DropReason};
 use super::super::clock::Tick;
 use super::super::observer::Observer;
 use super::super::outcome::Status;
@@ -23,7 +23,7 @@ impl Run<'_> {
                 return Ok(Ok(()));
             }
             let kept = match &mut self.state.policy {
-                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(Kept::Single),
+                StepPolicy::Fixed(_) => self.fixed_step(stepper, tick).map(AdaptiveStep::Single),
                 StepPolicy::Adaptive(_) => match self.adaptive_step(stepper) {
                     Ok(Some(kept)) => Ok(kept),
                     Ok(None) => continue,
@@ -32,12 +32,14 @@ impl Run<'_> {
             };
             return match kept {
                 Err(stopped) => Ok(Err(stopped)),
-                Ok(Kept::Single(report)) => match self.accept_step(stepper, StepPart::Last, &report, observers)? {
-                    Ok(Accepted::Back) => continue,
-                    Ok(Accepted::Over) => Ok(Ok(())),
-                    Err(stopped) => Ok(Err(stopped)),
-                },
-                Ok(Kept::Halves([first, second])) => {
+                Ok(AdaptiveStep::Single(report)) => {
+                    match self.accept_step(stepper, StepPart::Last, &report, observers)? {
+                        Ok(Accepted::Back) => continue,
+                        Ok(Accepted::Over) => Ok(Ok(())),
+                        Err(stopped) => Ok(Err(stopped)),
+                    }
+                }
+                Ok(AdaptiveStep::Halves([first, second])) => {
                     match self.accept_step(stepper, StepPart::First, &first, observers)? {
                         Ok(Accepted::Back) => continue,
                         Ok(Accepted::Over) => {
@@ -74,9 +76,10 @@ impl Run<'_> {
     }
 
     /// One attempt; `None` when it is dropped and a smaller one is left to try.
-    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<Kept>, Status> {
+    fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<AdaptiveStep>, Status> {
         let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
-        let mut bench = Bench { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
+        let mut bench =
+            AttemptContext { scene: self.scene, stepper: &mut *stepper, counters: &mut self.state.counters };
         policy.begin(&mut bench, &self.state.from, &mut self.state.to);
         let Some(trial) = policy.next(self.state.from.state.t) else { return Ok(None) };
         let dropped = match policy.attempt(bench, trial, &self.state.from, &mut self.state.to) {
@@ -95,8 +98,8 @@ impl Run<'_> {
         }
         let context = self.context(Tick { h: trial.h, t: trial.t });
         self.state.failure = Some(match &dropped {
-            Dropped::Error(worst) => context.at_the_floor(*worst, floor),
-            Dropped::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
+            DropReason::Error(worst) => context.at_the_floor(*worst, floor),
+            DropReason::Unsolved(error) => context.not_converged(error, worst_of(error, stepper)),
         });
         Err(Status::NotConverged)
     }

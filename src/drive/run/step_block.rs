@@ -6,7 +6,7 @@
 //! is dropped and its steps are made again one by one. A failure is then reported from the states of its own step.
 
 use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
-use super::super::watch::{Watched, power_of};
+use super::super::watch::{WatchedStep, power_of};
 use super::{Run, RunError, StepPolicy};
 use crate::integrate::stepper::{Attempt, Stepper};
 use crate::model::step_block::{LONGEST, StepSummary};
@@ -46,7 +46,7 @@ impl Run<'_> {
         };
         let mut blocks = std::mem::take(&mut self.state.blocks);
         blocks.summaries.resize_with(LONGEST, StepSummary::default);
-        let (coming, n) = self.coming(observers, &mut blocks.summaries);
+        let (coming, n) = self.next_block(observers, &mut blocks.summaries);
         let coming = &coming[..n];
         let Some(last) = coming.last().filter(|_| n > 1) else {
             self.state.blocks = blocks;
@@ -58,13 +58,13 @@ impl Run<'_> {
             stepper.advance_block(attempt, &mut self.state.to, &mut blocks.summaries[..n], &mut self.state.counters);
         if !made {
             blocks.not_before = u64::MAX;
-        } else if !self.account_for(coming, &mut blocks) {
+        } else if !self.record_block(coming, &mut blocks) {
             (self.state.ledger, self.state.watch, self.state.counters) = before;
             blocks.not_before = self.state.steps + ((n as u64) << blocks.dropped.min(PATIENCE));
             blocks.dropped += 1;
         } else {
             blocks.dropped = 0;
-            self.show(coming, &blocks, observers)?;
+            self.show_block(coming, &blocks, observers)?;
         }
         let done = self.state.steps >= last.step;
         self.state.blocks = blocks;
@@ -74,7 +74,7 @@ impl Run<'_> {
     /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
     /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be
     /// resumed before it. Says of each step what its summary is to hold.
-    fn coming(
+    fn next_block(
         &self,
         observers: &[&mut dyn Observer],
         summaries: &mut [StepSummary],
@@ -103,24 +103,24 @@ impl Run<'_> {
     }
 
     /// Books the steps of a block; `false` where one of them looks wrong.
-    fn account_for(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
+    fn record_block(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
         let (mut before, mut way) = (self.state.row, 0.0);
         let mut power_before = power_of(self.scene, &self.state.from.forces.tallies);
-        for ((step, passed), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
-            let after = self.state.ledger.passed(self.scene, passed);
+        for ((step, summary), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
+            let after = self.state.ledger.close_with(self.scene, summary);
             // Before the last state nodes were no farther out than they can have come from; doubled, because speeds
             // within a step may exceed those at its ends.
-            way += 2.0 * step.h() * passed.max_speed();
-            if !passed.nodes.finite || !after.is_finite() || self.has_left(passed.nodes.bounds.extent() + way) {
+            way += 2.0 * step.h() * summary.max_speed();
+            if !summary.nodes.finite || !after.is_finite() || self.has_left(summary.nodes.bounds.extent() + way) {
                 return false;
             }
             let (scene, from, to) = (self.scene, &self.state.from, &self.state.to);
-            let (h, power) = (step.h(), [power_before, power_of(scene, &passed.tallies)]);
+            let (h, power) = (step.h(), [power_before, power_of(scene, &summary.tallies)]);
             // Schemes that integrate work by stages make their steps one by one.
             let (by_stages, step_number) = (false, step.step);
             let watched =
-                Watched { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };
-            if !self.state.watch.unseen_step(watched) || !self.state.reach.allows(passed.max_speed(), h) {
+                WatchedStep { scene, from, to, before: &before, after: &after, by_stages, power, step: step_number, h };
+            if !self.state.watch.unseen_step(watched) || !self.state.scene_limits.allows(summary.max_speed(), h) {
                 return false;
             }
             (*row, before, power_before) = (after, after, power[1]);
@@ -128,18 +128,18 @@ impl Run<'_> {
         true
     }
 
-    fn show(
+    fn show_block(
         &mut self,
         coming: &[UpcomingStep],
         blocks: &StepBlocks,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
         std::mem::swap(&mut self.state.from, &mut self.state.to);
-        for (i, (step, (passed, row))) in coming.iter().zip(blocks.summaries.iter().zip(&blocks.rows)).enumerate() {
+        for (i, (step, (summary, row))) in coming.iter().zip(blocks.summaries.iter().zip(&blocks.rows)).enumerate() {
             (self.state.steps, self.state.row) = (step.step, *row);
             let end = (i + 1 == coming.len()).then_some(&self.state.from);
             let UpcomingStep { step, from, t } = *step;
-            let (ledger, summary, credible) = (*row, Some(passed), true);
+            let (ledger, summary, credible) = (*row, Some(summary), true);
             let accepted = AcceptedStep { step, from, t, ledger, end, summary, credible, ..AcceptedStep::default() };
             for o in observers.iter_mut() {
                 o.accepted(accepted)?;

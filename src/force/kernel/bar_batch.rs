@@ -16,12 +16,12 @@ pub(in crate::force) struct BarBatch {
     /// numbers in the same order; empty where all are the same
     numbers: [Vec<[f64; STARS]>; 3],
     uniform: [[[f64; STARS]; STAR]; 3],
-    blocks: Vec<Placing>,
+    blocks: Vec<BlockBars>,
 }
 
 /// The elements of a block.
 #[derive(Clone, Debug)]
-struct Placing {
+struct BlockBars {
     /// all of them, by fours
     quads: Range<usize>,
     /// how many of these are in stars of three
@@ -40,7 +40,7 @@ pub(in crate::force) struct Bars<'a> {
 
 impl BarBatch {
     /// Takes the elements of the next block, by their ends and numbers.
-    pub fn take(&mut self, block: usize, ends: Vec<[u16; 2]>, (first, all): (usize, &[Coefficient; 3])) {
+    pub fn assign_block(&mut self, block: usize, ends: Vec<[u16; 2]>, (first, all): (usize, &[Coefficient; 3])) {
         if block == 0 {
             *self = BarBatch::default();
             for (uniform, numbers) in self.uniform.iter_mut().zip(all) {
@@ -65,12 +65,12 @@ impl BarBatch {
                 numbers.extend((0..(padded - start) / STARS).map(|quad| [0, 1, 2, 3].map(|q| value(STARS * quad + q))));
             }
         }
-        self.blocks.push(Placing { quads: start / STARS..padded / STARS, in_stars: STAR * groups });
+        self.blocks.push(BlockBars { quads: start / STARS..padded / STARS, in_stars: STAR * groups });
     }
 
     /// A block's elements, if it has any.
     pub fn bars(&self, block: usize) -> Option<Bars<'_>> {
-        let Placing { quads, in_stars } = self.blocks.get(block).filter(|placing| !placing.quads.is_empty())?;
+        let BlockBars { quads, in_stars } = self.blocks.get(block).filter(|placing| !placing.quads.is_empty())?;
         let numbers = std::array::from_fn(|i| match self.numbers[i].get(quads.clone()) {
             Some(numbers) => Column::each(numbers),
             None => Column::uniform(&self.uniform[i]),
@@ -88,7 +88,12 @@ impl BarBatch {
 impl Bars<'_> {
     /// Adds elastic and damping forces [N] to a block's sums; returns the elastic energy [J] and the power of damping
     /// [W].
-    pub fn pull<L: AxialLaw>(self, law: &L, block: &ElementBlock<'_>, mut sums: [Option<&mut Records>; 2]) -> [f64; 2] {
+    pub fn axial_force<L: AxialLaw>(
+        self,
+        law: &L,
+        block: &ElementBlock<'_>,
+        mut sums: [Option<&mut Records>; 2],
+    ) -> [f64; 2] {
         let Bars { ends, numbers, in_stars } = self;
         let (stars, others) = ends.as_chunks::<STARS>().0.split_at(in_stars);
         let (x, v) = (block.x, block.v);

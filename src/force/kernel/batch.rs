@@ -1,6 +1,6 @@
-//! The interface of what a pass over the blocks sums into nodes ([`Summand`]), and an implementation for many elements
-//! of one kind, one after the other ([`Batch`]). Springs and dashpots have `bar_batch`, triangles that are pushed along
-//! their normal `faces`, forces on nodes `nodes`.
+//! The interface of what a pass over the blocks sums into nodes ([`BlockForces`]), and an implementation for many
+//! elements of one kind, one after the other ([`Batch`]). Springs and dashpots have `bar_batch`, triangles that are
+//! pushed along their normal `faces`, forces on nodes `nodes`.
 
 use crate::force::kernel::element_block::ElementBlock;
 pub use crate::force::kernel::element_block::Elements;
@@ -10,17 +10,17 @@ use std::ops::Range;
 
 /// The local buffers of a block that are read.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wants {
+pub struct BufferReads {
     /// positions
     pub x: bool,
     /// velocities
     pub v: bool,
 }
 
-impl Wants {
-    /// What either wants.
-    pub(in crate::force) fn or(self, other: Wants) -> Wants {
-        Wants { x: self.x | other.x, v: self.v | other.v }
+impl BufferReads {
+    /// What either reads.
+    pub(in crate::force) fn or(self, other: BufferReads) -> BufferReads {
+        BufferReads { x: self.x | other.x, v: self.v | other.v }
     }
 }
 
@@ -28,12 +28,12 @@ impl Wants {
 pub const PARTS: usize = 2;
 
 /// Something that is summed into nodes, block after block: every force term.
-pub trait Summand: Send + Sync {
+pub trait BlockForces: Send + Sync {
     /// Number of elements (springs, triangles, nodes) that a pass goes over.
     fn elements(&self) -> usize;
 
     /// What these of its parts read of the local buffers; what nothing reads is not copied.
-    fn wants(&self, parts: [bool; PARTS]) -> Wants;
+    fn reads(&self, parts: [bool; PARTS]) -> BufferReads;
 
     /// Nodes of an element; `None` beyond the last, and where a pass goes over the nodes themselves. Elements come in
     /// ascending order of their smallest node.
@@ -44,7 +44,7 @@ pub trait Summand: Send + Sync {
 
     /// Hears which elements a block has, and where the records of their nodes begin in its local buffers. Called for
     /// one block after the other; from the first again where a scene is cut anew.
-    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+    fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         let _ = (block, elements, place);
     }
 
@@ -63,7 +63,7 @@ pub trait Summand: Send + Sync {
 /// The forces of like elements with `N` nodes each.
 pub trait Kernel<const N: usize>: Send + Sync {
     /// What it reads of the local buffers.
-    const WANTS: Wants;
+    const READS: BufferReads;
 
     /// Node numbers of every element, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; N]];
@@ -103,20 +103,20 @@ impl<K: Kernel<N>, const N: usize> Batch<K, N> {
     }
 }
 
-impl<K: Kernel<N>, const N: usize> Summand for Batch<K, N> {
+impl<K: Kernel<N>, const N: usize> BlockForces for Batch<K, N> {
     fn elements(&self) -> usize {
         self.kernel.elements().len()
     }
 
-    fn wants(&self, _: [bool; PARTS]) -> Wants {
-        K::WANTS
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        K::READS
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
         self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+    fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         if block == 0 {
             self.blocks.clear();
             self.local.clear();

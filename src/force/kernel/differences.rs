@@ -31,7 +31,7 @@ pub(in crate::force) struct Differences {
 
 impl Differences {
     /// Takes the elements of the next block, by their ends; the first of them has number `first` in `c`.
-    pub fn take(&mut self, block: usize, ends: &[[u16; 2]], (first, c): (usize, &Coefficient)) {
+    pub fn assign_block(&mut self, block: usize, ends: &[[u16; 2]], (first, c): (usize, &Coefficient)) {
         if block == 0 {
             *self = Differences::default();
         }
@@ -65,8 +65,8 @@ impl Differences {
             (&self.nodes[nodes.clone()], &self.others[others.clone()], &self.runs[runs.clone()]);
         let (uniform, elements) = (self.uniform, Elements { nodes, others, runs });
         match numbers {
-            [] => quad::run(Adding { elements, c: uniform, v, f }),
-            each => quad::run(Adding { elements, c: each, v, f }),
+            [] => quad::run(DifferencePass { elements, c: uniform, v, f }),
+            each => quad::run(DifferencePass { elements, c: each, v, f }),
         }
     }
 }
@@ -144,19 +144,19 @@ impl Factor for &[f64] {
     }
 }
 
-struct Adding<'a, C> {
+struct DifferencePass<'a, C> {
     elements: Elements<'a>,
     c: C,
     v: &'a Records,
     f: &'a mut Records,
 }
 
-impl<C: Factor> Pass for Adding<'_, C> {
+impl<C: Factor> Pass for DifferencePass<'_, C> {
     type Output = f64;
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> f64 {
-        let Adding { elements: Elements { nodes, others, runs }, c, v, f } = self;
+        let DifferencePass { elements: Elements { nodes, others, runs }, c, v, f } = self;
         let (mut nodes, mut first) = (nodes, 0);
         let mut power = unit.splat(0.0);
         for &[count, elements] in runs {
@@ -198,7 +198,7 @@ mod tests {
             let c = Coefficient::from_values(&values);
             let (v, mut all) = (&*v.records(), Differences::default());
             for block in 0..2 {
-                all.take(block, &ends, (n * block, &c));
+                all.assign_block(block, &ends, (n * block, &c));
             }
             for block in 0..2 {
                 let (mut sums, mut power) = (vec![[0.0; 3]; NODES], 0.0);
@@ -226,9 +226,11 @@ mod tests {
                     Elements { nodes: &all.nodes[nodes], others: &all.others[others.clone()], runs: &all.runs[runs] };
                 let mut portable = LocalBuffer::new(0);
                 match &c {
-                    Coefficient::Uniform(c) => Adding { elements, c: *c, v, f: portable.records() }.run(Portable),
+                    Coefficient::Uniform(c) => {
+                        DifferencePass { elements, c: *c, v, f: portable.records() }.run(Portable)
+                    }
                     Coefficient::Each(_) => {
-                        Adding { elements, c: &all.numbers[others], v, f: portable.records() }.run(Portable)
+                        DifferencePass { elements, c: &all.numbers[others], v, f: portable.records() }.run(Portable)
                     }
                 };
                 assert_eq!(rows(portable.records(), NODES), found);

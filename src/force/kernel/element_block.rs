@@ -15,9 +15,9 @@ pub struct ElementBlock<'a> {
     pub own: Range<usize>,
     /// [s]
     pub t: f64,
-    /// [m] positions of the local buffers' nodes, if some term wants them
+    /// [m] positions of the local buffers' nodes, if some term reads them
     pub x: &'a Records,
-    /// [m/s] their velocities, if some term wants them
+    /// [m/s] their velocities, if some term reads them
     pub v: &'a Records,
 }
 
@@ -32,9 +32,9 @@ pub(in crate::force) fn place(own: usize) -> u16 {
 pub struct Elements<'a, const N: usize> {
     /// [s]
     pub t: f64,
-    /// [m] positions of the local buffer's nodes, where the kernel wants them
+    /// [m] positions of the local buffer's nodes, where the kernel reads them
     pub x: &'a Records,
-    /// [m/s] their velocities, where the kernel wants them
+    /// [m/s] their velocities, where the kernel reads them
     pub v: &'a Records,
     /// every element's nodes, by where their records begin in the local buffer
     pub nodes: &'a [[u16; N]],

@@ -1,9 +1,9 @@
 //! Triangles that are pushed along their normal, by blocks.
 
-use crate::force::kernel::batch::{PARTS, Summand, Wants};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
-use crate::force::kernel::triangle_pairs::{Group, PressureLaw, Pushing, arrange};
+use crate::force::kernel::triangle_pairs::{Group, PressureLaw, PressurePass, arrange};
 use crate::model::forces::Tally;
 use crate::model::quad;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use std::ops::Range;
 /// The forces of triangles, for forces of this crate.
 pub trait FaceKernel: Send + Sync {
     /// What it reads of the local buffers.
-    const WANTS: Wants;
+    const READS: BufferReads;
 
     /// Nodes of every triangle, in ascending order of their smallest.
     fn elements(&self) -> &[[u32; 3]];
@@ -26,9 +26,9 @@ pub trait FaceKernel: Send + Sync {
 pub struct Faces<'a> {
     /// [s]
     pub t: f64,
-    /// [m] positions of the local buffer's nodes, where the kernel wants them
+    /// [m] positions of the local buffer's nodes, where the kernel reads them
     pub(in crate::force) x: &'a Records,
-    /// [m/s] their velocities, where the kernel wants them
+    /// [m/s] their velocities, where the kernel reads them
     pub(in crate::force) v: &'a Records,
     /// by where the records of their nodes begin in the local buffer
     groups: &'a [Group],
@@ -36,8 +36,8 @@ pub struct Faces<'a> {
 
 impl Faces<'_> {
     /// Adds the forces [N] of the triangles to the block's sum; returns their power [W].
-    pub(in crate::force) fn push<L: PressureLaw>(self, law: &L, f: &mut Records) -> f64 {
-        quad::run(Pushing { law, groups: self.groups, x: self.x, v: self.v, f })
+    pub(in crate::force) fn add_pressure<L: PressureLaw>(self, law: &L, f: &mut Records) -> f64 {
+        quad::run(PressurePass { law, groups: self.groups, x: self.x, v: self.v, f })
     }
 }
 
@@ -63,20 +63,20 @@ impl<K: FaceKernel> FaceBatch<K> {
     }
 }
 
-impl<K: FaceKernel> Summand for FaceBatch<K> {
+impl<K: FaceKernel> BlockForces for FaceBatch<K> {
     fn elements(&self) -> usize {
         self.kernel.elements().len()
     }
 
-    fn wants(&self, _: [bool; PARTS]) -> Wants {
-        K::WANTS
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        K::READS
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
         self.kernel.elements().get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+    fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         if block == 0 {
             self.groups.clear();
             self.blocks.clear();

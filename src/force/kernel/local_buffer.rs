@@ -112,20 +112,20 @@ impl Pass for CopyRows<'_> {
 
 /// Adds records to as many nodes.
 pub(in crate::force) fn add_rows(records: &[PaddedVec3], to: &mut [Vector3<f64>]) {
-    run(Give::<true> { records, to: bytemuck::cast_slice_mut(to) });
+    run(StoreRows::<true> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
 /// Overwrites as many nodes with records.
 pub(in crate::force) fn store_rows(records: &[PaddedVec3], to: &mut [Vector3<f64>]) {
-    run(Give::<false> { records, to: bytemuck::cast_slice_mut(to) });
+    run(StoreRows::<false> { records, to: bytemuck::cast_slice_mut(to) });
 }
 
-struct Give<'a, const ADD: bool> {
+struct StoreRows<'a, const ADD: bool> {
     records: &'a [PaddedVec3],
     to: &'a mut [f64],
 }
 
-impl<const ADD: bool> Pass for Give<'_, ADD> {
+impl<const ADD: bool> Pass for StoreRows<'_, ADD> {
     type Output = ();
 
     #[inline(always)]
@@ -165,25 +165,25 @@ struct Sum<'a, F, const N: usize> {
 }
 
 /// Where a sum begins: with records, or with what is there.
-trait First {
+trait SumStart {
     fn record(&self, i: usize, there: PaddedVec3) -> PaddedVec3;
 }
 
-impl First for &[PaddedVec3] {
+impl SumStart for &[PaddedVec3] {
     #[inline(always)]
     fn record(&self, i: usize, _: PaddedVec3) -> PaddedVec3 {
         self[i]
     }
 }
 
-impl First for () {
+impl SumStart for () {
     #[inline(always)]
     fn record(&self, _: usize, there: PaddedVec3) -> PaddedVec3 {
         there
     }
 }
 
-impl<F: First, const N: usize> Pass for Sum<'_, F, N> {
+impl<F: SumStart, const N: usize> Pass for Sum<'_, F, N> {
     type Output = ();
 
     #[inline(always)]

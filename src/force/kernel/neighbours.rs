@@ -14,12 +14,12 @@ use std::ops::Range;
 pub struct Neighbours {
     /// by group of four nodes: how many rounds there are before it
     first: Vec<usize>,
-    rounds: Vec<Round>,
+    rounds: Vec<NeighbourLanes>,
 }
 
 /// A neighbour of each of four nodes; one that has no more is its own, without a weight.
 #[derive(Clone, Copy, Debug)]
-struct Round {
+struct NeighbourLanes {
     /// first degrees of freedom
     places: [u32; SIDE_BY_SIDE],
     weights: [f64; SIDE_BY_SIDE],
@@ -27,7 +27,7 @@ struct Round {
 
 /// Place of a weight.
 #[derive(Clone, Copy, Debug)]
-pub struct Slot {
+pub struct WeightSlot {
     round: u32,
     /// which of the four nodes
     q: u8,
@@ -55,7 +55,7 @@ impl Neighbours {
     pub fn with_slots<'a>(
         n: usize,
         links: impl Iterator<Item = (&'a [[u32; 2]], &'a Coefficient)> + Clone,
-    ) -> (Self, Vec<[Slot; 2]>) {
+    ) -> (Self, Vec<[WeightSlot; 2]>) {
         let mut degrees = vec![0; n];
         for &node in links.clone().flat_map(|(nodes, _)| nodes.as_flattened()) {
             degrees[node as usize] += 1;
@@ -64,7 +64,7 @@ impl Neighbours {
         for (group, degrees) in degrees.chunks(SIDE_BY_SIDE).enumerate() {
             let most = degrees.iter().copied().max().unwrap_or_default();
             let places = std::array::from_fn(|q| 3 * (SIDE_BY_SIDE * group + q).min(n - 1) as u32);
-            let empty = Round { places, weights: [0.0; SIDE_BY_SIDE] };
+            let empty = NeighbourLanes { places, weights: [0.0; SIDE_BY_SIDE] };
             neighbours.rounds.extend(std::iter::repeat_n(empty, most));
             neighbours.first.push(neighbours.rounds.len());
         }
@@ -82,19 +82,19 @@ impl Neighbours {
     ///
     /// # Panics
     /// When the slot is of another graph, and larger.
-    pub fn set(&mut self, Slot { round, q }: Slot, weight: f64) {
+    pub fn set(&mut self, WeightSlot { round, q }: WeightSlot, weight: f64) {
         self.rounds[round as usize].weights[usize::from(q)] = weight;
     }
 
     /// `filled` counts the neighbours that every node has so far.
-    fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) -> Slot {
+    fn push(&mut self, filled: &mut [usize], [own, other]: [u32; 2], weight: f64) -> WeightSlot {
         let (group, q) = (own as usize / SIDE_BY_SIDE, own as usize % SIDE_BY_SIDE);
         let filled = &mut filled[own as usize];
         let number = self.first[group] + *filled;
         let round = &mut self.rounds[number];
         (round.places[q], round.weights[q]) = (3 * other, weight);
         *filled += 1;
-        Slot { round: number as u32, q: q as u8 }
+        WeightSlot { round: number as u32, q: q as u8 }
     }
 
     /// `sum_j k_ij` of every node, and zeros that fill up the last four.

@@ -31,7 +31,7 @@ pub(in crate::force) trait AxialLaw {
     const DAMPED: bool;
 
     /// Elements by their three numbers; `#[inline(always)]`.
-    fn pull<R: Real>(&self, numbers: [R; 3], measured: Measured<R>) -> Pull<R>;
+    fn axial_force<R: Real>(&self, numbers: [R; 3], measured: Measured<R>) -> AxialForce<R>;
 }
 
 /// What a law sees of an element.
@@ -45,7 +45,7 @@ pub(in crate::force) struct Measured<R> {
 
 /// What an element does.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::force) struct Pull<R> {
+pub(in crate::force) struct AxialForce<R> {
     /// [N/m] s
     pub elastic: R,
     /// [J] elastic energy
@@ -58,7 +58,7 @@ pub(in crate::force) struct Pull<R> {
 
 /// An element at its place in a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::force) struct Placed {
+pub(in crate::force) struct PlacedElement {
     /// its number among the block's
     pub element: usize,
     /// whether its second node is the star's
@@ -67,16 +67,17 @@ pub(in crate::force) struct Placed {
 
 /// The order of a block's elements, by their ends: groups of stars of three first, of which there are so many, then all
 /// others as they were. Node after node takes what elements are left, three by three.
-pub(in crate::force) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
+pub(in crate::force) fn arrange(ends: &[[u16; 2]]) -> (Vec<PlacedElement>, usize) {
     let around = Incidence::new(ends);
-    let (mut stars, mut taken): (Vec<[Placed; STAR]>, _) = (Vec::new(), vec![false; ends.len()]);
+    let (mut stars, mut taken): (Vec<[PlacedElement; STAR]>, _) = (Vec::new(), vec![false; ends.len()]);
     let mut free = Vec::new();
     for place in around.places() {
-        let placed = around.at(place).iter().map(|&element| Placed { element, turned: ends[element][0] != place });
+        let placed =
+            around.at(place).iter().map(|&element| PlacedElement { element, turned: ends[element][0] != place });
         free.clear();
         free.extend(placed.filter(|placed| !taken[placed.element]));
         // One between a node and itself is there twice.
-        free.dedup_by_key(|placed: &mut Placed| placed.element);
+        free.dedup_by_key(|placed: &mut PlacedElement| placed.element);
         for star in free.as_chunks().0 {
             star.iter().for_each(|placed| taken[placed.element] = true);
             stars.push(*star);
@@ -85,7 +86,8 @@ pub(in crate::force) fn arrange(ends: &[[u16; 2]]) -> (Vec<Placed>, usize) {
     let (groups, left) = stars.as_chunks::<STARS>();
     left.as_flattened().iter().for_each(|placed| taken[placed.element] = false);
     let in_groups = groups.iter().flat_map(|group| (0..STAR).flat_map(|j| group.each_ref().map(|star| star[j])));
-    let others = (0..ends.len()).filter(|&element| !taken[element]).map(|element| Placed { element, turned: false });
+    let others =
+        (0..ends.len()).filter(|&element| !taken[element]).map(|element| PlacedElement { element, turned: false });
     (in_groups.chain(others).collect(), groups.len())
 }
 
@@ -106,7 +108,7 @@ pub(in crate::force) struct Stars<'a, L, const N: usize> {
 /// What is kept of a group from one stage to the next.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
-struct Kept<const N: usize> {
+struct GroupBuffer<const N: usize> {
     d: [[PaddedVec3; STARS]; N],
     /// d^2, then s
     elastic: [PaddedVec3; N],
@@ -114,8 +116,8 @@ struct Kept<const N: usize> {
     damping: [PaddedVec3; N],
 }
 
-impl<const N: usize> Kept<N> {
-    const EMPTY: Self = Kept { d: [[[0.0; 4]; STARS]; N], elastic: [[0.0; 4]; N], damping: [[0.0; 4]; N] };
+impl<const N: usize> GroupBuffer<N> {
+    const EMPTY: Self = GroupBuffer { d: [[[0.0; 4]; STARS]; N], elastic: [[0.0; 4]; N], damping: [[0.0; 4]; N] };
 }
 
 impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
@@ -125,7 +127,7 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
     fn run<U: VectorUnit>(self, unit: U) -> [f64; 2] {
         let Stars { law, groups, numbers, x, v, sums: [mut elastic, mut damping] } = self;
         // One more than there are stages: a power of two is cheaper to count through.
-        let mut kept = [Kept::<N>::EMPTY; 4];
+        let mut kept = [GroupBuffer::<N>::EMPTY; 4];
         let (mut energy, mut power) = ([unit.splat(0.0); N], [unit.splat(0.0); N]);
         for i in 0..groups.len() + 2 {
             if let Some(nodes) = groups.get(i) {
@@ -142,12 +144,12 @@ impl<L: AxialLaw, const N: usize> Pass for Stars<'_, L, N> {
                     }
                     let numbers = [unit.quad(a[j]), unit.quad(b[j]), damping[0]];
                     let measured = Measured { square: unit.quad(kept.elastic[j]), rate: damping[1] };
-                    let pull = law.pull(numbers, measured);
-                    kept.elastic[j] = pull.elastic.numbers();
-                    energy[j] = energy[j] + pull.energy;
+                    let axial_force = law.axial_force(numbers, measured);
+                    kept.elastic[j] = axial_force.elastic.numbers();
+                    energy[j] = energy[j] + axial_force.energy;
                     if L::DAMPED {
-                        kept.damping[j] = pull.damping.numbers();
-                        power[j] = power[j] + pull.power;
+                        kept.damping[j] = axial_force.damping.numbers();
+                        power[j] = power[j] + axial_force.power;
                     }
                 }
             }
@@ -182,7 +184,7 @@ fn measure<U: VectorUnit, L: AxialLaw, const N: usize>(
     unit: U,
     nodes: &Group<N>,
     [x, v]: [&Records; 2],
-    kept: &mut Kept<N>,
+    kept: &mut GroupBuffer<N>,
 ) {
     let mut own = [[unit.splat(0.0); STARS]; 2];
     for (q, nodes) in nodes[0].iter().enumerate() {

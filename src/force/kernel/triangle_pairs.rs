@@ -15,12 +15,12 @@ use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 /// How triangles are pushed: a pure function, for one triangle or four side by side.
 pub(in crate::force) trait PressureLaw {
     /// Triangles by the components of S [m^2] and of the sums [m/s] of their vertices' velocities; `#[inline(always)]`.
-    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R>;
+    fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R>;
 }
 
 /// What happens to a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::force) struct Push<R> {
+pub(in crate::force) struct PressureForce<R> {
     /// [Pa] a vertex's share of the pressure
     pub share: R,
     /// [W] power
@@ -74,7 +74,7 @@ fn across<'a>(
 
 /// A pass over groups of pairs; `x` and `v` are the positions [m] and velocities [m/s] of the nodes. Adds forces [N] to
 /// `f` and returns their power [W].
-pub(in crate::force) struct Pushing<'a, L> {
+pub(in crate::force) struct PressurePass<'a, L> {
     pub law: &'a L,
     pub groups: &'a [Group],
     pub x: &'a Records,
@@ -85,31 +85,31 @@ pub(in crate::force) struct Pushing<'a, L> {
 /// What is kept of a group from one stage to the next, of first and of second triangles, component by component.
 #[derive(Clone, Copy, Default)]
 #[repr(align(32))]
-struct Kept {
+struct GroupBuffer {
     /// S, then a vertex's force
     s: [[PaddedVec3; 3]; 2],
     /// sums of the vertices' velocities
     v: [[PaddedVec3; 3]; 2],
 }
 
-impl<L: PressureLaw> Pass for Pushing<'_, L> {
+impl<L: PressureLaw> Pass for PressurePass<'_, L> {
     type Output = f64;
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> f64 {
-        let Pushing { law, groups, x, v, f } = self;
+        let PressurePass { law, groups, x, v, f } = self;
         // One more than there are stages: a power of two is cheaper to count through.
-        let mut kept = [Kept::default(); 4];
+        let mut kept = [GroupBuffer::default(); 4];
         let mut sums = [unit.splat(0.0); 2];
         for i in 0..groups.len() + 2 {
             if let Some(nodes) = groups.get(i) {
                 measure(unit, nodes, [x, v], &mut kept[i % 4]);
             }
             if (1..=groups.len()).contains(&i) {
-                let Kept { s, v } = &mut kept[(i - 1) % 4];
+                let GroupBuffer { s, v } = &mut kept[(i - 1) % 4];
                 for ((s, v), sum) in s.iter_mut().zip(v).zip(&mut sums) {
                     let [area, v] = [quads(unit, s), quads(unit, v)];
-                    let Push { share, amount } = law.push(area, v);
+                    let PressureForce { share, amount } = law.pressure_force(area, v);
                     *s = numbers(scaled(share, area));
                     *sum = *sum + amount;
                 }
@@ -124,7 +124,7 @@ impl<L: PressureLaw> Pass for Pushing<'_, L> {
 }
 
 #[inline(always)]
-fn measure<U: VectorUnit>(unit: U, nodes: &Group, [x, v]: [&Records; 2], kept: &mut Kept) {
+fn measure<U: VectorUnit>(unit: U, nodes: &Group, [x, v]: [&Records; 2], kept: &mut GroupBuffer) {
     let mut sides = [[unit.splat(0.0); PAIRS]; 3];
     let mut speeds = [[unit.splat(0.0); PAIRS]; 2];
     for (q, &[a, b, c, d]) in nodes.iter().enumerate() {

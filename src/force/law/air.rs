@@ -12,9 +12,9 @@
 //! ```
 //! A triangle of zero area has no normal: force and tangents are 0.
 
-use crate::force::kernel::batch::{Records, Wants};
+use crate::force::kernel::batch::{BufferReads, Records};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::triangle_pairs::{PressureLaw, Push};
+use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::series::Table;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -66,7 +66,7 @@ impl AirData {
 }
 
 impl FaceKernel for AirData {
-    const WANTS: Wants = Wants { x: true, v: true };
+    const READS: BufferReads = BufferReads { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -74,7 +74,7 @@ impl FaceKernel for AirData {
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let wind = Vector3::from(self.wind.at(block.t));
-        Tally { energy: 0.0, power: block.push(&AirLaw { data: self, wind }, f) }
+        Tally { energy: 0.0, power: block.add_pressure(&AirLaw { data: self, wind }, f) }
     }
 }
 
@@ -86,14 +86,14 @@ struct AirLaw<'a> {
 impl PressureLaw for AirLaw<'_> {
     /// dp = a v_n + b v_n |v_n| with v_n = (S . u)/A, so that no normal is needed.
     #[inline(always)]
-    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+    fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
         let (all, wind) = (|number| s[0].all(number), self.wind);
         let flow = all(THIRD) * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]);
         let flux = s[0] * all(wind.x) + s[1] * all(wind.y) + s[2] * all(wind.z) - flow;
         let area = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
         let vn = (flux / area).where_positive(area);
         let dp = all(self.data.linear) * vn + all(self.data.quadratic) * vn * vn.abs();
-        Push { share: dp * all(THIRD), amount: dp * flow }
+        PressureForce { share: dp * all(THIRD), amount: dp * flow }
     }
 }
 

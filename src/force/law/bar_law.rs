@@ -5,7 +5,7 @@
 //! B   = T' n n^T + T/l (I - n n^T)          K = [[B, -B], [-B, B]]
 //! ```
 
-use crate::force::kernel::batch::{Batch, Elements, Kernel, Records, Wants};
+use crate::force::kernel::batch::{Batch, BufferReads, Elements, Kernel, Records};
 use crate::force::kernel::element_block::vector;
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -75,7 +75,7 @@ impl BarData {
 }
 
 impl Kernel<2> for BarData {
-    const WANTS: Wants = Wants { x: true, v: false };
+    const READS: BufferReads = BufferReads { x: true, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes

@@ -7,14 +7,14 @@
 //! ```
 
 use crate::force::kernel::bar_batch::BarBatch;
-use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
-use crate::force::kernel::star_batches::{AxialLaw, Measured, Pull};
+use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{Plain, Tension, TensionLaw, clamped, tension};
+use crate::force::law::slack::{LinearLaw, Tension, TensionLaw, clamped, tension};
 use crate::force::law::spring::{Coefficient, SpringData, Stretch};
-use crate::force::law::stretch::{InWindow, Stretched, largest};
+use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
@@ -62,7 +62,7 @@ impl DampedSprings {
     }
 
     /// Adds the forces of both parts, or of one of them.
-    fn pull<L: TensionLaw>(
+    fn axial_force<L: TensionLaw>(
         &self,
         law: L,
         block: &ElementBlock<'_>,
@@ -71,16 +71,16 @@ impl DampedSprings {
         let Some(bars) = self.batch.bars(block.number) else { return [0.0; 2] };
         match (elastic.is_some(), damping, self.kind()) {
             (true, damping @ Some(_), Some(DashpotKind::Axial)) => {
-                bars.pull(&BarLaw::<L, true, true>(law), block, [elastic, damping])
+                bars.axial_force(&BarLaw::<L, true, true>(law), block, [elastic, damping])
             }
             (false, damping @ Some(_), Some(DashpotKind::Axial)) => {
-                bars.pull(&BarLaw::<L, false, true>(law), block, [None, damping])
+                bars.axial_force(&BarLaw::<L, false, true>(law), block, [None, damping])
             }
             (_, damping, kind) => {
                 let damping = damping.filter(|_| kind == Some(DashpotKind::Relative));
                 let power = damping.map_or(0.0, |f| self.differences.add(block.number, block.v, f));
                 let energy = match elastic {
-                    Some(_) => bars.pull(&BarLaw::<L, true, false>(law), block, [elastic, None])[0],
+                    Some(_) => bars.axial_force(&BarLaw::<L, true, false>(law), block, [elastic, None])[0],
                     None => 0.0,
                 };
                 [energy, power]
@@ -97,51 +97,52 @@ impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw
     const DAMPED: bool = DAMPED;
 
     #[inline(always)]
-    fn pull<R: Real>(&self, [k, l0, c]: [R; 3], Measured { square, rate }: Measured<R>) -> Pull<R> {
+    fn axial_force<R: Real>(&self, [k, l0, c]: [R; 3], Measured { square, rate }: Measured<R>) -> AxialForce<R> {
         let zero = k.all(0.0);
         let l = square.sqrt();
         let e = l - l0;
         let elastic = self.0.at(k, e);
         let over_l = |force: R| (force / l).where_positive(l);
-        let pull = Pull { elastic: over_l(elastic.force), energy: elastic.energy, damping: zero, power: zero };
+        let axial_force =
+            AxialForce { elastic: over_l(elastic.force), energy: elastic.energy, damping: zero, power: zero };
         if !DAMPED {
-            return pull;
+            return axial_force;
         }
         let rate = over_l(rate);
         let Damping { force, .. } = dashpot::axial(&self.0, elastic, [k, c], [e, rate]);
-        Pull { damping: over_l(force), power: zero - force * rate, ..pull }
+        AxialForce { damping: over_l(force), power: zero - force * rate, ..axial_force }
     }
 }
 
-impl Summand for DampedSprings {
+impl BlockForces for DampedSprings {
     fn elements(&self) -> usize {
         self.springs.nodes.len()
     }
 
-    fn wants(&self, [elastic, damping]: [bool; PARTS]) -> Wants {
-        Wants { x: elastic || self.kind() == Some(DashpotKind::Axial), v: damping }
+    fn reads(&self, [elastic, damping]: [bool; PARTS]) -> BufferReads {
+        BufferReads { x: elastic || self.kind() == Some(DashpotKind::Axial), v: damping }
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
         self.springs.nodes.get(number).map(|nodes| nodes.as_slice())
     }
 
-    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+    fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         let SpringData { nodes, rest_length, stiffness, .. } = &self.springs;
         let c = self.dashpots.as_ref().map_or(Coefficient::Uniform(0.0), |dashpots| dashpots.coefficient.clone());
         // Rest lengths one each, even where all are the same: the largest stretch goes over them.
         let numbers = [stiffness.clone(), Coefficient::Each(rest_length.clone()), c];
         let ends: Vec<[u16; 2]> = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
         if self.kind() == Some(DashpotKind::Relative) {
-            self.differences.take(block, &ends, (elements.start, &numbers[2]));
+            self.differences.assign_block(block, &ends, (elements.start, &numbers[2]));
         }
-        self.batch.take(block, ends, (elements.start, &numbers));
+        self.batch.assign_block(block, ends, (elements.start, &numbers));
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
         let [energy, power] = match clamped(self.springs.slack) {
-            None => self.pull(Plain, block, sums),
-            Some(law) => self.pull(law, block, sums),
+            None => self.axial_force(LinearLaw, block, sums),
+            Some(law) => self.axial_force(law, block, sums),
         };
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
@@ -149,7 +150,7 @@ impl Summand for DampedSprings {
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
         let Some(bars) = self.batch.bars(block.number) else { return f64::NEG_INFINITY };
         let rest_length = self.batch.each_number(block.number, 1);
-        largest(Stretched { ends: bars.ends, rest_length, at: InWindow(block.x) })
+        largest(SpringLengths { ends: bars.ends, rest_length, at: InLocalBuffer(block.x) })
     }
 }
 
@@ -174,7 +175,7 @@ fn axial_state(
     let (dv, k) = (v[b] - v[a], springs.stiffness.at(i));
     let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
     let damping = match clamped(springs.slack) {
-        None => dashpot::axial(&Plain, elastic, [k, c], [e, rate]),
+        None => dashpot::axial(&LinearLaw, elastic, [k, c], [e, rate]),
         Some(law) => dashpot::axial(&law, elastic, [k, c], [e, rate]),
     };
     AxialState { stretch, dv, rate, damping }

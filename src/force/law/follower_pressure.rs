@@ -4,9 +4,9 @@
 //! f_i = p S / 3,      -df_i/dx_j = -(p/6) [d_j]x      (not symmetric),      power = p S . mean(v)
 //! ```
 
-use crate::force::kernel::batch::{Records, Wants};
+use crate::force::kernel::batch::{BufferReads, Records};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
-use crate::force::kernel::triangle_pairs::{PressureLaw, Push};
+use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
 use crate::force::law::series::{Table, factor};
 use crate::force::law::triangle::{AreaVector, THIRD};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
@@ -30,7 +30,7 @@ pub struct FollowerData {
 }
 
 impl FaceKernel for FollowerData {
-    const WANTS: Wants = Wants { x: true, v: true };
+    const READS: BufferReads = BufferReads { x: true, v: true };
 
     fn elements(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -38,7 +38,7 @@ impl FaceKernel for FollowerData {
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
         let pressure = self.pressure * factor(self.factor.as_ref(), block.t);
-        Tally { energy: 0.0, power: block.push(&FollowerLaw { pressure }, f) }
+        Tally { energy: 0.0, power: block.add_pressure(&FollowerLaw { pressure }, f) }
     }
 }
 
@@ -49,9 +49,9 @@ struct FollowerLaw {
 
 impl PressureLaw for FollowerLaw {
     #[inline(always)]
-    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+    fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
         let share = s[0].all(THIRD * self.pressure);
-        Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
+        PressureForce { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
     }
 }
 

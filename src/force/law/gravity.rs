@@ -3,7 +3,7 @@
 //! The energy is counted from the displacement, so that an origin far away costs no digits. Fixed nodes have no
 //! weight here: their support carries it and nothing moves.
 
-use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink};
@@ -40,13 +40,13 @@ impl NodeLaw for Gravity {
     }
 }
 
-impl Summand for Gravity {
+impl BlockForces for Gravity {
     fn elements(&self) -> usize {
         self.mass.len()
     }
 
-    fn wants(&self, _: [bool; PARTS]) -> Wants {
-        Wants { x: true, v: false }
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        BufferReads { x: true, v: false }
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {

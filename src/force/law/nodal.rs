@@ -2,7 +2,7 @@
 //!
 //! f = factor(t) F, tangents zero, power = f . v.
 
-use crate::force::kernel::batch::{PARTS, Records, Summand, Wants};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::nodes::{self, NodeLaw, padded};
 use crate::force::law::series::{Table, factor};
@@ -64,12 +64,12 @@ impl DeadPressure<'_> {
 }
 
 /// The forces at one time.
-struct Scaled<'a> {
+struct ScaledForces<'a> {
     forces: &'a [Vector3<f64>],
     factor: f64,
 }
 
-impl NodeLaw for Scaled<'_> {
+impl NodeLaw for ScaledForces<'_> {
     #[inline(always)]
     fn force<U: VectorUnit>(&self, unit: U, i: usize, _: U::Quad, v: U::Quad) -> [U::Quad; 2] {
         let force = unit.splat(self.factor) * unit.quad(padded(self.forces, i));
@@ -77,17 +77,17 @@ impl NodeLaw for Scaled<'_> {
     }
 }
 
-impl Summand for NodalForces {
+impl BlockForces for NodalForces {
     fn elements(&self) -> usize {
         self.nodes.len()
     }
 
-    fn wants(&self, _: [bool; PARTS]) -> Wants {
-        Wants { x: false, v: true }
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        BufferReads { x: false, v: true }
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
-        let law = Scaled { forces: &self.force, factor: factor(self.factor.as_ref(), block.t) };
+        let law = ScaledForces { forces: &self.force, factor: factor(self.factor.as_ref(), block.t) };
         let power = sum.map_or(0.0, |f| nodes::add(&law, Some(&self.nodes), block, f));
         [Tally { energy: 0.0, power }, Tally::default()]
     }

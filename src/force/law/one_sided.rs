@@ -6,7 +6,7 @@
 //! Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second rule
 //! the step would go past the threshold unbraked and make 1/2 k (h v)^2.
 
-use crate::force::kernel::neighbours::{Neighbours, Slot};
+use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
 use crate::force::law::slack::{Clamped, clamped};
 use crate::force::law::spring::{Coefficient, SpringData};
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ pub struct OneSided {
     /// those that may leave it, with their laws
     batches: Vec<(SpringData, Clamped)>,
     /// places of their weights, batch by batch
-    slots: Vec<[Slot; 2]>,
+    slots: Vec<[WeightSlot; 2]>,
     /// whether they are in the filter
     inside: Vec<bool>,
     /// all springs, by stiffness; 0 where one is left out
@@ -83,9 +83,9 @@ impl OneSided {
                 }
                 if caught {
                     let stretch = data.stretch(x, i);
-                    let pull = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
-                    correction[a as usize] += pull;
-                    correction[b as usize] -= pull;
+                    let axial_force = stretch.n * (data.stiffness.at(i) * (stretch.length - limit).min(0.0));
+                    correction[a as usize] += axial_force;
+                    correction[b as usize] -= axial_force;
                     corrected.extend([a, b]);
                 }
             }

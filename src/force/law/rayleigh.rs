@@ -3,7 +3,7 @@
 //! K0 = sum of k n n^T on the mesh as given: slack ignored, no geometric part, constant.
 //! Power = -v^T (alpha M + beta K0) v, -df/dv = alpha M + beta K0, -df/dx = 0.
 
-use crate::force::kernel::batch::{Batch, Elements, Kernel, PARTS, Records, Summand, Wants};
+use crate::force::kernel::batch::{Batch, BlockForces, BufferReads, Elements, Kernel, PARTS, Records};
 use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::nodes::{self, NodeLaw};
 use crate::force::law::spring::Coefficient;
@@ -23,13 +23,13 @@ pub struct RayleighMass {
     pub mass: Arc<[f64]>,
 }
 
-impl Summand for RayleighMass {
+impl BlockForces for RayleighMass {
     fn elements(&self) -> usize {
         self.mass.len()
     }
 
-    fn wants(&self, _: [bool; PARTS]) -> Wants {
-        Wants { x: false, v: true }
+    fn reads(&self, _: [bool; PARTS]) -> BufferReads {
+        BufferReads { x: false, v: true }
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
@@ -79,7 +79,7 @@ pub struct RayleighData {
 }
 
 impl Kernel<2> for RayleighData {
-    const WANTS: Wants = Wants { x: false, v: true };
+    const READS: BufferReads = BufferReads { x: false, v: true };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.nodes

@@ -17,7 +17,7 @@ impl<const N: usize> Table<N> {
         Arc::new(Table { given, sampled: RwLock::new(None) })
     }
 
-    /// Replaces the table by a constant until [`Tabled::sample`] is called.
+    /// Replaces the table by a constant until [`SampledTable::sample`] is called.
     pub fn hold(&self, value: [f64; N]) {
         let constant = Series { t: vec![0.0], value: vec![value] };
         *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = Some(constant);
@@ -31,12 +31,12 @@ impl<const N: usize> Table<N> {
 }
 
 /// What a run does to a table before it begins.
-pub trait Tabled: Send + Sync {
+pub trait SampledTable: Send + Sync {
     /// Makes the table ready for a run of fixed steps of `h` [s] from t = 0, or for any other run.
     fn sample(&self, h: Option<f64>);
 }
 
-impl<const N: usize> Tabled for Table<N> {
+impl<const N: usize> SampledTable for Table<N> {
     fn sample(&self, h: Option<f64>) {
         let made = h.and_then(|h| sampled_by_steps(&self.given, h));
         *self.sampled.write().unwrap_or_else(PoisonError::into_inner) = made;

@@ -26,9 +26,9 @@ pub trait TensionLaw: Copy + Send + Sync {
 
 /// T = k e.
 #[derive(Clone, Copy, Debug)]
-pub struct Plain;
+pub struct LinearLaw;
 
-impl TensionLaw for Plain {
+impl TensionLaw for LinearLaw {
     #[inline(always)]
     fn clamp(&self) -> Option<Clamped> {
         None
@@ -82,7 +82,7 @@ pub fn clamped(slack: Slack) -> Option<Clamped> {
 /// The law of any slack kind, when speed does not matter.
 pub fn tension(slack: Slack, k: f64, e: f64) -> Tension {
     match clamped(slack) {
-        None => Plain.at(k, e),
+        None => LinearLaw.at(k, e),
         Some(law) => law.at(k, e),
     }
 }
@@ -133,9 +133,9 @@ mod tests {
         assert_eq!(tension(Slack::TensionOnly, K, -1e-9).slope, 0.0);
     }
 
-    struct Four<L>(L, [f64; 4]);
+    struct FourElongations<L>(L, [f64; 4]);
 
-    impl<L: TensionLaw> Pass for Four<L> {
+    impl<L: TensionLaw> Pass for FourElongations<L> {
         type Output = ([f64; 4], [f64; 4]);
 
         #[inline(always)]
@@ -152,8 +152,8 @@ mod tests {
             for slack in kinds().into_iter().chain([Slack::CompressionLimit { eps: 0.0 }, Slack::DeadZone { eps: 0.0 }])
             {
                 let (force, energy) = match clamped(slack) {
-                    None => run(Four(Plain, e)),
-                    Some(law) => run(Four(law, e)),
+                    None => run(FourElongations(LinearLaw, e)),
+                    Some(law) => run(FourElongations(law, e)),
                 };
                 let one = e.map(|e| tension(slack, K, e));
                 assert_eq!(force.map(f64::to_bits), one.map(|t| t.force.to_bits()), "{slack:?} at {e:?}");

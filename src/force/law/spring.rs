@@ -7,10 +7,10 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{Plain, clamped};
-use crate::force::law::stretch::{InScene, Stretched, largest};
-pub use crate::force::law::tension::Carried;
-use crate::force::law::tension::Carrying;
+use crate::force::law::slack::{LinearLaw, clamped};
+use crate::force::law::stretch::{SpringLengths, WholeScene, largest};
+pub use crate::force::law::tension::SpringOutput;
+use crate::force::law::tension::TensionPass;
 use crate::force::outer;
 use crate::model::quad;
 use crate::model::spec::Slack;
@@ -47,11 +47,11 @@ impl SpringData {
     ///
     /// # Panics
     /// When a place lies beyond `to.tension` or `to.strain`.
-    pub fn carried(&self, x: &[Vector3<f64>], to: Carried<'_>) {
+    pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
         let data = self;
         match clamped(self.slack) {
-            None => quad::run(Carrying { data, law: Plain, x, to }),
-            Some(law) => quad::run(Carrying { data, law, x, to }),
+            None => quad::run(TensionPass { data, law: LinearLaw, x, to }),
+            Some(law) => quad::run(TensionPass { data, law, x, to }),
         }
     }
 
@@ -63,7 +63,11 @@ impl SpringData {
 
     /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
     pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
-        largest(Stretched { ends: &self.nodes, rest_length: &self.rest_length, at: InScene(bytemuck::cast_slice(x)) })
+        largest(SpringLengths {
+            ends: &self.nodes,
+            rest_length: &self.rest_length,
+            at: WholeScene(bytemuck::cast_slice(x)),
+        })
     }
 
     /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].

@@ -5,7 +5,7 @@ use crate::force::kernel::local_buffer::{Records, record};
 use crate::model::quad::{self, Quad, Real, VectorUnit};
 
 /// Springs by their ends, and where these are.
-pub(in crate::force) struct Stretched<'a, E, P> {
+pub(in crate::force) struct SpringLengths<'a, E, P> {
     pub ends: &'a [[E; 2]],
     /// [m]
     pub rest_length: &'a [f64],
@@ -20,13 +20,13 @@ pub(in crate::force) trait Positions<E>: Copy {
 
 /// Three numbers a node, of the whole scene.
 #[derive(Clone, Copy)]
-pub(in crate::force) struct InScene<'a>(pub &'a [f64]);
+pub(in crate::force) struct WholeScene<'a>(pub &'a [f64]);
 
 /// The records of a block.
 #[derive(Clone, Copy)]
-pub(in crate::force) struct InWindow<'a>(pub &'a Records);
+pub(in crate::force) struct InLocalBuffer<'a>(pub &'a Records);
 
-impl Positions<u32> for InScene<'_> {
+impl Positions<u32> for WholeScene<'_> {
     #[inline(always)]
     fn of(&self, node: u32) -> [f64; 4] {
         let from = &self.0[3 * node as usize..];
@@ -37,7 +37,7 @@ impl Positions<u32> for InScene<'_> {
     }
 }
 
-impl Positions<u16> for InWindow<'_> {
+impl Positions<u16> for InLocalBuffer<'_> {
     #[inline(always)]
     fn of(&self, node: u16) -> [f64; 4] {
         record(self.0, node)
@@ -45,11 +45,11 @@ impl Positions<u16> for InWindow<'_> {
 }
 
 /// [-] Largest l^2/l0^2, -inf without springs. The same bits wherever its springs are cut into pieces.
-pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: Stretched<'_, E, P>) -> f64 {
+pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: SpringLengths<'_, E, P>) -> f64 {
     quad::run(springs)
 }
 
-impl<E: Copy, P: Positions<E>> quad::Pass for Stretched<'_, E, P> {
+impl<E: Copy, P: Positions<E>> quad::Pass for SpringLengths<'_, E, P> {
     type Output = f64;
 
     #[inline(always)]
@@ -70,7 +70,7 @@ impl<E: Copy, P: Positions<E>> quad::Pass for Stretched<'_, E, P> {
     }
 }
 
-impl<E: Copy, P: Positions<E>> Stretched<'_, E, P> {
+impl<E: Copy, P: Positions<E>> SpringLengths<'_, E, P> {
     #[inline(always)]
     fn four<U: VectorUnit>(&self, unit: U, ends: &[[E; 2]; 4], l0: [f64; 4]) -> U::Quad {
         let mut d = [unit.splat(0.0); 4];

@@ -3,13 +3,13 @@
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::slack::TensionLaw;
 use crate::force::law::spring::SpringData;
-use crate::force::law::stretch::{InScene, Positions};
+use crate::force::law::stretch::{Positions, WholeScene};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 use nalgebra::Vector3;
 
 /// Where the values of springs belong.
 #[derive(Debug)]
-pub struct Carried<'a> {
+pub struct SpringOutput<'a> {
     /// place of every spring
     pub places: &'a [u32],
     /// [N] elastic tension T(l - l0)
@@ -19,16 +19,16 @@ pub struct Carried<'a> {
 }
 
 /// Springs with their law where nodes are.
-pub(in crate::force) struct Carrying<'a, L> {
+pub(in crate::force) struct TensionPass<'a, L> {
     pub data: &'a SpringData,
     pub law: L,
     /// [m]
     pub x: &'a [Vector3<f64>],
-    pub to: Carried<'a>,
+    pub to: SpringOutput<'a>,
 }
 
 /// Four springs; the last of a batch some of them several times.
-struct Four {
+struct FourSprings {
     ends: [[u32; 2]; 4],
     /// [m]
     rest_length: [f64; 4],
@@ -36,7 +36,7 @@ struct Four {
     stiffness: [f64; 4],
 }
 
-impl<L: TensionLaw> Pass for Carrying<'_, L> {
+impl<L: TensionLaw> Pass for TensionPass<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -51,11 +51,11 @@ impl<L: TensionLaw> Pass for Carrying<'_, L> {
         };
         let (k, k_last) = each.as_chunks::<4>();
         for (i, ((ends, l0), places)) in ends.iter().zip(l0).zip(places).enumerate() {
-            let four = Four { ends: *ends, rest_length: *l0, stiffness: k.get(i).copied().unwrap_or(same) };
+            let four = FourSprings { ends: *ends, rest_length: *l0, stiffness: k.get(i).copied().unwrap_or(same) };
             self.four(unit, &four, places);
         }
         if let Some(&end) = ends_last.first() {
-            let mut four = Four { ends: [end; 4], rest_length: [l0_last[0]; 4], stiffness: same };
+            let mut four = FourSprings { ends: [end; 4], rest_length: [l0_last[0]; 4], stiffness: same };
             four.ends[..ends_last.len()].copy_from_slice(ends_last);
             four.rest_length[..l0_last.len()].copy_from_slice(l0_last);
             four.stiffness[..k_last.len()].copy_from_slice(k_last);
@@ -64,11 +64,11 @@ impl<L: TensionLaw> Pass for Carrying<'_, L> {
     }
 }
 
-impl<L: TensionLaw> Carrying<'_, L> {
+impl<L: TensionLaw> TensionPass<'_, L> {
     /// The values of as many springs as have a place.
     #[inline(always)]
-    fn four<U: VectorUnit>(&mut self, unit: U, springs: &Four, places: &[u32]) {
-        let at = InScene(bytemuck::cast_slice(self.x));
+    fn four<U: VectorUnit>(&mut self, unit: U, springs: &FourSprings, places: &[u32]) {
+        let at = WholeScene(bytemuck::cast_slice(self.x));
         let mut d = [unit.splat(0.0); 4];
         for (d, &[a, b]) in d.iter_mut().zip(&springs.ends) {
             *d = unit.quad(at.of(b)) - unit.quad(at.of(a));
@@ -107,7 +107,7 @@ mod tests {
                 };
                 let places: Vec<u32> = (0..n as u32).map(|i| 11 - i).collect();
                 let (mut tensions, mut strains) = ([7.0; 12], [8.0; 12]);
-                data.carried(&x, Carried { places: &places, tension: &mut tensions, strain: &mut strains });
+                data.carried(&x, SpringOutput { places: &places, tension: &mut tensions, strain: &mut strains });
                 for place in 0..12 {
                     let spring = 11 - place;
                     let expected = if spring < n {

@@ -5,7 +5,7 @@
 //! blocks write to one place. A node block is one block, and more where its elements reach too many nodes for the local
 //! buffers of one.
 
-use crate::force::kernel::batch::Summand;
+use crate::force::kernel::batch::BlockForces;
 use crate::force::kernel::local_buffer::{PaddedVec3, RECORD, add_rows};
 use crate::force::schedule::tuning::{LEAST_NODES, MOST_NODES, NODE_BLOCKS_WANTED};
 use crate::model::workers::Workers;
@@ -22,7 +22,7 @@ pub(in crate::force) struct Partition {
     /// nodes of the scene and of a node block
     nodes: usize,
     node_block: usize,
-    blocks: Vec<Plan>,
+    blocks: Vec<BlockPlan>,
     /// every node block's first block, and the number of blocks
     first_block: Vec<usize>,
     /// nodes beyond the ends of node blocks, block after block
@@ -33,7 +33,7 @@ pub(in crate::force) struct Partition {
 
 /// What one block owns.
 #[derive(Debug)]
-pub(in crate::force) struct Plan {
+pub(in crate::force) struct BlockPlan {
     pub own: Range<usize>,
     /// whether it is its node block's first, whose nodes it stores
     pub opens_node_block: bool,
@@ -47,7 +47,7 @@ pub(in crate::force) struct Plan {
     pub reach: Range<usize>,
 }
 
-impl Plan {
+impl BlockPlan {
     /// Records in the block's local buffers.
     pub(in crate::force) fn records(&self) -> usize {
         self.own.len() + self.halo.len()
@@ -80,20 +80,21 @@ pub(in crate::force) struct Limits {
 }
 
 impl Partition {
-    /// Cuts `nodes` nodes into blocks and assigns every summand its elements.
-    pub(in crate::force) fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+    /// Cuts `nodes` nodes into blocks and assigns to every term its elements.
+    pub(in crate::force) fn new(nodes: usize, terms: &mut [&mut dyn BlockForces]) -> Self {
         let node_block = node_block_size(nodes);
-        Partition::within(Limits { node_block, records: RECORDS }, nodes, summands)
+        Partition::within(Limits { node_block, records: RECORDS }, nodes, terms)
     }
 
-    pub(in crate::force) fn within(limits: Limits, nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
+    pub(in crate::force) fn within(limits: Limits, nodes: usize, terms: &mut [&mut dyn BlockForces]) -> Self {
         let (node_block, blocks, halo) = (limits.node_block, Vec::new(), Vec::new());
         let mut partition = Partition { nodes, node_block, blocks, first_block: vec![0], halo, reach: vec![0] };
-        let mut cutter = Cutter { next: vec![0; summands.len()], place: vec![None; nodes], records: limits.records };
+        let mut cutter =
+            PartitionBuilder { next: vec![0; terms.len()], place: vec![None; nodes], records: limits.records };
         for start in (0..nodes).step_by(limits.node_block) {
             let own = start..(start + limits.node_block).min(nodes);
             let mut opens_node_block = true;
-            while cutter.cut(own.clone(), opens_node_block, &mut partition, summands) {
+            while cutter.cut(own.clone(), opens_node_block, &mut partition, terms) {
                 opens_node_block = false;
             }
             let (before, first) =
@@ -134,7 +135,7 @@ impl Partition {
         self.reach[node_block].div_ceil(self.node_block)
     }
 
-    pub(in crate::force) fn blocks(&self) -> &[Plan] {
+    pub(in crate::force) fn blocks(&self) -> &[BlockPlan] {
         &self.blocks
     }
 
@@ -196,28 +197,28 @@ impl Partition {
 }
 
 /// The way through all elements.
-struct Cutter {
-    /// next element of every summand
+struct PartitionBuilder {
+    /// next element of every term
     next: Vec<usize>,
     /// where a node beyond has its record in the block that is being cut
     place: Vec<Option<u16>>,
     records: usize,
 }
 
-impl Cutter {
+impl PartitionBuilder {
     /// Adds a block; returns whether the node block needs another.
     fn cut(
         &mut self,
         own: Range<usize>,
         opens_node_block: bool,
         partition: &mut Partition,
-        summands: &mut [&mut dyn Summand],
+        terms: &mut [&mut dyn BlockForces],
     ) -> bool {
         let begin = partition.halo.len();
         let mut ends = self.next.clone();
         let mut full = false;
-        for (summand, end) in summands.iter().zip(&mut ends) {
-            while let Some(nodes) = summand.element(*end).filter(|nodes| begins_in(nodes, &own)) {
+        for (term, end) in terms.iter().zip(&mut ends) {
+            while let Some(nodes) = term.element(*end).filter(|nodes| begins_in(nodes, &own)) {
                 let new = |node: &&u32| **node as usize >= own.end && self.place[**node as usize].is_none();
                 if own.len() + partition.halo.len() - begin + nodes.iter().filter(new).count() > self.records {
                     full = true;
@@ -240,8 +241,8 @@ impl Cutter {
             let of_own = || crate::force::kernel::element_block::place((node as usize).saturating_sub(own.start));
             self.place[node as usize].unwrap_or_else(of_own)
         };
-        for (summand, (next, end)) in summands.iter_mut().zip(self.next.iter_mut().zip(&ends)) {
-            summand.take(partition.blocks.len(), *next..*end, &place);
+        for (term, (next, end)) in terms.iter_mut().zip(self.next.iter_mut().zip(&ends)) {
+            term.assign_block(partition.blocks.len(), *next..*end, &place);
             *next = *end;
         }
         halo.iter().for_each(|&node| self.place[node as usize] = None);
@@ -253,7 +254,7 @@ impl Cutter {
         };
         let records_before = partition.records_of(0..partition.blocks.len()).end;
         let halo = begin..partition.halo.len();
-        partition.blocks.push(Plan { own, opens_node_block, halo, records_before, run, reach });
+        partition.blocks.push(BlockPlan { own, opens_node_block, halo, records_before, run, reach });
         full
     }
 }
@@ -270,34 +271,34 @@ fn begins_in(nodes: &[u32], own: &Range<usize>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::kernel::batch::Wants;
+    use crate::force::kernel::batch::BufferReads;
     use crate::force::kernel::element_block::ElementBlock;
     use crate::force::kernel::local_buffer::Records;
     use crate::model::forces::Tally;
 
     /// Elements, and what is known of each: its block and the places of its nodes.
     #[derive(Default)]
-    struct PassKind {
+    struct RecordedTerm {
         elements: Vec<Vec<u32>>,
         block: Vec<usize>,
         places: Vec<Vec<u16>>,
         blocks: usize,
     }
 
-    impl Summand for PassKind {
+    impl BlockForces for RecordedTerm {
         fn elements(&self) -> usize {
             self.elements.len()
         }
 
-        fn wants(&self, _: [bool; 2]) -> Wants {
-            Wants::default()
+        fn reads(&self, _: [bool; 2]) -> BufferReads {
+            BufferReads::default()
         }
 
         fn element(&self, number: usize) -> Option<&[u32]> {
             self.elements.get(number).map(Vec::as_slice)
         }
 
-        fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
             assert_eq!(block, self.blocks);
             assert_eq!(elements.start, self.block.len(), "one after the other");
             for nodes in &self.elements[elements] {
@@ -313,15 +314,15 @@ mod tests {
     }
 
     /// Every element has a block, and its nodes are where the block's local buffers have them.
-    fn check(partition: &Partition, told: &PassKind) {
-        assert_eq!(told.block.len(), told.elements.len());
-        assert_eq!(told.blocks, partition.blocks.len());
-        for ((nodes, &block), places) in told.elements.iter().zip(&told.block).zip(&told.places) {
+    fn check(partition: &Partition, term: &RecordedTerm) {
+        assert_eq!(term.block.len(), term.elements.len());
+        assert_eq!(term.blocks, partition.blocks.len());
+        for ((nodes, &block), places) in term.elements.iter().zip(&term.block).zip(&term.places) {
             let plan = &partition.blocks[block];
-            let window: Vec<u32> = (plan.own.start as u32..plan.own.end as u32)
+            let buffer: Vec<u32> = (plan.own.start as u32..plan.own.end as u32)
                 .chain(partition.halo[plan.halo.clone()].iter().copied())
                 .collect();
-            let found: Vec<u32> = places.iter().map(|&p| window[p as usize / RECORD]).collect();
+            let found: Vec<u32> = places.iter().map(|&p| buffer[p as usize / RECORD]).collect();
             assert_eq!(found, *nodes);
             if let Some(first) = plan.run {
                 assert!(partition.halo[plan.halo.clone()].iter().zip(first..).all(|(&node, i)| node as usize == i));
@@ -338,10 +339,10 @@ mod tests {
 
     #[test]
     fn a_chain_reaches_one_node_beyond_each_strip() {
-        let mut told = PassKind { elements: (0..99).map(|i| vec![i, i + 1]).collect(), ..PassKind::default() };
-        let mut none = PassKind::default();
-        let partition = Partition::within(limits(8, 100), 100, &mut [&mut told, &mut none]);
-        check(&partition, &told);
+        let mut term = RecordedTerm { elements: (0..99).map(|i| vec![i, i + 1]).collect(), ..RecordedTerm::default() };
+        let mut none = RecordedTerm::default();
+        let partition = Partition::within(limits(8, 100), 100, &mut [&mut term, &mut none]);
+        check(&partition, &term);
         assert_eq!((partition.blocks.len(), partition.halo.len(), none.blocks), (13, 12, 13));
         assert_eq!(
             (partition.nodes_of(1..3), partition.nodes_of(12..13), partition.blocks_of(3..5)),
@@ -362,8 +363,9 @@ mod tests {
 
     #[test]
     fn a_node_with_more_neighbours_than_a_window_has_records_takes_several_tiles() {
-        let mut star = PassKind { elements: (1..200).map(|i| vec![i, 0]).collect(), ..PassKind::default() };
-        let mut chain = PassKind { elements: (0..199).map(|i| vec![i + 1, i]).collect(), ..PassKind::default() };
+        let mut star = RecordedTerm { elements: (1..200).map(|i| vec![i, 0]).collect(), ..RecordedTerm::default() };
+        let mut chain =
+            RecordedTerm { elements: (0..199).map(|i| vec![i + 1, i]).collect(), ..RecordedTerm::default() };
         let partition = Partition::within(limits(10, 30), 200, &mut [&mut star, &mut chain]);
         check(&partition, &star);
         check(&partition, &chain);
@@ -374,8 +376,9 @@ mod tests {
     #[test]
     fn triangles_and_springs_share_their_windows() {
         let triangles = (0..50).map(|i| vec![i + 10, i, i + 1]).collect();
-        let mut triangles = PassKind { elements: triangles, ..PassKind::default() };
-        let mut springs = PassKind { elements: (0..50).map(|i| vec![i, i + 10]).collect(), ..PassKind::default() };
+        let mut triangles = RecordedTerm { elements: triangles, ..RecordedTerm::default() };
+        let mut springs =
+            RecordedTerm { elements: (0..50).map(|i| vec![i, i + 10]).collect(), ..RecordedTerm::default() };
         let partition = Partition::within(limits(16, 64), 61, &mut [&mut triangles, &mut springs]);
         check(&partition, &triangles);
         check(&partition, &springs);

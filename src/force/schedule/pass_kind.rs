@@ -2,7 +2,7 @@
 
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
-use crate::force::schedule::sweep::{Part, Term, Terms};
+use crate::force::schedule::sweep::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::model::forces::Tally;
 
@@ -78,12 +78,12 @@ impl Sums<'_> {
         sum_rows(rows(total, self.n), kept, others);
     }
 
-    fn add_term(&mut self, Term { summand, parts }: Term<'_>, block: &ElementBlock<'_>, tallies: &mut [Tally]) {
+    fn add_term(&mut self, Term { forces, parts }: Term<'_>, block: &ElementBlock<'_>, tallies: &mut [Tally]) {
         let [a, b, c] = &mut self.sums;
         let mut all = [Some(&mut **a), Some(&mut **b), Some(&mut **c)];
-        let found = summand.add(block, parts.map(|part| all.get_mut(part?.sum)?.take()));
+        let found = forces.add(block, parts.map(|part| all.get_mut(part?.sum)?.take()));
         for (part, found) in parts.into_iter().zip(found) {
-            if let Some(Part { tally, .. }) = part {
+            if let Some(PartTarget { tally, .. }) = part {
                 tallies[tally] = found;
             }
         }

@@ -4,7 +4,7 @@
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, RECORD, Records, fill, rows, store_rows};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
-use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{Sweep, Terms};
 use crate::force::schedule::threads::{LocalBuffers, SUMS, SingleBlockBuffers, Threads};
@@ -23,11 +23,11 @@ impl Sweep {
     /// [`Sweep::advance`] of several steps of such a scene.
     pub(in crate::force) fn advance_single_block<T: Terms + ?Sized>(
         &self,
-        (terms, moving): (&T, Moving<'_>),
+        (terms, moving): (&T, NodeStateMut<'_>),
         StepBoundary { block: KickDriftBlock { scheme, from }, mass, inverse_mass }: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
-        passed: &mut [StepSummary],
+        summaries: &mut [StepSummary],
     ) {
         let n = mass.len();
         let present = out.each_ref().map(|sum| !sum.is_empty());
@@ -43,15 +43,16 @@ impl Sweep {
         for (from, to) in [(&from.state.x[..], &mut *x), (&from.state.v, &mut *v), (inverse_mass, &mut *m)] {
             fill(from, rows(to, n));
         }
-        let mut net = Net { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
+        let mut net =
+            SceneInBlock { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
         // Begins the first step, which ends none: these sums belong to no step.
         net.go_on(KickDriftScheme { end: None, ..scheme }, true);
-        let steps = passed.len();
-        for (step, passed) in passed.iter_mut().enumerate() {
-            net.find(scheme, passed);
-            passed.nodes = net.go_on(scheme, step + 1 < steps);
+        let steps = summaries.len();
+        for (step, summary) in summaries.iter_mut().enumerate() {
+            net.find(scheme, summary);
+            summary.nodes = net.go_on(scheme, step + 1 < steps);
         }
-        let Net { x, v, sums, .. } = net;
+        let SceneInBlock { x, v, sums, .. } = net;
         for (from, to) in [(x, cast_slice_mut(moving.x)), (v, cast_slice_mut(moving.v))] {
             store_rows(rows(from, n), to);
         }
@@ -62,7 +63,7 @@ impl Sweep {
 }
 
 /// A scene in its local buffers.
-struct Net<'a, T: ?Sized> {
+struct SceneInBlock<'a, T: ?Sized> {
     terms: &'a T,
     /// [kg] one a node
     mass: &'a [f64],
@@ -86,13 +87,13 @@ struct Net<'a, T: ?Sized> {
     begun: Work,
 }
 
-impl<T: Terms + ?Sized> Net<'_, T> {
+impl<T: Terms + ?Sized> SceneInBlock<'_, T> {
     /// The forces where a step ends; with corrected velocities, if it predicts.
-    fn find(&mut self, scheme: KickDriftScheme, passed: &mut StepSummary) {
-        passed.tallies.resize(self.terms.tallies(), Tally::default());
+    fn find(&mut self, scheme: KickDriftScheme, summary: &mut StepSummary) {
+        summary.tallies.resize(self.terms.tallies(), Tally::default());
         let n = self.mass.len();
         if scheme.predicts {
-            self.add(PassKind::TotalOnly, passed);
+            self.add(PassKind::TotalOnly, summary);
             let numbers = RECORD * n;
             scheme.correct(
                 &mut self.v[..numbers],
@@ -101,24 +102,24 @@ impl<T: Terms + ?Sized> Net<'_, T> {
                 &self.sums[0][..numbers],
             );
             if self.terms.is_position_only() {
-                self.add(PassKind::ReusePosition, passed);
+                self.add(PassKind::ReusePosition, summary);
             } else {
                 rows(self.sums[0], n).fill(PaddedVec3::default());
-                self.add(PassKind::Full, passed);
+                self.add(PassKind::Full, summary);
             }
         } else {
-            self.add(PassKind::Full, passed);
+            self.add(PassKind::Full, summary);
         }
-        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
-        passed.largest_stretch = self.terms.largest_stretch(&block, passed.stretch_wanted);
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v };
+        summary.largest_stretch = self.terms.largest_stretch(&block, summary.stretch_wanted);
     }
 
-    fn add(&mut self, kind: PassKind, passed: &mut StepSummary) {
+    fn add(&mut self, kind: PassKind, summary: &mut StepSummary) {
         let n = self.mass.len();
-        let block = ElementBlock { number: 0, own: 0..n, t: passed.t, x: self.x, v: self.v };
+        let block = ElementBlock { number: 0, own: 0..n, t: summary.t, x: self.x, v: self.v };
         let sums = self.sums.each_mut().map(|sum| &mut **sum);
         let mut sums = Sums { n, sums, present: self.present, kept: rows(self.kept, n) };
-        sums.add(self.terms, kind, &block, &mut passed.tallies);
+        sums.add(self.terms, kind, &block, &mut summary.tallies);
     }
 
     /// Ends a step and begins another.

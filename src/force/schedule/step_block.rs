@@ -14,7 +14,7 @@ use crate::force::NodeState;
 use crate::force::schedule::partition::{Halo, Partition};
 use crate::force::schedule::pass_kind::PassKind;
 use crate::force::schedule::step_boundary::StepBoundary;
-use crate::force::schedule::sweep::{Job, Sweep, Terms, wants};
+use crate::force::schedule::sweep::{PassSpec, Sweep, Terms, reads};
 use crate::force::schedule::threads::{SUMS, Threads};
 use crate::force::schedule::tuning::{LEVELS, ROUND, SEAMS_SIDE_BY_SIDE};
 use crate::force::schedule::wavefront::Wavefront;
@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Where a pass is to find nodes.
-pub struct Moving<'a> {
+pub struct NodeStateMut<'a> {
     /// [s]
     pub t: f64,
     /// number of the first node
@@ -38,24 +38,24 @@ pub struct Moving<'a> {
     pub v: &'a mut [f64],
 }
 
-impl Moving<'_> {
+impl NodeStateMut<'_> {
     /// Of the nodes that are here.
     fn state(&self) -> NodeState<'_> {
         NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
     }
 
     /// Some of the nodes.
-    fn within(&mut self, nodes: Range<usize>) -> Moving<'_> {
+    fn within(&mut self, nodes: Range<usize>) -> NodeStateMut<'_> {
         let dofs = 3 * (nodes.start - self.first)..3 * (nodes.end - self.first);
         let (x, v) = (&mut self.x[dofs.clone()], &mut self.v[dofs]);
-        Moving { t: self.t, first: nodes.start, x, v }
+        NodeStateMut { t: self.t, first: nodes.start, x, v }
     }
 
     /// The nodes before one, and the others.
     fn split(self, at: usize) -> [Self; 2] {
-        let Moving { t, first, x, v } = self;
+        let NodeStateMut { t, first, x, v } = self;
         let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
-        [Moving { t, first, x, v }, Moving { t, first: at, x: x_after, v: v_after }]
+        [NodeStateMut { t, first, x, v }, NodeStateMut { t, first: at, x: x_after, v: v_after }]
     }
 }
 
@@ -64,12 +64,12 @@ struct Steps<'a, T: ?Sized> {
     terms: &'a T,
     boundary: StepBoundary<'a>,
     /// empty for a single step of which no summary is made
-    passed: &'a [StepSummary],
+    summaries: &'a [StepSummary],
     threads: &'a Threads,
 }
 
 /// What is done at a level.
-struct Doing {
+struct LevelPass {
     kind: PassKind,
     /// [s]
     t: f64,
@@ -78,21 +78,21 @@ struct Doing {
 }
 
 impl<T: Terms + ?Sized> Steps<'_, T> {
-    fn at(&self, level: usize, t_end: f64) -> Doing {
+    fn at(&self, level: usize, t_end: f64) -> LevelPass {
         let scheme = self.boundary.block.scheme;
         let (t, wanted) =
-            self.passed.get(level / scheme.passes()).map_or((t_end, false), |step| (step.t, step.stretch_wanted));
+            self.summaries.get(level / scheme.passes()).map_or((t_end, false), |step| (step.t, step.stretch_wanted));
         match level % scheme.passes() {
-            0 if scheme.predicts => Doing { kind: PassKind::TotalOnly, t, stretch: wanted },
-            0 => Doing { kind: PassKind::Full, t, stretch: wanted },
-            _ if self.terms.is_position_only() => Doing { kind: PassKind::ReusePosition, t, stretch: false },
-            _ => Doing { kind: PassKind::Full, t, stretch: false },
+            0 if scheme.predicts => LevelPass { kind: PassKind::TotalOnly, t, stretch: wanted },
+            0 => LevelPass { kind: PassKind::Full, t, stretch: wanted },
+            _ if self.terms.is_position_only() => LevelPass { kind: PassKind::ReusePosition, t, stretch: false },
+            _ => LevelPass { kind: PassKind::Full, t, stretch: false },
         }
     }
 }
 
 /// Node blocks whose nodes are complete in a level.
-struct Completed<'a> {
+struct CompletedBlocks<'a> {
     level: usize,
     kind: PassKind,
     /// what gives something to these nodes
@@ -101,22 +101,22 @@ struct Completed<'a> {
 }
 
 /// Some node blocks, and the state of their nodes.
-struct Span<'a> {
+struct BlockSpan<'a> {
     part: WorkspaceView<'a>,
-    moving: Moving<'a>,
+    moving: NodeStateMut<'a>,
 }
 
-impl Span<'_> {
-    fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> Span<'_> {
+impl BlockSpan<'_> {
+    fn within(&mut self, partition: &Partition, node_blocks: Range<usize>) -> BlockSpan<'_> {
         let moving = self.moving.within(partition.nodes_of(node_blocks.clone()));
-        Span { part: self.part.within(partition, node_blocks), moving }
+        BlockSpan { part: self.part.within(partition, node_blocks), moving }
     }
 
     /// The node blocks before one, and the others.
     fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
         let [before, after] = self.moving.split(partition.nodes_of(at..at).start);
         let [part, others] = self.part.split(partition, at);
-        [Span { part, moving: before }, Span { part: others, moving: after }]
+        [BlockSpan { part, moving: before }, BlockSpan { part: others, moving: after }]
     }
 }
 
@@ -126,46 +126,46 @@ impl Sweep {
         if self.is_single_block() { LONGEST } else { LEVELS / passes }
     }
 
-    /// Makes as many steps as there are entries of `passed`, or a single one of which no summary is made. Sums, state,
-    /// tallies and summaries have the bits of steps made one by one.
+    /// Makes as many steps as there are entries of `summaries`, or a single one of which no summary is made. Sums,
+    /// state, tallies and summaries have the bits of steps made one by one.
     pub fn advance<T: Terms + ?Sized>(
         &self,
-        (terms, moving): (&T, Moving<'_>),
+        (terms, moving): (&T, NodeStateMut<'_>),
         boundary: StepBoundary<'_>,
         threads: &Threads,
         out: [&mut [Vector3<f64>]; SUMS],
-        (tallies, passed): (&mut [Tally], &mut [StepSummary]),
+        (tallies, summaries): (&mut [Tally], &mut [StepSummary]),
     ) {
-        if self.is_single_block() && passed.len() > 1 {
-            self.advance_single_block((terms, moving), boundary, threads, out, passed);
+        if self.is_single_block() && summaries.len() > 1 {
+            self.advance_single_block((terms, moving), boundary, threads, out, summaries);
         } else {
             let scheme = boundary.block.scheme;
-            let works = !passed.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
-            let (several, is_position_only) = (passed.len() > 1, terms.is_position_only());
+            let works = !summaries.is_empty() && out[1..].iter().any(|sum| !sum.is_empty());
+            let (several, is_position_only) = (summaries.len() > 1, terms.is_position_only());
             let needs = WorkspaceSize {
                 terms: terms.tallies(),
-                levels: scheme.passes() * passed.len().max(1),
+                levels: scheme.passes() * summaries.len().max(1),
                 threads: if several { threads.count() } else { 1 },
                 keeps: scheme.predicts && is_position_only,
                 aside: [works, scheme.predicts && several],
             };
             let mut workspace = self.workspace(needs, &out);
-            self.steps((Steps { terms, boundary, passed, threads }, moving), out, &mut workspace);
+            self.steps((Steps { terms, boundary, summaries, threads }, moving), out, &mut workspace);
             // Terms of the first sum are gone over once a step if they depend on position only, and then tell their
             // energies.
-            let told_at = if is_position_only { 0 } else { scheme.passes() - 1 };
-            for (step, passed) in passed.iter_mut().enumerate() {
+            let tallies_at = if is_position_only { 0 } else { scheme.passes() - 1 };
+            for (step, summary) in summaries.iter_mut().enumerate() {
                 let first = scheme.passes() * step;
-                passed.tallies.resize(terms.tallies(), Tally::default());
-                workspace.add_up(first + told_at, &mut passed.tallies);
-                passed.largest_stretch = workspace.largest_stretch(first);
-                passed.nodes = workspace.node_sums(first + scheme.passes() - 1);
+                summary.tallies.resize(terms.tallies(), Tally::default());
+                workspace.add_up(first + tallies_at, &mut summary.tallies);
+                summary.largest_stretch = workspace.largest_stretch(first);
+                summary.nodes = workspace.node_sums(first + scheme.passes() - 1);
             }
-            if passed.is_empty() {
-                workspace.add_up(told_at, tallies);
+            if summaries.is_empty() {
+                workspace.add_up(tallies_at, tallies);
             }
         }
-        if let Some(last) = passed.last() {
+        if let Some(last) = summaries.last() {
             tallies.copy_from_slice(&last.tallies);
         }
     }
@@ -173,13 +173,13 @@ impl Sweep {
     /// A step for every level of `room`.
     fn steps<T: Terms + ?Sized>(
         &self,
-        (steps, moving): (Steps<'_, T>, Moving<'_>),
+        (steps, moving): (Steps<'_, T>, NodeStateMut<'_>),
         out: [&mut [Vector3<f64>]; SUMS],
         workspace: &mut Workspace,
     ) {
         let partition = &self.partition;
         let (part, wavefronts) = workspace.parts(partition, out);
-        let mut span = Span { part, moving };
+        let mut span = BlockSpan { part, moving };
         let pool = steps.threads.workers().pool().filter(|_| partition.node_blocks().len() > 1);
         let [parts, others] = wavefronts.all();
         let Some(pool) = pool else { return self.side_by_side(&steps, others, span) };
@@ -197,7 +197,7 @@ impl Sweep {
     }
 
     /// Every wavefront by one thread, or all by the only one.
-    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: Span<'_>) {
+    fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: BlockSpan<'_>) {
         match wavefronts {
             [] => {}
             [wavefront] => self.rounds(steps, (wavefront, 1), span, &ALONE),
@@ -214,7 +214,7 @@ impl Sweep {
         &self,
         steps: &Steps<'_, T>,
         (wavefront, node_blocks): (&mut Wavefront, usize),
-        mut span: Span<'_>,
+        mut span: BlockSpan<'_>,
         workers: &Workers,
     ) {
         let partition = &self.partition;
@@ -224,10 +224,10 @@ impl Sweep {
             if !moved.is_empty() {
                 steps.boundary.begin(span.moving.within(moved), workers);
             }
-            let Doing { kind, t, stretch } = steps.at(level, span.moving.t);
-            let job = Job {
+            let LevelPass { kind, t, stretch } = steps.at(level, span.moving.t);
+            let job = PassSpec {
                 terms: steps.terms,
-                wants: wants(steps.terms, kind),
+                reads: reads(steps.terms, kind),
                 stretch,
                 kind,
                 // Energies of reused forces are counted already.
@@ -243,7 +243,7 @@ impl Sweep {
             let first = partition.halo_of(partition.blocks_of(span.part.node_blocks.clone())).start;
             let halo = std::mem::take(&mut span.part.halo);
             let sums = halo.each_ref().map(|sums| Halo { first, sums });
-            let completed = Completed { level, kind, blocks, halo: sums };
+            let completed = CompletedBlocks { level, kind, blocks, halo: sums };
             self.complete(steps, &completed, span.within(partition, ahead.completed), workers);
             span.part.halo = halo;
         }
@@ -253,8 +253,8 @@ impl Sweep {
     fn complete<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        completed: &Completed<'_>,
-        mut span: Span<'_>,
+        completed: &CompletedBlocks<'_>,
+        mut span: BlockSpan<'_>,
         workers: &Workers,
     ) {
         let node_blocks = span.part.node_blocks.clone();
@@ -281,8 +281,8 @@ impl Sweep {
     fn complete_node_block<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
-        Completed { level, kind, blocks, halo }: &Completed<'_>,
-        Span { mut part, moving }: Span<'_>,
+        CompletedBlocks { level, kind, blocks, halo }: &CompletedBlocks<'_>,
+        BlockSpan { mut part, moving }: BlockSpan<'_>,
     ) {
         let nodes = self.partition.nodes_of(part.node_blocks.clone());
         for (out, halo) in part.out.iter_mut().zip(halo).take(kind.sums()) {
@@ -290,7 +290,7 @@ impl Sweep {
                 self.partition.add_halo(blocks.clone(), *halo, (nodes.start, out));
             }
         }
-        let (boundary, summarized) = (&steps.boundary, !steps.passed.is_empty());
+        let (boundary, summarized) = (&steps.boundary, !steps.summaries.is_empty());
         match (*kind, *level) {
             (PassKind::TotalOnly, 0) => boundary.kick_again(&part, moving),
             (PassKind::TotalOnly, _) => boundary.correct(&part, moving),

@@ -3,7 +3,7 @@
 //! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of
 //! the next, when that begins.
 
-use crate::force::schedule::step_block::Moving;
+use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::workspace::WorkspaceView;
 use crate::model::forces::Forces;
 use crate::model::point::Point;
@@ -27,19 +27,23 @@ pub struct StepBoundary<'a> {
 
 impl StepBoundary<'_> {
     /// Moves nodes to where the first force pass finds them.
-    pub(in crate::force) fn begin(&self, Moving { first, x, v, .. }: Moving<'_>, workers: &Workers) {
+    pub(in crate::force) fn begin(&self, NodeStateMut { first, x, v, .. }: NodeStateMut<'_>, workers: &Workers) {
         let scheme = self.block.scheme;
         workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
     }
 
     /// The kick after the first force pass.
-    pub(in crate::force) fn kick_again(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn kick_again(
+        &self,
+        part: &WorkspaceView<'_>,
+        NodeStateMut { first, v, .. }: NodeStateMut<'_>,
+    ) {
         let start = self.start(3 * first..3 * first + v.len());
         self.block.scheme.kick_again(start, v, cast_slice(part.out[0]));
     }
 
     /// The same after the first force pass of a later step, whose kicked velocities are kept.
-    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, Moving { first, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn correct(&self, part: &WorkspaceView<'_>, NodeStateMut { first, v, .. }: NodeStateMut<'_>) {
         let inverse_mass = &self.inverse_mass[3 * first..3 * first + v.len()];
         self.block.scheme.correct(v, cast_slice(part.aside[1]), inverse_mass, cast_slice(part.out[0]));
     }
@@ -49,7 +53,12 @@ impl StepBoundary<'_> {
     }
 
     /// Ends a step in a node block, and begins the next.
-    pub(in crate::force) fn end(&self, level: usize, part: WorkspaceView<'_>, Moving { first, x, v, .. }: Moving<'_>) {
+    pub(in crate::force) fn end(
+        &self,
+        level: usize,
+        part: WorkspaceView<'_>,
+        NodeStateMut { first, x, v, .. }: NodeStateMut<'_>,
+    ) {
         let KickDriftBlock { scheme, from } = self.block;
         let WorkspaceView { out: [total, out @ ..], nodes: sums, aside: [before, kicked], levels, .. } = part;
         let (dofs, passes) = (3 * first..3 * first + x.len(), scheme.passes());

@@ -6,11 +6,11 @@
 //! are energies and powers. So no sum depends on which thread did which node block.
 
 use crate::force::NodeState;
-use crate::force::kernel::batch::{PARTS, Summand, Wants};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
-use crate::force::schedule::partition::{Halo, Partition, Plan};
+use crate::force::schedule::partition::{BlockPlan, Halo, Partition};
 use crate::force::schedule::pass_kind::{PassKind, Sums};
 use crate::force::schedule::threads::{LocalBuffers, SUMS, Threads};
 use crate::force::schedule::workspace::{Workspace, WorkspaceSize, WorkspaceView};
@@ -24,14 +24,14 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub struct Term<'a> {
     /// the term
-    pub summand: &'a dyn Summand,
+    pub forces: &'a dyn BlockForces,
     /// where its parts go, to a sum each; `None` = the part is left out
-    pub parts: [Option<Part>; PARTS],
+    pub parts: [Option<PartTarget>; PARTS],
 }
 
 /// Where a part of a force term goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct PartTarget {
     /// the sum of its forces: 0, 1 or 2
     pub sum: usize,
     /// place of its energy and power
@@ -58,7 +58,7 @@ pub trait Terms: Sync {
     /// [-] Largest l^2/l0^2 of all springs of a block, if it is wanted; else and without springs -inf.
     fn largest_stretch(&self, block: &ElementBlock<'_>, wanted: bool) -> f64 {
         let terms = if wanted { 0..self.count() } else { 0..0 };
-        terms.map(|i| self.term(i).summand.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
+        terms.map(|i| self.term(i).forces.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -72,9 +72,9 @@ pub struct Sweep {
 }
 
 /// What a pass reads, and with which threads.
-pub(in crate::force) struct Job<'a, T: ?Sized> {
+pub(in crate::force) struct PassSpec<'a, T: ?Sized> {
     pub terms: &'a T,
-    pub wants: Wants,
+    pub reads: BufferReads,
     /// whether the largest stretch is looked for
     pub stretch: bool,
     pub kind: PassKind,
@@ -91,9 +91,9 @@ pub(in crate::force) struct Job<'a, T: ?Sized> {
 }
 
 impl Sweep {
-    /// Cuts `nodes` nodes into blocks and assigns every summand its elements.
-    pub fn new(nodes: usize, summands: &mut [&mut dyn Summand]) -> Self {
-        Sweep::of(Partition::new(nodes, summands))
+    /// Cuts `nodes` nodes into blocks and assigns to every term its elements.
+    pub fn new(nodes: usize, forces: &mut [&mut dyn BlockForces]) -> Self {
+        Sweep::of(Partition::new(nodes, forces))
     }
 
     pub(in crate::force) fn of(partition: Partition) -> Self {
@@ -114,8 +114,8 @@ impl Sweep {
         let mut workspace = self.workspace(WorkspaceSize::of_a_pass(terms.tallies()), &out);
         let (partition, workers) = (&self.partition, threads.workers());
         let (kind, level, first, stretch) = (PassKind::Full, 0, 0, false);
-        let wants = wants(terms, kind);
-        let job = Job { terms, wants, stretch, kind, level, at, first, threads, workers, partition };
+        let reads = reads(terms, kind);
+        let job = PassSpec { terms, reads, stretch, kind, level, at, first, threads, workers, partition };
         let (mut all, _) = workspace.parts(partition, out);
         job.run(all.within(partition, partition.node_blocks()));
         for (out, sums) in all.out.into_iter().zip(all.halo).filter(|(out, _)| !out.is_empty()) {
@@ -154,16 +154,16 @@ impl Sweep {
     }
 }
 
-/// What any of the terms wants that a pass goes over.
-pub(in crate::force) fn wants<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> Wants {
-    let wants = (0..terms.count()).map(|i| terms.term(i)).filter_map(|Term { summand, parts }| {
+/// What any of the terms reads that a pass goes over.
+pub(in crate::force) fn reads<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> BufferReads {
+    let reads = (0..terms.count()).map(|i| terms.term(i)).filter_map(|Term { forces, parts }| {
         let parts = parts.map(|part| part.is_some_and(|part| kind.goes_over(part.sum)));
-        parts.contains(&true).then(|| summand.wants(parts))
+        parts.contains(&true).then(|| forces.reads(parts))
     });
-    wants.fold(Wants::default(), Wants::or)
+    reads.fold(BufferReads::default(), BufferReads::or)
 }
 
-impl<T: Terms + ?Sized> Job<'_, T> {
+impl<T: Terms + ?Sized> PassSpec<'_, T> {
     /// Fills the places of some node blocks.
     pub(in crate::force) fn run(&self, part: WorkspaceView<'_>) {
         match self.workers.pool().filter(|_| part.node_blocks.len() > 1) {
@@ -237,10 +237,10 @@ impl<T: Terms + ?Sized> Job<'_, T> {
         let plan = &self.partition.blocks()[number];
         let LocalBuffers { x, v, sums, .. } = local_buffers;
         let (x, v) = (x.records(), v.records());
-        if self.wants.x {
+        if self.reads.x {
             self.load(plan, self.at.x, x);
         }
-        if self.wants.v {
+        if self.reads.v {
             self.load(plan, self.at.v, v);
         }
         let sums = sums.each_mut().map(LocalBuffer::records);
@@ -256,7 +256,7 @@ impl<T: Terms + ?Sized> Job<'_, T> {
     }
 
     /// Copies a nodal vector into a block's local buffer.
-    fn load(&self, plan: &Plan, from: &[Vector3<f64>], to: &mut Records) {
+    fn load(&self, plan: &BlockPlan, from: &[Vector3<f64>], to: &mut Records) {
         let first = self.first;
         let (own, others) = rows(to, plan.records()).split_at_mut(plan.own.len());
         copy_rows(&from[plan.own.start - first..plan.own.end - first], own);

@@ -41,7 +41,7 @@ pub(in crate::force) struct Wavefront {
 }
 
 /// Some node blocks that come next in a level of a wavefront.
-pub(in crate::force) struct Ahead {
+pub(in crate::force) struct NextBlocks {
     pub level: usize,
     pub node_blocks: Range<usize>,
     /// node blocks whose nodes are complete after these
@@ -90,7 +90,7 @@ impl Wavefront {
     }
 
     /// Of the levels that can go on the highest, so that it finds its nodes in cache, and its next node blocks.
-    pub fn ahead(&self, partition: &Partition, node_blocks: usize) -> Option<Ahead> {
+    pub fn ahead(&self, partition: &Partition, node_blocks: usize) -> Option<NextBlocks> {
         (0..self.levels.len()).rev().find_map(|number| {
             let Level { node_blocks: left, open, .. } = &self.levels[number];
             let node_blocks = left.start..(left.start + node_blocks).min(left.end);
@@ -98,19 +98,24 @@ impl Wavefront {
             let can_go_on = number == 0 || reach <= self.levels[number - 1].complete;
             let completed =
                 open.start..if node_blocks.end == left.end { open.end } else { node_blocks.end.max(open.start) };
-            (!node_blocks.is_empty() && can_go_on).then_some(Ahead { level: number, node_blocks, completed, reach })
+            (!node_blocks.is_empty() && can_go_on).then_some(NextBlocks {
+                level: number,
+                node_blocks,
+                completed,
+                reach,
+            })
         })
     }
 
     /// The nodes that are to be moved before some node blocks are gone over; takes note of them.
-    pub fn move_for(&mut self, ahead: &Ahead) -> Range<usize> {
+    pub fn move_for(&mut self, ahead: &NextBlocks) -> Range<usize> {
         let Range { start, end } = self.unmoved;
         self.unmoved.start = if ahead.level > 0 { start } else { ahead.reach.clamp(start, end) };
         start..self.unmoved.start
     }
 
     /// Takes note of what was done; returns the blocks that give something to the nodes that are now complete.
-    pub fn advance(&mut self, partition: &Partition, ahead: &Ahead) -> Range<usize> {
+    pub fn advance(&mut self, partition: &Partition, ahead: &NextBlocks) -> Range<usize> {
         let level = &mut self.levels[ahead.level];
         let first = partition.nodes_of(ahead.completed.clone()).start;
         let end = partition.blocks_of(0..ahead.completed.end).end;

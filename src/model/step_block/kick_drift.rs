@@ -15,7 +15,7 @@
 use super::work::{Sums, along};
 use super::{NodeSums, Work};
 use crate::model::bounds::Bounds;
-use crate::model::motion::{BLOCK, Sum};
+use crate::model::motion::{BLOCK, MotionSum};
 use crate::model::point::Point;
 use crate::model::quad::{self, Quad, Real, VectorUnit};
 use multiversion::multiversion;
@@ -269,7 +269,7 @@ pub(super) fn begun<const W: usize>(nodes: &[f64]) -> Group<W> {
 struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
     /// k, h and l
     sizes: [U::Quad; 3],
-    motion: Sum<U::Quad>,
+    motion: MotionSum<U::Quad>,
     low: [U::Quad; W],
     high: [U::Quad; W],
     /// 0, if all is finite
@@ -285,7 +285,7 @@ impl<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const 
     fn new(unit: U, KickDriftScheme { begin, drift, end, .. }: KickDriftScheme) -> Self {
         Totals {
             sizes: [unit.splat(begin), unit.splat(drift), unit.splat(end.unwrap_or_default())],
-            motion: Sum::new(unit),
+            motion: MotionSum::new(unit),
             low: [unit.splat(f64::INFINITY); W],
             high: [unit.splat(f64::NEG_INFINITY); W],
             nothing: unit.splat(0.0),

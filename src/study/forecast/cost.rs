@@ -221,7 +221,7 @@ fn factorization(solver: &mut dyn LinearSolver, assembler: &Assembler, kept: boo
 /// [s] A solve, and its iterations of conjugate gradients.
 fn solve(solver: &mut dyn LinearSolver, assembler: &Assembler) -> (f64, u64) {
     let mut b = vec![1.0; assembler.pattern.n()];
-    solver.ask(Accuracy::of_reused());
+    solver.set_accuracy(Accuracy::of_reused());
     let (mut solves, before) = (0, solver.work().iterations);
     let seconds = median_seconds(BUDGET, || {
         b.fill(1.0);

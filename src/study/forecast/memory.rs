@@ -2,7 +2,7 @@
 
 use super::cost::TangentCost;
 use super::output::OutputCost;
-use crate::analysis::critical::Effort;
+use crate::analysis::critical::CostLimits;
 use crate::analysis::modes::search_numbers;
 use crate::integrate::registry::Family;
 use crate::process;
@@ -107,7 +107,7 @@ impl MemorySpec<'_> {
             return 0;
         }
         let n = self.scene.n_dof();
-        let factor = self.tangent.and_then(|t| t.factor_nonzeros).filter(|_| n <= Effort::START.factorise);
+        let factor = self.tangent.and_then(|t| t.factor_nonzeros).filter(|_| n <= CostLimits::START.factorise);
         let kept = search_numbers(n, self.scene.velocity_dependent()) as u64;
         8 * (SEARCH * n as u64 + kept) + 12 * factor.unwrap_or(0) as u64
     }

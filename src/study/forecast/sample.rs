@@ -194,7 +194,7 @@ fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Re
     scene.evaluate(at.state.as_ref(), &mut at.forces);
     stepper.start(&at).map_err(RunError::from)?;
     let (ledger, row) = Ledger::open(scene, &at);
-    let watch = Watch::open(scene, run.method.info, &row).account().silent();
+    let watch = Watch::open(scene, run.method.info, &row).account().without_warning();
     let State { x, v, .. } = at.state;
     let adaptive = from.adaptive.clone().filter(|_| run.step.fixed().is_none());
     Ok(Snapshot { step, t, x, v, carried: stepper.save(), ledger, row, watch, adaptive, ..Snapshot::default() })

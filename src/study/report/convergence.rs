@@ -1,11 +1,11 @@
 //! Error against step: which order a method shows, and where it stops being stable.
 
-use super::figure::{Span, nothing, rows, strip, title};
+use super::figure::{Span, margin_panel, nothing, rows, title};
 use super::style::{BLACK, Style, entry};
 use crate::format_number::figures;
-use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, Scale, Side, Stroke};
+use crate::plot::chart::{Align, Axis, Chart, Line, Marker, Note, PanelSide, Scale, Stroke};
 use crate::study::plan::Variant;
-use crate::study::row::{Pace, Row};
+use crate::study::row::{Row, StepSetting};
 use crate::study::runner::Study;
 
 /// Slopes drawn as a guide.
@@ -22,9 +22,9 @@ pub(super) fn has_runs(study: &Study) -> bool {
 }
 
 fn step(row: &Row) -> Option<f64> {
-    match row.job.pace {
-        Pace::Step(h) => Some(h),
-        Pace::Tolerance(_) => None,
+    match row.job.setting {
+        StepSetting::Step(h) => Some(h),
+        StepSetting::Tolerance(_) => None,
     }
 }
 
@@ -50,7 +50,7 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
         let mut points: Vec<(f64, f64)> = own.filter_map(place).map(|(h, error)| (h, y.held(error))).collect();
         points.sort_by(|a, b| b.0.total_cmp(&a.0));
         if !points.is_empty() {
-            lines.push(style.line(Pace::Step(0.0), points));
+            lines.push(style.line(StepSetting::Step(0.0), points));
         }
     }
     if y.has(bound) {
@@ -71,7 +71,7 @@ pub(super) fn chart(study: &Study, styles: &[Style], number: usize) -> Chart {
         y: Axis { label: "error, relative to the motion [-]".to_owned(), scale: Scale::Log, range: Some(y.ends()) },
         lines,
         notes,
-        strip: strip(study, styles, number, Side::Top, |row| {
+        margin_panel: margin_panel(study, styles, number, PanelSide::Top, |row| {
             let h = step(row)?;
             place(row).is_none().then_some(Some(h))
         }),

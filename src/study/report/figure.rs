@@ -4,12 +4,12 @@ use super::style::{BLACK, Style, entry, failure, legend, styles};
 use super::{convergence, stiffness};
 use crate::format_number::figures;
 use crate::plot::chart::{
-    Align, Axis, Chart, Line, Marker, Note, Scale, Side, Size, Strip, StripMark, Stroke, svg_grid,
+    Align, Axis, Chart, Line, MarginPanel, Marker, Note, PanelMark, PanelSide, Scale, Size, Stroke, svg_grid,
 };
 use crate::study::error::StudyError;
 use crate::study::plan::Variant;
 use crate::study::recommendations::Recommendations;
-use crate::study::row::{Pace, Row};
+use crate::study::row::{Row, StepSetting};
 use crate::study::runner::Study;
 
 /// A figure of the report.
@@ -109,14 +109,14 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
     let at = |(error, cost): (f64, f64)| (x.held(error), y.held(cost));
     let mut lines = Vec::new();
     for style in styles {
-        for pace in [Pace::Step(0.0), Pace::Tolerance(0.0)] {
+        for setting in [StepSetting::Step(0.0), StepSetting::Tolerance(0.0)] {
             let mut runs: Vec<(f64, (f64, f64))> = rows(study, number)
                 .filter(|row| row.job.method == style.method)
-                .filter_map(|row| Some((same_kind(row.job.pace, pace)?, at(place(row)?))))
+                .filter_map(|row| Some((same_kind(row.job.setting, setting)?, at(place(row)?))))
                 .collect();
             runs.sort_by(|a, b| b.0.total_cmp(&a.0));
             if !runs.is_empty() {
-                lines.push(style.line(pace, runs.into_iter().map(|run| run.1).collect()));
+                lines.push(style.line(setting, runs.into_iter().map(|run| run.1).collect()));
             }
         }
     }
@@ -134,16 +134,18 @@ fn work_precision(study: &Study, styles: &[Style], number: usize, cost: &Cost) -
         y: Axis { label: cost.label.to_owned(), scale: Scale::Log, range: Some(y.ends()) },
         lines,
         notes,
-        strip: strip(study, styles, number, Side::Right, |row| place(row).is_none().then(|| (cost.of)(row))),
+        margin_panel: margin_panel(study, styles, number, PanelSide::Right, |row| {
+            place(row).is_none().then(|| (cost.of)(row))
+        }),
         ..Chart::default()
     }
 }
 
 /// The step or tolerance of a run if it is of the same kind as another one's.
-pub(super) fn same_kind(pace: Pace, kind: Pace) -> Option<f64> {
-    match (pace, kind) {
-        (Pace::Step(h), Pace::Step(_)) => Some(h),
-        (Pace::Tolerance(t), Pace::Tolerance(_)) => Some(t),
+pub(super) fn same_kind(setting: StepSetting, kind: StepSetting) -> Option<f64> {
+    match (setting, kind) {
+        (StepSetting::Step(h), StepSetting::Step(_)) => Some(h),
+        (StepSetting::Tolerance(t), StepSetting::Tolerance(_)) => Some(t),
         _ => None,
     }
 }
@@ -179,20 +181,20 @@ fn reference(error: f64, [x, y]: [Span; 2], notes: &mut Vec<Note>) -> Option<Lin
 }
 
 /// All runs of a variant that have no place in its chart; `at` says so, and which place they have along the strip.
-pub(super) fn strip(
+pub(super) fn margin_panel(
     study: &Study,
     styles: &[Style],
     number: usize,
-    side: Side,
+    side: PanelSide,
     at: impl Fn(&Row) -> Option<Option<f64>>,
-) -> Option<Strip> {
+) -> Option<MarginPanel> {
     let mark = |row: &Row| {
         let color = styles.iter().find(|s| s.method == row.job.method).map_or(BLACK, |s| s.color);
         let marker = failure(row.measured.status).unwrap_or(Marker::Cross);
-        Some(StripMark { at: at(row)?.filter(|at| *at > 0.0), marker, color })
+        Some(PanelMark { at: at(row)?.filter(|at| *at > 0.0), marker, color })
     };
-    let marks: Vec<StripMark> = rows(study, number).filter_map(mark).collect();
-    (!marks.is_empty()).then(|| Strip { side, label: "no result".to_owned(), marks })
+    let marks: Vec<PanelMark> = rows(study, number).filter_map(mark).collect();
+    (!marks.is_empty()).then(|| MarginPanel { side, label: "no result".to_owned(), marks })
 }
 
 /// The case's name, the variant's factor, and what is shown.

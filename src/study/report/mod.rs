@@ -19,7 +19,7 @@ pub use machine::{Machine, Rerun};
 use super::error::StudyError;
 use super::plan::{PROGRAM, Plan};
 use super::recommendations::{Recommendations, unfinished};
-use super::row::{Pace, Row};
+use super::row::{Row, StepSetting};
 use super::runner::Study;
 use super::store::{Store, remove, write_files};
 use super::template::render;
@@ -92,9 +92,9 @@ fn html(
 fn sorted(rows: &[Row]) -> Vec<&Row> {
     let key = |row: &Row| {
         let method = rows.iter().position(|other| other.job.method == row.job.method);
-        let (adaptive, size) = match row.job.pace {
-            Pace::Step(h) => (false, h),
-            Pace::Tolerance(tolerance) => (true, tolerance),
+        let (adaptive, size) = match row.job.setting {
+            StepSetting::Step(h) => (false, h),
+            StepSetting::Tolerance(tolerance) => (true, tolerance),
         };
         ((row.job.variant, method, adaptive), size)
     };

@@ -7,7 +7,7 @@
 use crate::case::schema::Method;
 use crate::integrate::registry::Family;
 use crate::plot::chart::{Line, Marker, Stroke};
-use crate::study::row::{Pace, RowStatus, label};
+use crate::study::row::{RowStatus, StepSetting, label};
 use crate::study::runner::Study;
 
 /// Colours of the palette that methods take in turn; the last one, black, is left for what is no method.
@@ -35,10 +35,10 @@ impl Style {
     }
 
     /// A line of it, without a name.
-    pub(super) fn line(&self, pace: Pace, points: Vec<(f64, f64)>) -> Line {
-        let (stroke, marker) = match pace {
-            Pace::Step(_) => (Stroke::Normal, self.markers[0]),
-            Pace::Tolerance(_) => (Stroke::Dashed, self.markers[1]),
+    pub(super) fn line(&self, setting: StepSetting, points: Vec<(f64, f64)>) -> Line {
+        let (stroke, marker) = match setting {
+            StepSetting::Step(_) => (Stroke::Normal, self.markers[0]),
+            StepSetting::Tolerance(_) => (Stroke::Dashed, self.markers[1]),
         };
         Line { points, stroke, marker, color: Some(self.color), ..Line::default() }
     }
@@ -97,17 +97,17 @@ pub(super) fn legend(study: &Study, styles: &[Style]) -> Vec<Line> {
         }
         for style in members {
             let runs = || study.rows.iter().filter(|row| row.job.method == style.method);
-            let only_adaptive = runs().all(|row| matches!(row.job.pace, Pace::Tolerance(_)));
-            let pace = if only_adaptive { Pace::Tolerance(0.0) } else { Pace::Step(0.0) };
-            lines.push(Line { label: style.label(), ..style.line(pace, Vec::new()) });
+            let only_adaptive = runs().all(|row| matches!(row.job.setting, StepSetting::Tolerance(_)));
+            let setting = if only_adaptive { StepSetting::Tolerance(0.0) } else { StepSetting::Step(0.0) };
+            lines.push(Line { label: style.label(), ..style.line(setting, Vec::new()) });
         }
     }
-    let has = |of: fn(&Pace) -> bool| study.rows.iter().any(|row| of(&row.job.pace));
+    let has = |of: fn(&StepSetting) -> bool| study.rows.iter().any(|row| of(&row.job.setting));
     lines.push(entry("runs", Stroke::None, Marker::None));
-    if has(|pace| matches!(pace, Pace::Step(_))) {
+    if has(|setting| matches!(setting, StepSetting::Step(_))) {
         lines.push(entry("fixed steps", Stroke::Normal, Marker::Dot));
     }
-    if has(|pace| matches!(pace, Pace::Tolerance(_))) {
+    if has(|setting| matches!(setting, StepSetting::Tolerance(_))) {
         lines.push(entry("adaptive steps", Stroke::Dashed, Marker::Ring));
     }
     for status in [RowStatus::Diverged, RowStatus::NotConverged, RowStatus::Refused, RowStatus::NotRun] {

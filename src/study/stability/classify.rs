@@ -22,7 +22,7 @@ use super::measure::MethodRuns;
 use super::perturbation::{Start, displacement};
 use crate::analysis::critical::step_by_bounds;
 use crate::drive::observer::{AcceptedStep, LedgerRow, Point};
-use crate::drive::watch::push;
+use crate::drive::watch::load_energy;
 use crate::integrate::registry::Family;
 use crate::model::state::{State, StateRef};
 use crate::scene::{BoundBuffer, Scene};
@@ -196,7 +196,7 @@ impl<'a> EnergyClassifier<'a> {
             // On resting masses: on moving ones the air resists what the scheme itself may have made.
             let rest = vec![0.0; start.state.v.len()];
             let at = |t: f64| StateRef { t, x: &start.state.x, v: &rest };
-            self.floor = times.into_iter().map(|t| push(self.scene, at(t), h)).fold(self.floor, f64::max);
+            self.floor = times.into_iter().map(|t| load_energy(self.scene, at(t), h)).fold(self.floor, f64::max);
             share = self.share(there);
         }
         self.calm = share <= self.stays;

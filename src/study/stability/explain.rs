@@ -3,7 +3,7 @@
 use super::classify::STAYS;
 use super::measure::{E_FOLDS, MethodRuns};
 use super::{Kind, KnownBy, Row, Start};
-use crate::analysis::critical::{CriticalStep, Effort};
+use crate::analysis::critical::{CostLimits, CriticalStep};
 use crate::analysis::spectrum::Spectrum;
 use crate::integrate::registry::Family;
 use crate::scene::place_of;
@@ -107,7 +107,7 @@ struct State {
 /// The critical step where the run at step `h` [s] was stiffest (0) or softest (1).
 fn along(runs: &MethodRuns<'_>, h: f64, which: usize) -> Option<State> {
     let state = runs.trial(h)?.extremes.get(which)?;
-    let effort = Effort { stop: runs.stop(), ..Effort::START };
+    let effort = CostLimits { stop: runs.stop(), ..CostLimits::START };
     let critical = Spectrum::with(runs.spec.scene, state.as_ref(), effort).critical_step(runs.method);
     Some(State { t: state.t, critical })
 }

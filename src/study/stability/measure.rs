@@ -48,7 +48,7 @@ const ALIKE: f64 = 2.5;
 
 /// Why a method's measurement ends before its time.
 #[derive(Debug)]
-pub(super) enum Halt {
+pub(super) enum StopReason {
     /// the budget is spent
     OutOfBudget,
     /// the user has had enough
@@ -186,7 +186,11 @@ impl<'a> MethodRuns<'a> {
     }
 
     /// Whether a run at step `h` [s] holds; `before` is asked for leave to begin it.
-    pub fn holds(&mut self, h: f64, before: &mut dyn FnMut(f64, u64) -> Result<(), Halt>) -> Result<bool, Halt> {
+    pub fn holds(
+        &mut self,
+        h: f64,
+        before: &mut dyn FnMut(f64, u64) -> Result<(), StopReason>,
+    ) -> Result<bool, StopReason> {
         let steps = self.steps(h);
         before(h, steps)?;
         // Near its limit an explicit scheme swings beyond what the watch of a run takes for possible; small motion is
@@ -194,7 +198,7 @@ impl<'a> MethodRuns<'a> {
         let swings = self.kind != Kind::Unlimited || self.from.start == Start::SmallMotion;
         let (outcome, classifier) = self.run(h, steps, swings, Explain::Nothing)?;
         if self.interrupt.load(Ordering::Relaxed) {
-            return Err(Halt::Interrupted);
+            return Err(StopReason::Interrupted);
         }
         let verdict = match outcome.status {
             Status::NotConverged => Verdict::NotConverged,
@@ -234,7 +238,7 @@ impl<'a> MethodRuns<'a> {
         steps: u64,
         keep_going: bool,
         explain: Explain,
-    ) -> Result<(Outcome, EnergyClassifier<'a>), Halt> {
+    ) -> Result<(Outcome, EnergyClassifier<'a>), StopReason> {
         let end = steps as f64 * h;
         let run = Experiment::new(self.spec.scene, self.method, self.spec.solver, Step::Fixed(h), end);
         let experiment = Experiment { keep_going, explain, interrupt: self.stop(), ..run };
@@ -251,7 +255,7 @@ impl<'a> MethodRuns<'a> {
             }
             _ => Flow::Continue,
         });
-        Ok((outcome.map_err(|e| Halt::Refused(e.to_string()))?, classifier))
+        Ok((outcome.map_err(|e| StopReason::Refused(e.to_string()))?, classifier))
     }
 
     /// Why a run at step `h` [s] fails, in the words of `solve`.

@@ -26,7 +26,7 @@ pub use output::{FILES, Folder, csv, table};
 pub use perturbation::Start;
 pub use row::{AsGiven, KnownBy, Prediction, Row, RunRow, Stability, Status};
 
-use crate::analysis::critical::{CriticalStep, Effort};
+use crate::analysis::critical::{CostLimits, CriticalStep};
 use crate::analysis::spectrum::Spectrum;
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::{Family, MethodChoice};
@@ -34,7 +34,7 @@ use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::Scene;
 use crate::study::StudyError;
-use measure::{From, Halt, MethodRuns};
+use measure::{From, MethodRuns, StopReason};
 use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -79,7 +79,7 @@ pub fn study(
 ) -> Result<Vec<Row>, StudyError> {
     let started = Instant::now();
     let state = spec.scene.initial_state();
-    let effort = Effort { stop: Stop::on(stop), ..Effort::FULL };
+    let effort = CostLimits { stop: Stop::on(stop), ..CostLimits::FULL };
     let mut spectrum = Spectrum::with(spec.scene, state.as_ref(), effort);
     let reference = measure::reference(spec, &mut spectrum);
     let over = || spec.budget.is_some_and(|budget| started.elapsed() >= budget);
@@ -98,7 +98,7 @@ pub fn study(
         let critical = if spectrum.stopped() { CriticalStep::none() } else { critical };
         let mut row = Row::new(method, Prediction::of(spec.scene, method, critical));
         if spectrum.stopped() {
-            row.halted(Halt::Interrupted, None);
+            row.halted(StopReason::Interrupted, None);
             rows.push(row);
             continue;
         }
@@ -106,7 +106,7 @@ pub fn study(
         let mut run = 0;
         let mut before = |step: f64, steps: u64| {
             if over() {
-                return Err(Halt::OutOfBudget);
+                return Err(StopReason::OutOfBudget);
             }
             run += 1;
             begins(Beginning { index, method: &name, run, step, steps });
@@ -133,7 +133,7 @@ struct Common<'a> {
 }
 
 /// Hears of a run's step [s] and number of steps before it begins.
-type Before<'a> = dyn FnMut(f64, u64) -> Result<(), Halt> + 'a;
+type Before<'a> = dyn FnMut(f64, u64) -> Result<(), StopReason> + 'a;
 
 impl Common<'_> {
     /// Measures from the scene's own start; where that differs from what theory says of a linear scene, and the scene's
@@ -150,7 +150,7 @@ impl Common<'_> {
         if row.differs && !self.at_rest && row.prediction.step != Some(0.0) {
             let small = self.small.get_or_init(|| perturbation::small_motion(self.spec, self.reference, self.stop));
             if self.stop.load(Ordering::Relaxed) {
-                row.halted(Halt::Interrupted, Some(&runs));
+                row.halted(StopReason::Interrupted, Some(&runs));
                 return Ok(());
             }
             if let Some(state) = small {

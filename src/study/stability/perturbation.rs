@@ -163,7 +163,7 @@ fn equilibrium(spec: &StabilitySpec<'_>) -> Option<State> {
         if largest(&from.forces.total) <= allowed {
             break;
         }
-        let mut stepper = Stepper::bind(method.scheme(spec.solver), scene.abilities()).ok()?;
+        let mut stepper = Stepper::bind(method.scheme(spec.solver), scene.interfaces()).ok()?;
         stepper.start(&from).ok()?;
         // Loads are those at the start: time does not go on.
         let endless = Attempt { from: &from, h: LONG * spec.end, t_next: from.state.t };

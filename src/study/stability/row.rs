@@ -1,6 +1,6 @@
 //! The result for one method, a row of the table: what theory predicts, and what runs measured.
 
-use super::measure::{Halt, MethodRuns};
+use super::measure::{MethodRuns, StopReason};
 use super::perturbation::Start;
 use super::search::Bracket;
 use super::{Kind, Verdict};
@@ -238,14 +238,14 @@ impl Row {
     }
 
     /// A measurement that was not finished: keeps the bounds that the runs made so far give.
-    pub(super) fn halted(&mut self, halt: Halt, runs: Option<&MethodRuns<'_>>) {
+    pub(super) fn halted(&mut self, halt: StopReason, runs: Option<&MethodRuns<'_>>) {
         self.clear(match halt {
-            Halt::OutOfBudget => Status::OutOfBudget,
-            Halt::Interrupted => Status::Interrupted,
-            Halt::Refused(_) => Status::Refused,
+            StopReason::OutOfBudget => Status::OutOfBudget,
+            StopReason::Interrupted => Status::Interrupted,
+            StopReason::Refused(_) => Status::Refused,
         });
         match (halt, runs) {
-            (Halt::Refused(why), _) => self.why = Some(why),
+            (StopReason::Refused(why), _) => self.why = Some(why),
             (_, Some(runs)) => [self.at_least, self.at_most] = runs.between(),
             (_, None) => {}
         }

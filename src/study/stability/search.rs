@@ -45,7 +45,7 @@ pub(super) fn largest<E>(
             let found = outwards(reference, held, holds)?;
             bisect(found, WIDTHS[1], holds)
         }
-        Kind::Unlimited => ladder(reference, end, holds),
+        Kind::Unlimited => growing_steps(reference, end, holds),
     }
 }
 
@@ -82,7 +82,7 @@ fn outwards<E>(from: f64, held: bool, holds: &mut dyn FnMut(f64) -> Result<bool,
 }
 
 /// Rungs from the first on up to a part of the run; the first that fails is bisected.
-fn ladder<E>(first: f64, end: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Result<Bracket, E> {
+fn growing_steps<E>(first: f64, end: f64, holds: &mut dyn FnMut(f64) -> Result<bool, E>) -> Result<Bracket, E> {
     let top = (end / PARTS).max(first);
     let mut stable = None;
     let mut rung = first;

@@ -2,7 +2,7 @@
 
 use canopy_fem::solve::newton::{Curvature, Newton, NewtonFailure, NewtonSpec, NonlinearProblem, Scales};
 use canopy_fem::solve::quasi_newton::FactorHistory;
-use canopy_fem::solve::{Expected, Inertia, LinearError};
+use canopy_fem::solve::{ExpectedUse, Inertia, LinearError};
 
 /// z -> atan(10 z): Newton without a line search diverges from |z| > 0.14.
 struct Atan {
@@ -98,13 +98,13 @@ impl NonlinearProblem for Keeping {
         self.kept = false;
         if self.exact_fails { Err(LinearError::Singular { unknown: Some(0) }) } else { Ok(Inertia::Definite) }
     }
-    fn freeze(&mut self, _: Expected) -> Result<bool, LinearError> {
+    fn freeze(&mut self, _: ExpectedUse) -> Result<bool, LinearError> {
         Ok(true)
     }
     fn take_frozen(&mut self) {
         self.kept = true;
     }
-    fn keeps(&self) -> bool {
+    fn reuses_factors(&self) -> bool {
         true
     }
     fn solve(&mut self, _: &mut [f64]) -> Result<(), LinearError> {

@@ -2,7 +2,7 @@
 
 use canopy_fem::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point};
 use canopy_fem::model::forces::Forces;
-use canopy_fem::model::picture::Picture;
+use canopy_fem::model::observables::Observables;
 use canopy_fem::model::state::{State, StateRef};
 use canopy_fem::model::system::{System, TermInfo};
 
@@ -70,7 +70,7 @@ impl System for TrianglePair {
     }
 }
 
-impl Picture for TrianglePair {
+impl Observables for TrianglePair {
     fn reference(&self) -> &[[f64; 3]] {
         &self.reference
     }

@@ -6,8 +6,8 @@ use canopy_fem::integrate::registry::Family;
 use canopy_fem::study::Study;
 use canopy_fem::study::pareto::mark_front;
 use canopy_fem::study::plan::{Plan, Variant};
-use canopy_fem::study::reference::Account;
-use canopy_fem::study::row::{Job, Measured, Pace, Row, RowStatus, label};
+use canopy_fem::study::reference::ReferenceReport;
+use canopy_fem::study::row::{Job, Measured, Row, RowStatus, StepSetting, label};
 
 /// What decides a made-up method's rows.
 pub struct Law {
@@ -61,12 +61,12 @@ pub fn rows(laws: &[Law], variant: usize, factor: f64, status: Option<RowStatus>
     for law in laws {
         let limit = law.limit / factor.sqrt();
         let first = if limit.is_finite() { 2.0 * limit } else { 0.04 };
-        let fixed = (0..6).map(|k| Pace::Step(first * 0.5f64.powi(k)));
-        let adaptive = (2..7).filter(|_| law.order > 1).map(|k| Pace::Tolerance(10f64.powi(-k)));
-        for (number, pace) in fixed.chain(adaptive).enumerate() {
-            let h = match pace {
-                Pace::Step(h) => h,
-                Pace::Tolerance(t) => (0.9 * limit).min(0.05 * t.powf(1.0 / f64::from(law.order))),
+        let fixed = (0..6).map(|k| StepSetting::Step(first * 0.5f64.powi(k)));
+        let adaptive = (2..7).filter(|_| law.order > 1).map(|k| StepSetting::Tolerance(10f64.powi(-k)));
+        for (number, setting) in fixed.chain(adaptive).enumerate() {
+            let h = match setting {
+                StepSetting::Step(h) => h,
+                StepSetting::Tolerance(t) => (0.9 * limit).min(0.05 * t.powf(1.0 / f64::from(law.order))),
             };
             let ended = status.unwrap_or(if h > limit { RowStatus::Diverged } else { RowStatus::Completed });
             rows.push(row(
@@ -75,7 +75,7 @@ pub fn rows(laws: &[Law], variant: usize, factor: f64, status: Option<RowStatus>
                     id: format!("v{variant}-{}-{number}", label(&law.method)),
                     variant,
                     method: law.method.clone(),
-                    pace,
+                    setting,
                 },
                 h,
                 ended,
@@ -138,12 +138,12 @@ pub fn study(name: &str, factors: &[f64], laws: &[Law], status: Option<RowStatus
     plan.asked.repeat = 3;
     let mut all = Vec::new();
     for (number, factor) in factors.iter().enumerate() {
-        let mut reference = Account {
+        let mut reference = ReferenceReport {
             how: "dop853 at tolerance 1e-13 against dormand-prince at 1e-12".to_owned(),
             error: 2.3e-9,
             error_max: 6e-9,
             cpu_seconds: Some(3.2),
-            ..Account::default()
+            ..ReferenceReport::default()
         };
         reference.motion.frames = 50;
         reference.motion.largest = 0.37;

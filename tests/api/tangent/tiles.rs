@@ -109,29 +109,29 @@ fn a_block_of_steps_feels_what_steps_feel() {
     for (name, spec) in scenes() {
         let scene = build(spec);
         let choice = MethodChoice::with_defaults("velocity-verlet").expect("registered");
-        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.abilities()).expect("it fits");
+        let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("it fits");
         let sample = Sample::new(&scene, 3);
         let state = State { t: sample.t, x: sample.x.clone(), v: sample.v.clone() };
         let mut from = Point { state, forces: scene.new_forces() };
         scene.evaluate(from.state.as_ref(), &mut from.forces);
-        let (mut to, mut passed, h) = (from.clone(), vec![StepSummary::default(); STEPS], 1e-4);
-        passed.iter_mut().zip(1..).for_each(|(passed, step)| passed.t = sample.t + f64::from(step) * h);
-        let attempt = Attempt { from: &from, h, t_next: passed[STEPS - 1].t };
+        let (mut to, mut summaries, h) = (from.clone(), vec![StepSummary::default(); STEPS], 1e-4);
+        summaries.iter_mut().zip(1..).for_each(|(summary, step)| summary.t = sample.t + f64::from(step) * h);
+        let attempt = Attempt { from: &from, h, t_next: summaries[STEPS - 1].t };
         let mut counters = Counters::default();
-        assert!(stepper.advance_block(attempt, &mut to, &mut passed, &mut counters), "{name}");
+        assert!(stepper.advance_block(attempt, &mut to, &mut summaries, &mut counters), "{name}");
         let passes = if scene.velocity_dependent() { 2 } else { 1 };
         assert_eq!(counters.force_evaluations, passes * STEPS as u64, "{name}");
-        for passed in &passed {
+        for summary in &summaries {
             let mut next = from.clone();
-            let attempt = Attempt { from: &from, h, t_next: passed.t };
+            let attempt = Attempt { from: &from, h, t_next: summary.t };
             stepper.attempt(attempt, &mut next, &mut Counters::default()).expect("an easy step");
             stepper.accept();
-            assert_eq!(next.forces.tallies, passed.tallies, "{name}");
-            assert_eq!(scene.kinetic_energy(&next.state.v), passed.nodes.kinetic, "{name}");
+            assert_eq!(next.forces.tallies, summary.tallies, "{name}");
+            assert_eq!(scene.kinetic_energy(&next.state.v), summary.nodes.kinetic, "{name}");
             let way = [&from.state.x, &next.state.x].map(Vec::as_slice);
             let work = |f: fn(&Forces) -> &[f64]| scene.work([f(&from.forces), f(&next.forces)], way);
             let (external, dissipative) = (work(|f| &f.external), work(|f| &f.dissipative));
-            assert_eq!(passed.nodes.work, Work { external, dissipative }, "{name}");
+            assert_eq!(summary.nodes.work, Work { external, dissipative }, "{name}");
             from = next;
         }
         assert_eq!((&to.state.x, &to.state.v), (&from.state.x, &from.state.v), "{name}");

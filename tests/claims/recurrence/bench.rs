@@ -117,7 +117,7 @@ impl Case {
     pub fn stepper<'a>(&self, scene: &'a Network) -> Stepper<'a> {
         let newton = NewtonSpec { relative: 1e-15, ..Default::default() };
         let solver = SolverSpec { newton, ..Default::default() };
-        Stepper::bind(self.choice().scheme(solver), scene.abilities()).expect("a network")
+        Stepper::bind(self.choice().scheme(solver), scene.interfaces()).expect("a network")
     }
 
     pub fn name(&self) -> String {

@@ -1,7 +1,7 @@
 //! What a scheme carries: saved, restored, and untouched by steps that are dropped.
 
 use canopy_fem::force::schedule::threads::Threads;
-use canopy_fem::integrate::Carried;
+use canopy_fem::integrate::CarriedState;
 use canopy_fem::model::point::Point;
 use canopy_fem::model::spec::*;
 use canopy_fem::scene::{Network, build_network};
@@ -47,7 +47,7 @@ pub fn claims() -> Vec<Claim> {
 fn restarted(case: &Case, scene: &Network) -> usize {
     let mut whole = Walk::start(case, scene);
     (0..10).for_each(|_| whole.step(2e-3));
-    let (carried, point): (Carried, Point) = (whole.stepper.save(), whole.from.clone());
+    let (carried, point): (CarriedState, Point) = (whole.stepper.save(), whole.from.clone());
     let mut second = Walk::from_point(case, scene, point);
     second.stepper.restore(&carried).expect("it fits");
     let mut step = || {
@@ -66,7 +66,7 @@ fn foreign(case: &Case, scene: &Network) -> usize {
     let mut too_short = walk.stepper.save();
     // A scheme that carries nothing has nothing that could be too short.
     let shortened = too_short.vectors.first_mut().is_some_and(|v| v.pop().is_some());
-    let mut taken = |carried: &Carried| walk.stepper.restore(carried).is_ok();
+    let mut taken = |carried: &CarriedState| walk.stepper.restore(carried).is_ok();
     usize::from(taken(&too_many)) + usize::from(shortened && taken(&too_short))
 }
 

@@ -6,8 +6,8 @@ use canopy_fem::case::Case;
 use canopy_fem::simulation::{FollowSpec, follow};
 use canopy_fem::study::StudyError;
 use canopy_fem::study::bench::Bench;
-use canopy_fem::study::reference::{NoWay, Workshop};
-use canopy_fem::study::row::{Pace, RowStatus};
+use canopy_fem::study::reference::{ReferenceFailure, Workshop};
+use canopy_fem::study::row::{RowStatus, StepSetting};
 use serde_json::json;
 
 use super::table::study;
@@ -59,7 +59,7 @@ fn errors_are_distances_from_the_closed_form() {
     assert_eq!(found.rows.len(), 8);
     let case = asset("oscillator", &[("time.end", "10"), ("output.frames.every", "0.5")]);
     for row in &found.rows {
-        let Pace::Step(h) = row.job.pace else { panic!("only steps were asked for") };
+        let StepSetting::Step(h) = row.job.setting else { panic!("only steps were asked for") };
         let case = changed(&case, &[("time.method", &row.job.method.name), ("time.step", &format!("{h:e}"))]);
         let [mut off, mut moved] = [[0.0_f64; 2]; 2];
         let mut start = None;
@@ -136,7 +136,7 @@ fn a_reference_keeps_within_its_allowance() {
     let told = std::cell::RefCell::new(Vec::new());
     let tell = |what: &str| told.borrow_mut().push(what.to_owned());
     match (Workshop { bench: &bench, allowance: 0.05, stop: &stop, tell: &tell }).make() {
-        Err(StudyError::NoReference { explicit: NoWay::TooLong { seconds, allowance }, .. }) => {
+        Err(StudyError::NoReference { explicit: ReferenceFailure::TooLong { seconds, allowance }, .. }) => {
             assert!(seconds > 4.0 * allowance, "{seconds}");
         }
         Ok(made) => assert!(made.account.how.starts_with("newmark"), "{}", made.account.how),
@@ -157,8 +157,11 @@ fn failures_are_rows() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let found = study(&folder.path("p"));
     let status = |method: &str, h: f64| {
-        let row =
-            found.rows.iter().find(|r| r.job.method.name == method && r.job.pace == Pace::Step(h)).expect("a row");
+        let row = found
+            .rows
+            .iter()
+            .find(|r| r.job.method.name == method && r.job.setting == StepSetting::Step(h))
+            .expect("a row");
         assert!(
             row.measured.status == RowStatus::Completed || (!row.pareto && row.measured.note.len() > 20),
             "{row:?}"

@@ -4,7 +4,7 @@
 use super::program::{program, summary};
 use crate::common::Random;
 use crate::common::run::{case_of, changed, run};
-use canopy_fem::analysis::critical::Effort;
+use canopy_fem::analysis::critical::CostLimits;
 use canopy_fem::analysis::spectrum::Spectrum;
 use canopy_fem::drive::Status;
 use canopy_fem::integrate::registry::{Family, methods};
@@ -116,7 +116,7 @@ fn a_search_that_is_asked_to_stop_finds_nothing() {
     let case = case_of(&endless(), &[]);
     let scene = build_scene(case.problem().system.clone(), 1).expect("a rope");
     let (at, flag) = (scene.initial_state(), AtomicBool::new(true));
-    let mut spectrum = Spectrum::with(&*scene, at.as_ref(), Effort { stop: Stop::on(&flag), ..Effort::FULL });
+    let mut spectrum = Spectrum::with(&*scene, at.as_ref(), CostLimits { stop: Stop::on(&flag), ..CostLimits::FULL });
     assert!(spectrum.stopped() && spectrum.rates().frequency == 0.0);
     let cromer = canopy_fem::integrate::registry::MethodChoice::with_defaults("euler-cromer").expect("registered");
     assert!(spectrum.critical_step(&cromer).step.is_infinite());

@@ -25,9 +25,9 @@ fn net(columns: usize, lines: usize) -> Vec<[u16; 2]> {
     all
 }
 
-fn in_order(ends: &[[u16; 2]]) -> (Vec<[u16; 2]>, usize, Vec<Placed>) {
+fn in_order(ends: &[[u16; 2]]) -> (Vec<[u16; 2]>, usize, Vec<PlacedElement>) {
     let (order, groups) = arrange(ends);
-    let turn = |placed: &Placed| {
+    let turn = |placed: &PlacedElement| {
         let [a, b] = ends[placed.element];
         if placed.turned { [b, a] } else { [a, b] }
     };
@@ -64,10 +64,10 @@ impl AxialLaw for Law {
     const DAMPED: bool = true;
 
     #[inline(always)]
-    fn pull<R: Real>(&self, [k, less, c]: [R; 3], Measured { square, rate }: Measured<R>) -> Pull<R> {
+    fn axial_force<R: Real>(&self, [k, less, c]: [R; 3], Measured { square, rate }: Measured<R>) -> AxialForce<R> {
         let (l, force) = (square.sqrt(), k - less);
         let damping = c * rate;
-        Pull { elastic: (force / l).where_positive(l), energy: force * l, damping, power: damping * rate }
+        AxialForce { elastic: (force / l).where_positive(l), energy: force * l, damping, power: damping * rate }
     }
 }
 

@@ -30,9 +30,9 @@ struct Law;
 
 impl PressureLaw for Law {
     #[inline(always)]
-    fn push<R: Real>(&self, s: [R; 3], v: [R; 3]) -> Push<R> {
+    fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R> {
         let share = s[0].all(2.0 / 3.0);
-        Push { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
+        PressureForce { share, amount: share * (s[0] * v[0] + s[1] * v[1] + s[2] * v[2]) }
     }
 }
 
@@ -95,8 +95,8 @@ fn pairs_push_as_their_triangles_do() {
             let power = pass(f.records());
             (rows(f.records(), NODES).to_vec(), power)
         };
-        let pushed = found(&|f| run(Pushing { law: &Law, groups: &groups, x, v, f }));
-        assert_eq!(pushed, found(&|f| Pushing { law: &Law, groups: &groups, x, v, f }.run(Portable)));
+        let pushed = found(&|f| run(PressurePass { law: &Law, groups: &groups, x, v, f }));
+        assert_eq!(pushed, found(&|f| PressurePass { law: &Law, groups: &groups, x, v, f }.run(Portable)));
         let (forces, power) = one_by_one(&triangles(&groups), [x, v]);
         assert!((pushed.1 - power).abs() < 1e-12, "{} for {power}", pushed.1);
         for (i, (found, force)) in pushed.0.iter().zip(&forces).enumerate() {
@@ -113,7 +113,7 @@ fn nodes_may_be_met_again() {
     let (mut x, mut v) = (vectors(7), vectors(8));
     let (x, v) = (&*x.records(), &*v.records());
     let mut f = LocalBuffer::new(0);
-    let power = run(Pushing { law: &Law, groups: &[group], x, v, f: f.records() });
+    let power = run(PressurePass { law: &Law, groups: &[group], x, v, f: f.records() });
     let each = group.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>();
     let (forces, expected) = one_by_one(&each, [x, v]);
     assert!((power - expected).abs() < 1e-13);

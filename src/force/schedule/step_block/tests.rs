@@ -1,13 +1,13 @@
 //! Blocks of steps, and single steps, beside force passes and the scheme's equations one after the other.
 
 use super::*;
-use crate::force::kernel::batch::{Batch, Elements, Kernel, PARTS, Records, Summand, Wants};
+use crate::force::kernel::batch::{Batch, BlockForces, BufferReads, Elements, Kernel, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{record, set_record};
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
 use crate::force::law::spring::{Coefficient, SpringData};
 use crate::force::schedule::partition::Limits;
-use crate::force::schedule::sweep::{Part, Term};
+use crate::force::schedule::sweep::{PartTarget, Term};
 use crate::model::bounds::Bounds;
 use crate::model::forces::Forces;
 use crate::model::motion::{Motion, motion};
@@ -33,7 +33,7 @@ pub fn links(nodes: Vec<[u32; 2]>) -> Links {
 }
 
 impl Kernel<2> for LinkData {
-    const WANTS: Wants = Wants { x: true, v: false };
+    const READS: BufferReads = BufferReads { x: true, v: false };
 
     fn elements(&self) -> &[[u32; 2]] {
         &self.0
@@ -78,10 +78,10 @@ impl Terms for Pairs {
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        let part = |sum| [Some(Part { sum, tally: i }), None];
+        let part = |sum| [Some(PartTarget { sum, tally: i }), None];
         match i {
-            0 => Term { summand: &self.springs, parts: part(0) },
-            _ => Term { summand: &self.links, parts: part(self.sum_of_links) },
+            0 => Term { forces: &self.springs, parts: part(0) },
+            _ => Term { forces: &self.links, parts: part(self.sum_of_links) },
         }
     }
 }
@@ -102,21 +102,21 @@ struct Damped {
 
 struct Counted(DampedSprings, AtomicUsize);
 
-impl Summand for Counted {
+impl BlockForces for Counted {
     fn elements(&self) -> usize {
         self.0.elements()
     }
 
-    fn wants(&self, parts: [bool; PARTS]) -> Wants {
-        self.0.wants(parts)
+    fn reads(&self, parts: [bool; PARTS]) -> BufferReads {
+        self.0.reads(parts)
     }
 
     fn element(&self, number: usize) -> Option<&[u32]> {
         self.0.element(number)
     }
 
-    fn take(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
-        self.0.take(block, elements, place);
+    fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
+        self.0.assign_block(block, elements, place);
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
@@ -135,8 +135,8 @@ impl Terms for Damped {
     }
 
     fn term(&self, _: usize) -> Term<'_> {
-        let parts = [(0, 0), (2, 1)].map(|(sum, tally)| Some(Part { sum, tally }));
-        Term { summand: &self.springs, parts }
+        let parts = [(0, 0), (2, 1)].map(|(sum, tally)| Some(PartTarget { sum, tally }));
+        Term { forces: &self.springs, parts }
     }
 
     fn is_position_only(&self) -> bool {
@@ -219,14 +219,14 @@ fn in_a_block<T: Terms>(
     (scheme, from): (KickDriftScheme, &Point),
     summaries: usize,
 ) -> (Found, Vec<Tally>) {
-    let (mut passed, mut tallies) = (vec![StepSummary::default(); summaries], vec![Tally::default(); 2]);
+    let (mut summaries, mut tallies) = (vec![StepSummary::default(); summaries], vec![Tally::default(); 2]);
     let Point { mut state, mut forces } = nowhere(from);
-    let moving = Moving { t: 0.0, first: 0, x: &mut state.x, v: &mut state.v };
+    let moving = NodeStateMut { t: 0.0, first: 0, x: &mut state.x, v: &mut state.v };
     let [mass, inverse_mass] = masses();
     let block = KickDriftBlock { scheme, from };
     let boundary = StepBoundary { block, mass: &mass, inverse_mass: &inverse_mass };
-    sweep.advance((terms, moving), boundary, threads, sums(&mut forces), (&mut tallies, &mut passed));
-    let told = passed.into_iter().map(|passed| (passed.nodes, passed.tallies)).collect();
+    sweep.advance((terms, moving), boundary, threads, sums(&mut forces), (&mut tallies, &mut summaries));
+    let told = summaries.into_iter().map(|summary| (summary.nodes, summary.tallies)).collect();
     (Found { forces, state, told }, tallies)
 }
 

@@ -27,17 +27,17 @@ impl Terms for Mixed {
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        let part = |sum| Some(Part { sum, tally: i });
+        let part = |sum| Some(PartTarget { sum, tally: i });
         match i {
-            0 => Term { summand: &self.star, parts: [None, part(2)] },
-            1 => Term { summand: &self.chain, parts: [part(0), None] },
-            _ => Term { summand: &self.weight, parts: [part(1), None] },
+            0 => Term { forces: &self.star, parts: [None, part(2)] },
+            1 => Term { forces: &self.chain, parts: [part(0), None] },
+            _ => Term { forces: &self.weight, parts: [part(1), None] },
         }
     }
 }
 
 /// Some parts, which all add to the only sum.
-struct Only<'a>(&'a [(&'a dyn Summand, usize)]);
+struct Only<'a>(&'a [(&'a dyn BlockForces, usize)]);
 
 impl Terms for Only<'_> {
     fn count(&self) -> usize {
@@ -49,10 +49,10 @@ impl Terms for Only<'_> {
     }
 
     fn term(&self, i: usize) -> Term<'_> {
-        let (summand, part) = self.0[i];
+        let (forces, part) = self.0[i];
         let mut parts = [None; PARTS];
-        parts[part] = Some(Part { sum: 0, tally: i });
-        Term { summand, parts }
+        parts[part] = Some(PartTarget { sum: 0, tally: i });
+        Term { forces, parts }
     }
 }
 
@@ -138,7 +138,7 @@ fn passes_over_other_terms_leave_nothing_behind() -> Result<(), ThreadPoolBuildE
         };
         let before = all();
         let (mut sum, mut tally) = (vec![Vector3::repeat(f64::NAN); NODES], [Tally::default()]);
-        let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
+        let star: [(&dyn BlockForces, usize); 1] = [(&terms.star, 1)];
         sweep.pass((&Only(&star), at), &threads, [&mut sum, &mut [], &mut []], &mut tally);
         assert_eq!((&sum, tally[0]), (&before.0[2], before.1[0]));
         sweep.pass((&Only(&[]), at), &threads, [&mut sum, &mut [], &mut []], &mut []);
@@ -156,7 +156,7 @@ fn a_batch_can_be_cut_again() {
     let partition = Partition::within(Limits { node_block: 64, records: 300 }, NODES, &mut [&mut terms.star]);
     let sweep = Sweep::of(partition);
     let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
-    let star: [(&dyn Summand, usize); 1] = [(&terms.star, 1)];
+    let star: [(&dyn BlockForces, usize); 1] = [(&terms.star, 1)];
     sweep.pass((&Only(&star), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     let (expected, _) = one_by_one(at);
     assert!(sum.iter().zip(&expected[2]).all(|(a, b)| (*a - *b).norm() < 1e-12 * (1.0 + b.norm())));
@@ -167,8 +167,8 @@ fn weight_alone_needs_no_elements() {
     let (x, v) = (vectors(3), vectors(4));
     let at = NodeState { t: 0.0, x: &x, v: &v };
     let (mut terms, _) = mixed(Limits { node_block: 16, records: 40 });
-    let summands: &mut [&mut dyn Summand] = &mut [&mut terms.weight];
-    let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, summands));
+    let forces: &mut [&mut dyn BlockForces] = &mut [&mut terms.weight];
+    let sweep = Sweep::of(Partition::within(Limits { node_block: 16, records: 40 }, NODES, forces));
     let mut sum = vec![Vector3::repeat(f64::NAN); NODES];
     sweep.pass((&Only(&[(&terms.weight, 0)]), at), &Threads::one(), [&mut sum, &mut [], &mut []], &mut []);
     assert!(sum.iter().enumerate().all(|(i, f)| *f == i as f64 * Vector3::new(0.0, 0.5, -2.0)));

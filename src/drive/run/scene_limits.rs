@@ -5,7 +5,7 @@ use crate::scene::Scene;
 
 /// What is known of a scene before its first step.
 #[derive(Clone, Copy)]
-pub(super) struct Reach {
+pub(super) struct SceneLimits {
     /// [m] the scene's size; 0 where it has none
     size: f64,
     /// [1/kg] largest inverse mass
@@ -14,11 +14,11 @@ pub(super) struct Reach {
     held: bool,
 }
 
-impl Reach {
+impl SceneLimits {
     pub fn of(scene: &dyn Scene) -> Self {
         let lightest = scene.inverse_mass().iter().fold(0.0, |most: f64, inverse| most.max(*inverse));
         let held = scene.inverse_mass().contains(&0.0);
-        Reach { size: scene.size(), lightest, held }
+        SceneLimits { size: scene.size(), lightest, held }
     }
 
     /// Whether nodes with speeds up to this one [m/s] stay within the scene's size in a step `h` [s].

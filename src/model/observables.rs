@@ -5,7 +5,7 @@ use super::system::System;
 use crate::model::forces::Forces;
 
 /// How a system looks. All slices are in the user's numbering and as long as the counts say.
-pub trait Picture: System {
+pub trait Observables: System {
     /// [m] node positions at t = 0 on the mesh as given (displacements count from here); bob position for a pendulum.
     fn reference(&self) -> &[[f64; 3]];
 

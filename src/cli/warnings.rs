@@ -19,11 +19,12 @@ use crate::warning::{Warning, WarningCode};
 /// Refuses a solver that cannot solve this scene's equations.
 pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source) -> Result<(), CaseError> {
     let SolverSpec { newton, .. } = problem.solver;
-    let why = unfit(scene, problem.solver);
+    let why = unsuitable_solver(scene, problem.solver);
     match why.filter(|_| problem.method.info.family == Family::Implicit) {
         Some(why) => {
             let all = [LinearChoice::Auto, LinearChoice::Cholesky, LinearChoice::Lu, LinearChoice::Cg];
-            let fit = |linear: &LinearChoice| unfit(scene, SolverSpec { newton, linear: *linear }).is_none();
+            let fit =
+                |linear: &LinearChoice| unsuitable_solver(scene, SolverSpec { newton, linear: *linear }).is_none();
             let allowed: Vec<String> = all.iter().filter(|l| fit(l)).flat_map(serde_json::to_string).collect();
             let allowed = format!("{} for this scene and strategy", allowed.join(", "));
             Err(source.refuse(&problem.case_json, "/solver/linear", &allowed, why.to_string()))
@@ -32,10 +33,12 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
     }
 }
 
-fn unfit(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
+fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
     match linear {
         // Only networks have a graph.
-        LinearChoice::Cg | LinearChoice::Cholesky if scene.abilities().graph.is_none() => Some(LinearError::NotByNodes),
+        LinearChoice::Cg | LinearChoice::Cholesky if scene.interfaces().graph.is_none() => {
+            Some(LinearError::NotByNodes)
+        }
         _ => refusal(scene.symmetric(), newton.strategy, linear),
     }
 }

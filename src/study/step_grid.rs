@@ -28,7 +28,7 @@ pub const TOLERANCES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// What the steps of a scene are laid around.
 #[derive(Clone, Copy, Debug)]
-pub struct Scales {
+pub struct StepScales {
     /// [s] interval of the frames
     pub every: f64,
     /// [s] end of the run
@@ -40,13 +40,13 @@ pub struct Scales {
     pub fastest: f64,
 }
 
-impl Scales {
+impl StepScales {
     /// Of a scene's spectrum and the motion of its reference.
     pub fn of(spectrum: &Spectrum<'_>, every: f64, end: f64, period: f64) -> Self {
         let rates = spectrum.rates();
         let rate = rates.frequency.max(rates.damping);
         let fastest = if rate > 0.0 { 2.0 / rate } else { f64::INFINITY };
-        Scales { every, end, period, fastest }
+        StepScales { every, end, period, fastest }
     }
 
     /// [s] The largest step that is not above `wanted` and meets the frames: the interval over, or times, a number 2^a
@@ -58,9 +58,9 @@ impl Scales {
         }
         // Whole numbers, so that the digits of round intervals are kept: 0.02/8 is 0.0025.
         if ratio < 1.0 - ROUNDING {
-            self.every / regular(1.0 / ratio, Side::Above)
+            self.every / regular(1.0 / ratio, Neighbour::Above)
         } else {
-            self.every * regular(ratio, Side::Below)
+            self.every * regular(ratio, Neighbour::Below)
         }
     }
 
@@ -118,21 +118,21 @@ impl Scales {
 
 /// Which neighbour is wanted.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum Neighbour {
     Above,
     Below,
 }
 
 /// The number 2^a 5^b, a and b at least 0, next to `x` of at least 1.
-fn regular(x: f64, side: Side) -> f64 {
+fn regular(x: f64, side: Neighbour) -> f64 {
     let fives = (0..).map(|b| 5f64.powi(b)).take_while(|five| *five <= x * 5.0);
     let next = |five: f64| {
         let a = (x / five).log2();
-        let a = if side == Side::Above { (a - ROUNDING).ceil() } else { (a + ROUNDING).floor() };
-        (side == Side::Above || a >= 0.0).then(|| five * a.max(0.0).exp2())
+        let a = if side == Neighbour::Above { (a - ROUNDING).ceil() } else { (a + ROUNDING).floor() };
+        (side == Neighbour::Above || a >= 0.0).then(|| five * a.max(0.0).exp2())
     };
     let all = fives.filter_map(next);
-    if side == Side::Above { all.fold(f64::INFINITY, f64::min) } else { all.fold(1.0, f64::max) }
+    if side == Neighbour::Above { all.fold(f64::INFINITY, f64::min) } else { all.fold(1.0, f64::max) }
 }
 
 /// 1, 2 and 5 times powers of ten from one number to another, both ends included.
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn steps_are_round_and_meet_the_frames() {
-        let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
+        let scales = StepScales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
         let pairs = [
             (0.0026, 0.0025),
             (0.0025, 0.0025),
@@ -179,7 +179,7 @@ mod tests {
     /// one: all.
     #[test]
     fn nothing_is_tried_that_tells_nothing() {
-        let scales = Scales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
+        let scales = StepScales { every: 0.02, end: 2.0, period: 1.0, fastest: 1e-3 };
         assert_eq!([scales.levels(1e-5, 2, 6), scales.levels(1e-3, 2, 6), scales.levels(1e-5, 1, 6)], [2, 6, 6]);
         assert_eq!(scales.tolerances(4, 1e-3), [1e-2]);
         assert_eq!(scales.tolerances(2, 1e-3), [1e-2, 1e-4, 1e-5, 1e-6]);
