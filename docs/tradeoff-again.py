@@ -35,4 +35,4 @@ for wanted in WANTED:
     if one and two:
         first, again = one[0][1], two[0][1]
         worth = dict((method, seconds) for seconds, method in two)[first] / two[0][0]
-        print(f"{wanted:.0e}: {first}, then {again}" + ("" if first == again else f" ({first} {worth:.2f} times as dear there)"))
+        print(f"{wanted:.0e}: {first}, then {again}" + ("" if first == again else f" ({first} {worth:.2f} times as expensive there)"))

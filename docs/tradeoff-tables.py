@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tables of docs/tradeoff.md from folders that `canopy-fem tradeoff` has left: how much cheaper the better family is, scene by scene;
+"""Tables of docs/tradeoff.md from the result folders of `canopy-fem tradeoff`: how much cheaper the better family is, scene by scene;
 then the cheapest run of every method for each accuracy.
 
     python3 docs/tradeoff-tables.py out/pendulum out/k1e7 ...

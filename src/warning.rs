@@ -9,27 +9,27 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WarningCode {
-    /// A pressure of the air above 1.5 times the dynamic pressure of the wind.
+    /// Air pressure above 1.5 times the dynamic pressure of the wind.
     AirPressure,
-    /// Mass over area of the triangles that no cloth has.
+    /// Mass per area of the triangles outside the range of cloth.
     ArealDensity,
     /// An edge with more than two triangles under pressure.
     BranchingEdge,
-    /// A body that nothing holds, with damping that brakes its rotation.
+    /// A body without supports, with damping that brakes its rotation.
     BrakedRotation,
-    /// Cloth in the air that nothing holds open.
+    /// Cloth in the wind that nothing holds open.
     ClosingCanopy,
     /// Nodes at the same place that no spring joins.
     CoincidentNodes,
-    /// Frames that the disk has no room for.
+    /// Frames that do not fit on the disk.
     DiskSpace,
     /// Nearly all energy of a free body lost to damping that brakes its rotation.
     EnergyDissipated,
-    /// Energy that the time-integration scheme made itself.
+    /// Energy that the time-integration scheme itself has made.
     EnergyMade,
     /// Springs that start far from their rest length.
     InitialStrain,
-    /// Coordinates in which canopies would be hundreds of metres across.
+    /// Coordinates so large that the canopy would be hundreds of metres across.
     LargeExtent,
     /// Gravity that no planet has.
     LargeGravity,
@@ -39,17 +39,17 @@ pub enum WarningCode {
     LongStep,
     /// Free nodes without a spring.
     LooseNodes,
-    /// Steps so short that rounding takes part of the motion.
+    /// Steps so short that rounding removes part of the motion.
     LostMotion,
     /// What the reader of a mesh file left out or changed.
     MeshFile,
-    /// A part that no support holds, where others are held.
+    /// A part without supports, while other parts have supports.
     NoSupport,
-    /// Coordinates so far from the origin that rounding is felt in the springs.
+    /// Coordinates so far from the origin that their rounding changes the strains of the springs.
     RoundedCoordinates,
     /// A tabled pulse shorter than a few steps.
     ShortPulse,
-    /// Springs that are slack at the start and hide a limit of the step.
+    /// Springs that are slack at the start, so that the critical step will be smaller when they are taut.
     SlackSprings,
     /// A step above the critical one, at the start or later.
     StepAboveCritical,

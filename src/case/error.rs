@@ -87,7 +87,7 @@ impl CaseError {
 }
 
 fn rest(more: usize) -> String {
-    if more == 0 { String::new() } else { format!("\n\nand {more} more; mend these and check again") }
+    if more == 0 { String::new() } else { format!("\n\nand {more} more; correct these and check again") }
 }
 
 fn count(n: usize) -> String {

@@ -47,7 +47,7 @@ pub struct Differences(Vec<String>);
 
 /// A part of the case that has no checksum.
 #[derive(Debug, thiserror::Error)]
-#[error("the case cannot be summed up for checkpoints, at {key}: {reason}")]
+#[error("the case has no checksum for checkpoints, at {key}: {reason}")]
 pub struct FingerprintError {
     key: &'static str,
     reason: String,

@@ -124,9 +124,9 @@ fn broken(text: &str, error: &serde_json::Error) -> Fault {
 
 /// Parts of `serde_json`'s messages and what is allowed instead.
 const HINTS: &[(&str, &str)] = &[
-    ("EOF while", "the rest: the file ends too early, a bracket, brace or quote is open, or the file was cut off"),
+    ("EOF while", "more text: a bracket, brace or quote is still open, or the file was cut off"),
     ("number out of range", "a number that fits a double: its size is at most 1.797e308"),
-    ("recursion limit", "less depth: a case never nests as deeply as 128 levels"),
+    ("recursion limit", "fewer levels: a case is nested less than 128 levels deep"),
     ("trailing characters", "one JSON object; nothing may follow it"),
     ("expected value", "a number, \"text\", [list], {object}, true, false or null; NaN and Infinity are not JSON"),
     ("key must be a string", "keys in double quotes, and none missing after a comma"),
@@ -342,7 +342,7 @@ impl Reader<'_, '_> {
             let below = ValuePath::Key(&at, &name);
             if map.contains_key(&name) {
                 let value = format!("the key \"{name}\" is given twice in the same object");
-                let allowed = "one of the two; the later one does not win";
+                let allowed = "only one of the two";
                 self.slip(below, NonJson { range: span(&property.name), value, allowed });
                 continue;
             }

@@ -22,28 +22,28 @@ pub struct Args {
 pub enum Command {
     /// Integrate a case and write ParaView frames, history, probes and a summary
     Solve(SolveArgs),
-    /// Solve nothing: show all faults, what is modelled and what it costs, every method's critical step and run, and
-    /// what to take
+    /// Check a case without solving it: faults, model, cost, each method's critical step and run, and which method to
+    /// take
     ///
-    /// Predictions come from a few seconds of trial steps; nothing is written. `canopy-fem tradeoff` measures what this
-    /// predicts.
+    /// The predictions come from a few seconds of trial steps. The command writes no files. `canopy-fem tradeoff`
+    /// measures what it predicts.
     Check(CheckArgs),
-    /// Measure what accuracy costs: methods times steps against a reference whose own error is known
+    /// Measure what accuracy costs: run methods and steps against a reference whose own error is known
     ///
-    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. Without
-    /// any choice, steps are laid around each explicit method's critical step and around the periods of the scene for
-    /// implicit ones. A study that was stopped goes on when the same command is given again; finished runs are never
-    /// made again.
+    /// Writes tradeoff.csv, .json, .svg and .html, and prints which method and step to use for which accuracy. By
+    /// default, the steps of explicit methods are chosen around their critical step, and those of implicit methods
+    /// around the periods of the scene. A study that was stopped continues when the same command is given again;
+    /// finished runs are not repeated.
     Tradeoff(TradeoffArgs),
-    /// Measure the largest stable step of every method on this scene, beside the predicted one
+    /// Measure the largest stable step of every method on this scene, and compare it with the predicted one
     ///
-    /// Bisects over real runs and writes stability.csv, stability.json and stability.svg (stability regions with the
-    /// scene's motions in them).
+    /// Finds the limit by bisection with real runs. Writes stability.csv, stability.json and stability.svg (the
+    /// stability regions and the motions of the scene in them).
     Stability(StabilityArgs),
     /// Plot displacement, phase and energy of finished runs as SVG, several runs overlaid
     ///
     /// Writes displacement.svg, phase.svg and energy.svg, replacing earlier ones, and prints their names. Displacements
-    /// count from where a node lies before any initial displacement; a pendulum shows its angle.
+    /// are measured from the position before the initial displacement; a pendulum shows its angle.
     Plot(PlotArgs),
     /// Make, convert or inspect a mesh
     Mesh(MeshArgs),
@@ -83,7 +83,7 @@ pub struct CheckArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Accuracy to recommend a method and a step for, relative to the motion, in (0, 1) [default: the case's relative
+    /// Recommend a method and a step for this accuracy, relative to the motion, in (0, 1) [default: the case's relative
     /// tolerance, else 1e-3]
     #[arg(long, value_name = "A", value_parser = accuracy, allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
@@ -107,11 +107,11 @@ pub struct SolveArgs {
     /// Replace earlier results in the folder
     #[arg(long)]
     pub force: bool,
-    /// Go on from the checkpoint in the folder: one is kept when a run is interrupted, and as often as the case's
-    /// output.checkpoint says; a later --end is allowed where steps are fixed
+    /// Continue from the checkpoint in the folder. A run writes one when it is interrupted, and as often as
+    /// output.checkpoint of the case says. With fixed steps, --end may be later than before
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
-    /// Go on past a blow-up until a value stops being finite
+    /// Continue after a divergence until a value is not finite
     #[arg(long)]
     pub keep_going: bool,
     /// Write M, C and K at t = 0 as MatrixMarket files into DIR before solving

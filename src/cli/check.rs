@@ -171,8 +171,7 @@ fn describe_limits(
         let _ = writeln!(text, "{mark} {name:<20}  {limit}");
     }
     text.push_str(
-        "  (* the method of this case; all at t = 0; certified: proved to be no more than the width below the true limit, and not \
-         above it)\n\n",
+        "  (* the method of this case; all at t = 0; certified: proved to be at most the true limit, and below it by no more than the width)\n\n",
     );
 }
 
@@ -187,7 +186,7 @@ fn describe_rates(text: &mut String, scene: &dyn Scene, limits: &Limits<'_>) {
                 rates.frequency
             );
             text.push_str(
-                "                  (not searched for, which would cost too large a part of the run; true limits may be longer than these)\n",
+                "                  (bounds only: a search would cost too large a part of the run; true limits may be longer)\n",
             );
             return;
         }

@@ -27,7 +27,7 @@ pub enum InitError {
         name: String,
     },
     /// The file is there already.
-    #[error("{path} is there already; --force overwrites it")]
+    #[error("{path} exists already; --force overwrites it")]
     Exists {
         /// the file
         path: String,

@@ -38,7 +38,7 @@ pub enum MeshCommand {
 /// Where a made mesh goes.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
-    /// File to write, .vtu or .obj; without it the mesh is only described
+    /// File to write, .vtu or .obj; without it, the command only describes the mesh
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Replace the file if it exists
@@ -58,7 +58,7 @@ pub struct GradedArgs {
     /// Number of radial lines of edges
     #[arg(long)]
     pub seams: Option<usize>,
-    /// Start of the pseudo-random numbers
+    /// Seed of the pseudo-random numbers
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Ratio of the edge length in the middle to that at the edges (0.2 to 10); derived if absent
@@ -100,7 +100,7 @@ pub struct DiscArgs {
 /// How `mesh rectangle` cuts its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PatternArg {
-    /// One diagonal a cell
+    /// One diagonal per cell
     #[default]
     Regular,
     /// Both diagonals and a node where they cross

@@ -14,14 +14,14 @@ pub struct PlotArgs {
     /// Folders with results, as `canopy-fem solve` writes them
     #[arg(required = true, value_name = "OUT")]
     pub runs: Vec<PathBuf>,
-    /// Folder for the pictures [default: that of the run; the current one for several runs]
+    /// Folder for the pictures [default: the run's folder; for several runs, the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// What to plot; may be given several times [default: all that the results hold]
     #[arg(long, value_enum)]
     pub kind: Vec<Kind>,
-    /// Direction of motion; a bob's counts from its lowest point [default: the largest motion's; the angle of a
-    /// pendulum]
+    /// Direction of motion; for a bob, measured from its lowest point [default: direction of the largest motion; the
+    /// angle of a pendulum]
     #[arg(long, value_enum)]
     pub axis: Option<Direction>,
     /// Probe by name; may be given several times [default: all]

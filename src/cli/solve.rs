@@ -190,8 +190,7 @@ fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
     let lost = found.any(|w| w.code == WarningCode::BrakedRotation).then(|| dissipated_share(&outcome.ledger))?;
     (lost > LOST).then(|| {
         let text = format!(
-            "damping has taken {} % of the energy of motion and springs, and brakes the rotation of a body that nothing holds: what is \
-             left may be its work rather than the body's motion; take \"axial\" dashpots",
+            "damping has taken {} % of the kinetic and elastic energy, and it brakes the rotation of a body without supports: the motion that is left may be an effect of the damping; take \"axial\" dashpots",
             figures(100.0 * lost, 3)
         );
         Warning::new(WarningCode::EnergyDissipated, text)
@@ -295,7 +294,7 @@ fn report(
 
 fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {
     let t = figures(summary.t_end, 12);
-    format!("{}: has completed at t = {t} s already, in {}; nothing is left to resume\n", problem.name, out.display())
+    format!("{}: already completed at t = {t} s, in {}; nothing is left to resume\n", problem.name, out.display())
 }
 
 fn describe(failure: &Failure, status: Status) -> String {

@@ -21,12 +21,12 @@ pub struct StabilityArgs {
     /// the case
     #[command(flatten)]
     pub case: CaseArgs,
-    /// Methods to study, names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those of
-    /// the case's study section, else all; the case's own with its own parameters]
+    /// Methods to study, as names or as in the case file, e.g. newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: those
+    /// of the study section, else all; the method of the case keeps its parameters]
     #[arg(long, value_name = "LIST", value_parser = methods)]
     pub methods: Option<MethodList>,
-    /// Time on the clock the study may take, e.g. 60s, 5min, 1h; methods that are not finished then are left out
-    /// [default: no end]
+    /// Wall-clock time for the study, e.g. 60s, 5min, 1h; methods that are not finished by then are left out [default:
+    /// no limit]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub budget: Option<f64>,
     /// Folder for stability.csv, stability.json and stability.svg [default: out/NAME]

@@ -36,17 +36,17 @@ pub struct TradeoffArgs {
     /// what to try
     #[command(flatten)]
     pub options: TypedOptions,
-    /// Time the study may take: 60s, 5min, 2h or none; what is left out says so, and is made when the command is given
-    /// again [default: 2min; none for --plan and --shard]
+    /// Time limit of the study: 60s, 5min, 2h or none. Runs that are left out are marked; the same command makes them
+    /// when it is given again [default: 2min; none for --plan and --shard]
     #[arg(long, value_name = "TIME", value_parser = budget)]
     pub budget: Option<Budget>,
-    /// Make the references and the list of runs, and stop there
+    /// Make the references and the list of runs only
     #[arg(long, conflicts_with_all = ["shard", "merge"])]
     pub plan: bool,
-    /// Make one share of the runs of the plan, e.g. 3/8; shares count from 1
+    /// Make one share of the planned runs, e.g. 3/8; shares are counted from 1
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
     pub shard: Option<Shard>,
-    /// Join what shards have left in --out, and in these folders, if they worked elsewhere
+    /// Merge the results of the shards in --out, and in these folders if shards ran elsewhere
     #[arg(long, value_name = "DIR", num_args = 0..)]
     pub merge: Option<Vec<PathBuf>>,
     /// Folder for the results [default: out/NAME]
@@ -172,7 +172,7 @@ impl Command<'_> {
         match there {
             Some(name) => Err(StudyError::OtherStudy {
                 folder: self.out.clone(),
-                difference: format!("{name} is there without the plan it came from"),
+                difference: format!("{name} exists without the plan that it came from"),
             }),
             None => Ok(()),
         }

@@ -116,7 +116,7 @@ impl DiagnosisInput<'_> {
         let unheld = self.unheld(0).map_or(String::new(), |words| format!("; {words}"));
         Diagnosis {
             why: format!(
-                "the energy account is right to {} %, so loads or speeds carry the nodes away: no equilibrium is in reach{unheld}",
+                "the energy account is right to {} %, so loads or speeds carry the nodes away, and no equilibrium is near{unheld}",
                 figures(100.0 * error, 2)
             ),
             advice: format!(
@@ -202,7 +202,7 @@ impl DiagnosisInput<'_> {
         let why = match self.springs_alone() {
             Some(springs) if rates.frequency > springs && !turning.is_empty() => {
                 format!(
-                    ", more than the springs alone could have: loads that turn with the cloth ({})",
+                    ", more than springs alone can have; the cause is loads that turn with the cloth ({})",
                     turning.join(", ")
                 )
             }
@@ -239,7 +239,7 @@ impl DiagnosisInput<'_> {
             format!("{} % a step", figures(100.0 * (factor - 1.0), 3))
         };
         let why = format!(
-            "{} has no stable step where nothing damps: its spectrum predicts that {} grows in energy by {swells}",
+            "{} has no stable step without damping: its spectrum predicts that the energy of {} grows by {swells}",
             self.method.info.name,
             self.motion(dof, rates)
         );
@@ -283,10 +283,10 @@ impl DiagnosisInput<'_> {
         }
         let (does, weak) = match self.method.info.family {
             Family::MatrixFree => {
-                ("jumps over", "the filter, two sweeps of an iteration, is then far from what it stands for")
+                ("jumps over", "two sweeps of the filter are then a poor approximation of an implicit step")
             }
-            Family::Implicit => ("jumps over", "that this method is stable holds on linear scenes at best"),
-            Family::Explicit => ("is coarse for", "energy swings with it, stable as the scheme may be"),
+            Family::Implicit => ("jumps over", "this method is stable on linear scenes only"),
+            Family::Explicit => ("is coarse for", "the energy oscillates with it, although the scheme may be stable"),
         };
         let why = format!(
             "the step of {} s {does} motions of this scene (w h = {} for the fastest, {} rad/s {}): {weak}",

@@ -32,16 +32,15 @@ impl Step {
 }
 
 /// Error that the run may make in positions: `absolute` plus `relative` times the largest displacement so far, both as
-/// the root mean square over the free degrees of freedom. Each step may make its share of it by time. What errors
-/// really come to depends on the scene as well: on swinging pendulums and cloths they are within a factor of ten of
-/// this.
+/// the root mean square over the free degrees of freedom. Each step may make a share of it in proportion to its size.
+/// The error of a run also depends on the scene: on swinging pendulums and cloths it is within a factor of ten of this.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
     /// [-] Share of the largest displacement so far.
     #[schemars(extend("minimum" = 1e-13, "exclusiveMaximum" = 1))]
     pub relative: f64,
-    /// [m] Error that is always allowed ([rad] for a pendulum); rules while the motion is small.
+    /// [m] Error that is always allowed ([rad] for a pendulum); it matters while the motion is small.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: f64,
 }

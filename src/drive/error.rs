@@ -40,7 +40,7 @@ pub enum RunError {
     },
     /// The run does not come past the snapshot.
     #[error(
-        "the saved state is at t = {t} s after {step} steps, where a run of {steps} steps until t = {end} s does not come past"
+        "the saved state is at t = {t} s after {step} steps, which a run of {steps} steps until t = {end} s does not reach"
     )]
     NotOnTheWay {
         /// [s] time of the snapshot

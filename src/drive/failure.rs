@@ -93,7 +93,7 @@ impl FailureContext<'_> {
         };
         let cause = match &*answer.why {
             "" if !looked_for => how,
-            "" => format!("{how}; no limit of the step is seen in the tangent"),
+            "" => format!("{how}; the tangent shows no limit of the step"),
             why => format!("{how}; {why}"),
         };
         let triangle = self.fastest_triangle(diverged.to, &suspect);
@@ -105,7 +105,7 @@ impl FailureContext<'_> {
     /// A warning about energy that the scheme has made.
     pub(super) fn doubt(&self, gain: EnergyGain) -> String {
         let made = format!(
-            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, where {} J were there or were put in",
+            "the scheme itself has made energy: by t = {} s (step {}) {} has made {} J, but only {} J were present or supplied",
             figures(self.t, 4),
             self.step,
             self.method.info.name,
@@ -130,7 +130,7 @@ impl FailureContext<'_> {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst);
         if let StepError::Newton(NewtonFailure::NotFinite { .. }) = error {
             let advice = "check loads, wind, masses, speeds and damping for a wrong unit: a force, or the square of one, has left the \
-                          range of a double, which a smaller step seldom mends";
+                          range of a double, which a smaller step seldom cures";
             return self.report(suspect, error.to_string(), advice.to_owned());
         }
         if let StepError::Newton(NewtonFailure::Hidden { .. }) = error {
@@ -176,7 +176,7 @@ impl FailureContext<'_> {
     fn how(&self, diverged: &DivergedState<'_>, worst: usize, suspect: &Suspect) -> String {
         let grows = |gain: EnergyGain| match gain.growth {
             Some(growth) if growth > 1.0 => {
-                format!("; what the scheme makes grew {}-fold in this step", figures(growth, 3))
+                format!("; the energy made by the scheme grew {}-fold in this step", figures(growth, 3))
             }
             _ => String::new(),
         };
@@ -186,7 +186,7 @@ impl FailureContext<'_> {
                 format!("the nodes have spread beyond {times:.0e} times the scene's size")
             }
             DivergenceKind::Energy(gain) => format!(
-                "{} itself has made {} J of energy, where {} J were there or were put in{}{}",
+                "{} itself has made {} J of energy, but only {} J were present or supplied{}{}",
                 self.method.info.name,
                 figures(gain.made, 3),
                 figures(gain.supplied, 3),
@@ -194,7 +194,7 @@ impl FailureContext<'_> {
                 grows(gain)
             ),
             DivergenceKind::Strain { elastic, gain } => format!(
-                "the springs hold {} J, where {} J were there or were put in{}{}",
+                "the springs hold {} J, but only {} J were present or supplied{}{}",
                 figures(elastic, 3),
                 figures(gain.supplied, 3),
                 self.strain(diverged, suspect),

@@ -122,7 +122,7 @@ impl Outcome {
     pub fn energy_doubt(&self) -> Option<String> {
         (self.energy_made > DOUBTFUL).then(|| {
             let share = figures(100.0 * self.energy_made, 2);
-            format!("the scheme itself has made energy, at worst {share} % of all that was there or was put in")
+            format!("the scheme itself has made energy, up to {share} % of all that was present or supplied")
         })
     }
 }

@@ -152,7 +152,7 @@ pub enum StepError {
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// [`Integrator::start`] was not called.
-    #[error("a step was asked for before the scheme was started at a state")]
+    #[error("a step was requested before the scheme was started")]
     NotStarted,
     /// The saved state belongs to another scheme or scene.
     #[error("the saved state of the scheme holds {found} vectors where {expected} of length {length} are needed")]

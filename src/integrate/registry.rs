@@ -84,7 +84,7 @@ static METHODS: &[MethodInfo] = &[
         family: Family::Explicit,
         evaluations: [1, 1],
         parameters: &[],
-        stability: "undamped oscillations grow slowly, as Adams-Bashforth 2 does; w h < 1 at damping ratio 1",
+        stability: "undamped oscillations grow slowly, as with Adams-Bashforth 2; w h < 1 at damping ratio 1",
         linear: LinearStep::PLAIN,
         source: "Hanna 1988; thesis section 2.4.4",
         build: |_, _| Scheme::Explicit(Box::new(ImprovedEulerPec::default())),

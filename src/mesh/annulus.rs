@@ -38,7 +38,7 @@ pub struct AnnulusParameters {
     /// absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
-    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    /// [-] seed of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// [-] ratio of the wanted edge length in the middle to that at the edges. If absent it is the one at which
@@ -69,7 +69,7 @@ pub struct DiscParameters {
     /// none if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<usize>,
-    /// [-] start of the pseudo-random numbers; the same seed gives the same mesh
+    /// [-] seed of the pseudo-random numbers; the same seed gives the same mesh
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// [-] ratio of the wanted edge length in the middle to that at the edge. If absent it is the one at which

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct ChainParameters {
     /// [m] position of the first node
     pub from: [f64; 3],
-    /// [m] position of the last node, elsewhere than `from`
+    /// [m] position of the last node, not the same as `from`
     pub to: [f64; 3],
     /// [-] number of edges, at least 1
     #[schemars(range(min = 1))]

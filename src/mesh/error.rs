@@ -47,8 +47,7 @@ pub enum MeshError {
     },
     /// The relaxation did not come to rest.
     #[error(
-        "the mesh did not come to rest: after {iterations} iterations a node still moves {movement:.2e} of an edge length \
-         a step (allowed {tolerance:.1e}); try another `seed`, or a `grading` closer to 1"
+        "the mesh did not converge: after {iterations} iterations a node still moves {movement:.2e} of an edge length per step (allowed {tolerance:.1e}); try another `seed`, or a `grading` closer to 1"
     )]
     NotRelaxed {
         /// iterations done

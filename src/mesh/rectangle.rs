@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectanglePattern {
-    /// One diagonal a cell, lower left to upper right: two triangles.
+    /// One diagonal per cell, lower left to upper right: two triangles.
     #[default]
     Regular,
     /// Both diagonals and a node where they cross: four triangles, the same in both directions.

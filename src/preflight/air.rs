@@ -104,8 +104,7 @@ impl fmt::Display for WindInPlane {
         let which = if triangles == of { format!("all {of}") } else { format!("{triangles} of {of}") };
         write!(
             f,
-            "the wind lies in the plane of {which} triangles (triangle {first} first), so the air exerts no force on them: turn the \
-             wind or the mesh, or displace the start a little across the wind"
+            "the wind lies in the plane of {which} triangles (triangle {first} first), so the air exerts no force on them: turn the wind or the mesh, or give a small initial displacement across the wind"
         )
     }
 }
@@ -140,8 +139,7 @@ impl fmt::Display for FreeSheets {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "this air law has no pressure inside: a canopy that is not held open will close, and no support holds the cloth of {} \
-             triangles (triangle {} first); hold its skirt, or give it a follower pressure",
+            "this air law gives no inner pressure: a canopy closes unless it is held open, and no support holds the cloth of {} triangles (triangle {} first); hold its skirt, or give it a follower pressure",
             self.triangles, self.first
         )
     }

@@ -67,13 +67,12 @@ pub fn unsupported(parts: &Parts) -> Option<Unsupported> {
 impl fmt::Display for Unsupported {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = match self.parts {
-            1 => "they are a part of their own".to_owned(),
-            n => format!("they are {n} parts of their own"),
+            1 => "they form a separate part".to_owned(),
+            n => format!("they form {n} separate parts"),
         };
         write!(
             f,
-            "nodes {} hang on no support, and others do: {parts}, which nothing keeps in place; join them to the rest by springs or \
-             shared nodes, or hold them",
+            "nodes {} are connected to no support, but others are: {parts}, which nothing keeps in place; join them to the rest by springs or shared nodes, or support them",
             first_few(&self.nodes)
         )
     }

@@ -42,7 +42,7 @@ pub enum NewtonFailure {
     /// Rounding of the residual is as large as the forces: no iteration improves on the first guess, or the final
     /// residual is far above all forces.
     #[error(
-        "the forces of the stiffest springs are rounded by {rounding:.1e} N, and {forces:.1e} N are all that act: rounding hides the motion"
+        "the forces of the stiffest springs have rounding errors of {rounding:.1e} N, and only {forces:.1e} N act on the scene: rounding hides the motion"
     )]
     Hidden {
         /// iterations made

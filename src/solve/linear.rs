@@ -10,11 +10,11 @@ use std::sync::Arc;
 
 /// Linear solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
 #[schemars(rename = "Linear")]
+#[serde(rename_all = "kebab-case")]
 pub enum LinearChoice {
-    /// Where a matrix is kept over many steps, Cholesky or conjugate gradients of it, by counted work; else Cholesky
-    /// for a symmetric tangent, LU for another.
+    /// Where a matrix is kept over many steps: Cholesky or conjugate gradients, whichever is less counted work.
+    /// Otherwise Cholesky for a symmetric tangent, and LU for any other.
     #[default]
     Auto,
     /// Sparse Cholesky; needs a symmetric tangent.
@@ -22,8 +22,8 @@ pub enum LinearChoice {
     /// Sparse LU.
     Lu,
     /// Conjugate gradients, preconditioned by an incomplete factorisation of which only the pivots are stored: little
-    /// memory, for small steps and large meshes. Of the symmetric part where the tangent is not symmetric, for which
-    /// the strategy must not be `full`.
+    /// memory, for small steps and large meshes. If the tangent is not symmetric, its symmetric part is used; the
+    /// strategy must then not be `full`.
     Cg,
 }
 
@@ -149,7 +149,7 @@ pub enum LinearError {
     },
     /// Conjugate gradients did not reach the requested residual.
     #[error(
-        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, and {asked:.1e} was asked for: \
+        "conjugate gradients left {residual:.1e} of the right-hand side after {iterations} iterations, but {asked:.1e} was required: \
          the step is long for so stiff a scene, or its stiffnesses are too far apart for single precision; use \"linear\": \"cholesky\" or \"auto\", or a smaller step"
     )]
     Stalled {

@@ -12,17 +12,17 @@ pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
-/// When the tangent is made anew.
+/// When the tangent is computed again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As `quasi` where a factorisation costs many iterations on an old factor, by counted work; else, and where that
-    /// leads nowhere, as `full`.
+    /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;
+    /// otherwise, and where `quasi` fails, as `full`.
     #[default]
     Auto,
     /// In every iteration.
     Full,
-    /// Seldom: the factor of a symmetric tangent is used as long as it serves.
+    /// Seldom: the factor of a symmetric tangent is used as long as the iteration converges fast enough with it.
     Modified,
     /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,

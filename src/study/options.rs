@@ -30,21 +30,21 @@ pub struct StudyOptions {
 /// What was typed.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct TypedOptions {
-    /// Methods, parted by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
+    /// Methods, separated by commas: newmark,rk4,'{"hht": {"alpha": -0.2}}' [default: all]
     #[arg(long, value_name = "LIST", conflicts_with_all = ["shard", "merge"])]
     pub methods: Option<String>,
-    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: laid around the scene's
-    /// periods]
+    /// Fixed steps [s]: 1e-3,5e-4 or 1e-5..1e-1 (1, 2, 5 times powers of ten) or none [default: chosen around the
+    /// scene's periods]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub steps: Option<String>,
     /// Relative tolerances of adaptive steps, in the same way (powers of ten) [default: 1e-2..1e-6, if no steps are
     /// given]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub tolerances: Option<String>,
-    /// Times every run is made; the median counts [default: 3]
+    /// Number of times each run is made; its cost is their median [default: 3]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["shard", "merge"])]
     pub repeat: Option<u32>,
-    /// Also with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
+    /// Repeat the study with the stiffness of all springs times these factors: 1,10,100 or 1..1e4
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, conflicts_with_all = ["shard", "merge"])]
     pub stiffness_sweep: Option<String>,
 }

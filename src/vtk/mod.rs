@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 /// How the bytes of appended arrays are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
-    /// As they are: the smallest and fastest, but not text, which some builds of ParaView 9.1-9.2 refuse.
+    /// As raw bytes: the smallest and fastest form, but not valid text, which some builds of ParaView 9.1-9.2 refuse.
     #[default]
     Raw,
-    /// As base64 text: 4/3 of the size, read by everything.
+    /// As base64 text: 4/3 of the size, read by every program.
     Base64,
 }
 
@@ -38,7 +38,7 @@ pub enum Precision {
     /// All sixteen.
     #[default]
     F64,
-    /// Seven, in half the room: enough for pictures. Positions keep sixteen.
+    /// Seven, at half the size: enough for pictures. Positions keep sixteen.
     F32,
 }
 

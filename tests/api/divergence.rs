@@ -176,7 +176,7 @@ fn predicted_growth_warns_before_it_stops() {
     assert!((growth - 1.0 - wh * wh).abs() < 0.02, "{growth}");
     let doubt = ended.doubt.expect("a warning first");
     assert!(doubt.contains("(step 10)"), "ten percent after ln(1.1)/ln(1.01) = 9.6 steps: {doubt}");
-    assert!(doubt.contains("grows in energy by 1 % a step"), "{doubt}");
+    assert!(doubt.contains("grows by 1 % a step"), "{doubt}");
     follow_advice(&with(&case, "explicit-euler", wh / 10.0, 10.0), &failure).expect("it works");
     let short = follow(&with(&case, "explicit-euler", wh / 10.0, 1.0), |_| {});
     assert_eq!(short.status, Status::Completed);

@@ -44,9 +44,9 @@ fn lengths(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut F
         let [x, dx, l] = [largest, rounding, shortest].map(|x| figures(x, 3));
         format!("coordinates of {x} m are rounded to {dx} m, and the spring on edge {edge} is {l} m long")
     };
-    let advice = "move the mesh to the origin: nothing here depends on where it is";
+    let advice = "move the mesh to the origin: results do not depend on its position";
     if share > LOST {
-        let allowed = format!("coordinates that leave {LOST:e} of the shortest spring's length");
+        let allowed = format!("coordinates with a rounding of at most {LOST:e} of the shortest spring's length");
         faults.add_value(&at.key("mesh"), numbers(), allowed, Some(advice.to_owned()));
     } else if share > DOUBTFUL {
         let text = format!("{}: {}; {advice}", at.key("mesh"), numbers());

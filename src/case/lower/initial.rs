@@ -58,7 +58,7 @@ fn each(at: &Pointer, vectors: &Vectors, fixed: &[[bool; 3]], faults: &mut Fault
         Vectors::Each(list) if list.len() == fixed.len() => list.clone(),
         Vectors::Each(list) => {
             let value = format!("{} vectors", list.len());
-            faults.add_value(at, value, format!("one vector, or a list of {} (one a node)", fixed.len()), None);
+            faults.add_value(at, value, format!("one vector, or a list of {} (one per node)", fixed.len()), None);
             Vec::new()
         }
     }
@@ -86,7 +86,7 @@ fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>,
     let edges: Vec<u32> = network.springs.iter().flat_map(|g| g.edges.iter().copied()).filter(|e| meet(*e)).collect();
     if !edges.is_empty() {
         let value = format!("springs without length on edges {}", first_few(&edges));
-        let hint = "the displaced ends of a spring fall together, or too far away for a double".to_owned();
-        faults.add_value(at, value, "a displacement that leaves every spring a length", Some(hint));
+        let hint = "the displaced ends of a spring coincide, or are farther apart than a double can hold".to_owned();
+        faults.add_value(at, value, "a displacement after which every spring has a length", Some(hint));
     }
 }

@@ -35,7 +35,7 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
 fn each(at: &Pointer, list: &[f64], mass: &mut [f64], faults: &mut Faults<'_>) {
     if list.len() != mass.len() {
         let value = format!("{} numbers", list.len());
-        faults.add_value(at, value, format!("one number, or a list of {} (one a node)", mass.len()), None);
+        faults.add_value(at, value, format!("one number, or a list of {} (one per node)", mass.len()), None);
         return;
     }
     for (i, (sum, m)) in mass.iter_mut().zip(list).enumerate() {

@@ -53,7 +53,7 @@ pub(super) fn series<T>(
                 &at.index(i + 1),
                 format!("time {} after {}", pair[1], pair[0]),
                 "times strictly increasing from row to row",
-                Some("sort the rows by time and keep one row a time; for a jump use two close times".to_owned()),
+                Some("sort the rows by time and keep one row per time; for a jump use two close times".to_owned()),
             );
         }
     }

@@ -67,7 +67,7 @@ pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_
 fn speed(at: &Pointer, what: &str, speed: f64, faults: &mut Faults<'_>) {
     if speed > SOUND {
         let text = format!(
-            "{at}: {what} has {} m/s, {} times the speed of sound ({SOUND} m/s); no force here knows compressible flow",
+            "{at}: {what} has {} m/s, {} times the speed of sound ({SOUND} m/s); no force of this program models compressible flow",
             figures(speed, 4),
             figures(speed / SOUND, 3)
         );

@@ -62,7 +62,7 @@ pub(super) fn nodes(
             let (low, high) = (Vector3::from(*low), Vector3::from(*high));
             let rises = low <= high;
             if !rises {
-                faults.add(&at.key("box"), "the lowest corner first, then the highest: no coordinate may fall");
+                faults.add(&at.key("box"), "the lowest corner first, then the highest");
                 return None;
             }
             inside(&|p| low <= p && p <= high)
@@ -154,7 +154,7 @@ pub(super) fn triangles(
             faults.add_hint(
                 at,
                 "\"all\" or {\"ids\": [...]}: a pressure acts on triangles",
-                format!("\"{word}\" selects nodes, which serves a force"),
+                format!("\"{word}\" selects nodes, as only a force can"),
             );
             None
         }

@@ -164,8 +164,7 @@ pub(super) fn dashpot(
                 return None;
             };
             let text = format!(
-                "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the \
-                 thesis, else {{\"time\": {h:e}}} means the same at this step and keeps its meaning at others"
+                "{at}: a \"step\" dashpot has c = k h, so the physics changes with the step; use it only to reproduce the thesis. Instead, {{\"time\": {h:e}}} gives the same coefficient at this step and at all others"
             );
             faults.warn(WarningCode::StepDashpot, text);
             stiffness.iter().map(|k| k * h).collect()

@@ -3,8 +3,8 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-/// The air: a pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative
-/// to the cloth, v_n. The jump pushes along the relative wind.
+/// The air: a pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to
+/// the cloth, v_n. The jump acts along the relative wind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Aero {

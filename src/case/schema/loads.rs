@@ -21,7 +21,8 @@ pub struct Load {
     /// [N] Force on each of the nodes.
     pub force: Option<[f64; 3]>,
     /// [s, -] Factor over time: rows of time and factor, times strictly increasing; linear between rows, constant
-    /// outside them. Not given: 1 at all times. Fixed steps that have rows inside keep the integral, not the shape.
+    /// outside them. Not given: 1 at all times. Fixed steps with rows inside them keep the integral of the factor, but
+    /// not its shape.
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,
 }

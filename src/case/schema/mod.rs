@@ -35,27 +35,26 @@ pub use time::{Study, Time};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "canopy-fem case")]
 pub struct CaseFile {
-    /// Where the JSON Schema of this file is, by which an editor finds it; used by nothing else.
+    /// Path of the JSON Schema of this file, for editors; the program does not use it.
     #[serde(rename = "$schema")]
     pub schema: Option<String>,
     /// Name of the case; result files and the default output folder carry it. 1 to 200 characters.
     #[schemars(length(min = 1, max = 200))]
     pub name: String,
-    /// What the case is about, in words; shown to people, used by nothing.
+    /// Description for the reader; the program does not use it.
     pub description: Option<String>,
-    /// Kinds of warnings that are meant to be so, by the codes that `check` and `solve` print in brackets: they are not
-    /// printed again.
+    /// Codes of the warnings to accept, as `check` and `solve` print them in brackets: these warnings are not printed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub acknowledge: Vec<WarningCode>,
     /// What moves.
     pub system: System,
-    /// How long, by which method and in which steps.
+    /// End, method and steps of the run.
     pub time: Time,
     /// How the equations of an implicit method are solved; explicit methods do not need it.
     pub solver: Option<Solver>,
     /// What is written.
     pub output: Option<Output>,
-    /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags win over it.
+    /// What `canopy-fem tradeoff` and `canopy-fem stability` try; command-line flags take precedence.
     pub study: Option<Study>,
 }
 

@@ -1,4 +1,5 @@
-//! The network: mesh, mass, springs, supports and what acts on it. An absent section is absent physics.
+//! The network: mesh, mass, springs, supports and what acts on it. A section that is absent means physics that is not
+//! modelled.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,9 +18,9 @@ use crate::model::spec::RayleighSpec;
 pub struct Network {
     /// Where the nodes, edges and triangles come from.
     pub mesh: MeshSource,
-    /// Mass of the nodes; every free node needs some, from here or from `springs[].linear_density`.
+    /// Mass of the nodes; every free node needs a mass, from here or from `springs[].linear_density`.
     pub mass: Option<Mass>,
-    /// Springs on edges; the first rule that selects an edge counts.
+    /// Springs on edges; an edge follows the first rule that selects it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<SpringRule>,
     /// Nodes that are held.
@@ -34,18 +35,18 @@ pub struct Network {
     pub loads: Vec<Load>,
     /// Damping of the network as a whole.
     pub damping: Option<Damping>,
-    /// Where the nodes start and how fast.
+    /// Initial displacements and velocities of the nodes.
     pub initial: Option<Initial>,
 }
 
-/// Mass of the nodes. What is given adds up.
+/// Mass of the nodes: the sum of what is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mass {
     /// [kg/m^2] Mass per area: a third of each triangle's area on the mesh as given goes to each of its nodes.
     #[schemars(range(min = 0))]
     pub areal_density: Option<f64>,
-    /// [kg] Mass of every node, or a list with one a node; none may be negative.
+    /// [kg] Mass of every node, or a list with one mass per node; none may be negative.
     pub nodal: Option<PerNode>,
 }
 
@@ -55,7 +56,7 @@ pub struct Mass {
 pub struct Support {
     /// Which nodes.
     pub on: NodeSelection,
-    /// Which directions are held: any of the letters x, y and z, each at most once. Supports add up.
+    /// Directions that are held: any of the letters x, y and z, each at most once. Several supports of a node add up.
     #[schemars(regex(pattern = r"^(x(yz?|zy?)?|y(xz?|zx?)?|z(xy?|yx?)?)$"))]
     pub fix: String,
 }
@@ -68,9 +69,9 @@ pub struct Damping {
     pub rayleigh: RayleighSpec,
 }
 
-/// Where the nodes start and how fast.
+/// Initial displacements and velocities of the nodes.
 ///
-/// One vector acts on the free degrees of freedom only. A list with one vector a node may move supports too: a
+/// One vector acts on the free degrees of freedom only. A list with one vector per node may move supports too: a
 /// support holds its node where the initial displacement puts it. A velocity at a held degree of freedom must be 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

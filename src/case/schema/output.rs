@@ -18,8 +18,8 @@ pub struct Output {
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
-    /// Rows of `history.csv`; not given: as many steps a row as keep the file within 10,000 rows, counted for the end
-    /// that the run began with.
+    /// Rows of `history.csv`; not given: the interval at which the file has at most 10,000 rows, computed for the end
+    /// with which the run began.
     pub history: Option<EverySteps>,
     /// Checkpoints that `solve --resume` goes on from; not given: one when the run is interrupted.
     pub checkpoint: Option<EveryCheckpoint>,
@@ -58,7 +58,7 @@ pub struct EveryCheckpoint {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EverySteps {
-    /// [-] Steps a row; the first and the last state have a row in any case.
+    /// [-] Steps per row; the first and the last state always have a row.
     #[schemars(range(min = 1))]
     pub every: u64,
 }
@@ -70,12 +70,12 @@ pub enum Field {
     /// Velocity of the nodes, m/s; always written.
     Velocity,
     /// Net force on the nodes, N: of springs, dampers, weight, air and loads; 0 in held directions, where the support's
-    /// reaction balances it. Of a pendulum: its weight and damping, without the pull of the rod.
+    /// reaction balances it. Of a pendulum: its weight and damping, without the force of the rod.
     Force,
     /// Support reaction on the nodes, N.
     Reaction,
-    /// Tension of the springs with their axial dashpots, N; below 0 they push. Relative dashpots and Rayleigh damping
-    /// do not act along the springs and are not in it.
+    /// Tension of the springs with their axial dashpots, N; below 0 in compression. Relative dashpots and Rayleigh
+    /// damping do not act along the springs and are not in it.
     Tension,
     /// Strain of the springs.
     Strain,

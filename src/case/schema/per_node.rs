@@ -4,23 +4,23 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-/// One number for every node, or a list with one a node.
+/// One number for every node, or a list with one number per node.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PerNode {
     /// The same for every node.
     Same(f64),
-    /// One a node.
+    /// One per node.
     Each(Vec<f64>),
 }
 
-/// One vector for every free degree of freedom, or a list with one vector a node.
+/// One vector for every free degree of freedom, or a list with one vector per node.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Vectors {
     /// The same for every node.
     Same([f64; 3]),
-    /// One a node.
+    /// One per node.
     Each(Vec<[f64; 3]>),
 }
 

@@ -11,7 +11,7 @@ pub enum NodeSelection {
     All,
     /// The nodes of all boundary loops of the triangles.
     Boundary,
-    /// The nodes of the boundary loop that encloses the others.
+    /// The nodes of the boundary loop that encloses all others.
     Outer,
     /// The nodes of every other boundary loop: the edges of holes.
     Inner,
@@ -44,7 +44,7 @@ pub enum EdgeSelection {
     Boundary,
     /// Edges between triangles.
     Interior,
-    /// The radial seam lines that the mesh was asked for.
+    /// The radial seam lines of the mesh, as given by its `seams`.
     Seams,
     /// Edges that belong to no triangle: chains, suspension lines.
     Lines,

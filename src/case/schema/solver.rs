@@ -25,11 +25,11 @@ pub struct Newton {
     /// at the step's start; 1e-8 if not given.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub relative: Option<f64>,
-    /// [-] Iterations on the exact tangent after which a step counts as not solvable, and besides at most as many on
-    /// one that is kept; 100 if not given.
+    /// [-] Largest number of iterations with the exact tangent, after which a step counts as not solvable. With a kept
+    /// tangent, as many more are allowed; 100 if not given.
     #[schemars(range(min = 1, max = 1000))]
     pub max_iterations: Option<u32>,
-    /// When the tangent is made anew; `auto` if not given.
+    /// When the tangent is computed again; `auto` if not given.
     #[serde(default)]
     pub strategy: Strategy,
 }

@@ -20,7 +20,7 @@ pub struct SpringRule {
     pub axial_rigidity: Option<f64>,
     /// Stiffness from a continuous sheet; for edges of triangles.
     pub membrane: Option<Membrane>,
-    /// [m] Length l0 at which the spring is at rest; the edge's length on the mesh as given if not given.
+    /// [m] Rest length l0 of the spring; if not given, the length of the edge on the mesh as given.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rest_length: Option<f64>,
     /// [-] The rest length as a factor of the edge's length on the mesh as given; not together with `rest_length`.
@@ -29,7 +29,7 @@ pub struct SpringRule {
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
-    /// When the spring is slack; not given: it pulls and pushes.
+    /// When the spring is slack; not given: it acts in tension and in compression.
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.
     pub dashpot: Option<Dashpot>,
@@ -51,13 +51,13 @@ pub struct Membrane {
 /// When a spring is slack; e = l - l0 is its elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum SlackRule {
-    /// T = k max(e, 0): it never pushes.
+    /// T = k max(e, 0): no compression.
     #[serde(rename = "tension-only")]
     TensionOnly,
-    /// [m] T = k max(e - eps, 0): it pulls once it is longer than l0 by this eps.
+    /// [m] T = k max(e - eps, 0): tension only, where the spring is longer than l0 by more than this eps.
     #[serde(rename = "dead_zone")]
     DeadZone(#[schemars(range(min = 0))] f64),
-    /// [m] T = k max(e, -eps): its push stops growing once it is shorter than l0 by this eps.
+    /// [m] T = k max(e, -eps): the compression is constant where the spring is shorter than l0 by more than this eps.
     #[serde(rename = "compression_limit")]
     CompressionLimit(#[schemars(range(min = 0))] f64),
 }
@@ -66,7 +66,7 @@ pub enum SlackRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dashpot {
-    /// c ldot along the spring; it goes slack with its spring.
+    /// c ldot along the spring; no force while the spring is slack.
     Axial(DashpotRule),
     /// c (vb - va), all three components, slack or not.
     Relative(DashpotRule),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::method::Method;
 use crate::drive::clock::Tolerance;
 
-/// How long, by which method and in which steps. Exactly one of `step` and `tolerance` is given.
+/// End, method and steps of the run. Exactly one of `step` and `tolerance` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
@@ -18,7 +18,7 @@ pub struct Time {
     /// [s] Fixed step; only the last one is shortened to meet the end.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step: Option<f64>,
-    /// Error the run may make, for steps of the size it allows, by any method.
+    /// Error that the run may make; the size of the steps follows from it, with any method.
     pub tolerance: Option<Tolerance>,
 }
 
@@ -35,7 +35,7 @@ pub struct Study {
     /// [-] Relative tolerances to try, each above 0 and below 1; at least one.
     #[schemars(length(min = 1), extend("items" = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}))]
     pub tolerances: Option<Vec<f64>>,
-    /// [-] Times every run is repeated to measure its cost; the median counts.
+    /// [-] Number of times each run is made to measure its cost; the cost is their median.
     #[schemars(range(min = 1, max = 1000))]
     pub repeat: Option<u32>,
     /// [s] Wall-clock time the study may take.

@@ -13,20 +13,14 @@ impl FailureContext<'_> {
         let (cause, advice) = if worst.ratio.is_finite() {
             (
                 format!(
-                    "the time tolerance asks for a step below {floor:.1e} s, the smallest that is tried: a step of {:.1e} s still makes \
-                     {:.1e} of what the whole run may; either forces change by a jump there, or the tolerance, shared out over {:.1e} s, is \
-                     finer than rounding ({rounding:.1e} m in positions of {size:.1e} m)",
+                    "the time tolerance needs a step below {floor:.1e} s, the smallest allowed: the error of a step of {:.1e} s is still {:.1e} of what the whole run may make. Either forces jump there, or the tolerance, spread over {:.1e} s, is finer than rounding ({rounding:.1e} m in positions of {size:.1e} m)",
                     self.h, worst.ratio, self.end
                 ),
-                "raise time.tolerance, shorten the run, or make what jumps there smooth (a load table with steep rows, a slack rule with a \
-                 dashpot)",
+                "raise time.tolerance, shorten the run, or smooth the jump (a load table with steep rows, a slack rule with a dashpot)",
             )
         } else {
             (
-                format!(
-                    "forces or states are not finite even in a step of {:.1e} s, the smallest that is tried",
-                    self.h
-                ),
+                format!("forces or states are not finite even in a step of {:.1e} s, the smallest allowed", self.h),
                 "check loads, wind, masses, speeds and damping for a wrong unit: a force has left the range of a double",
             )
         };
@@ -36,12 +30,10 @@ impl FailureContext<'_> {
     /// The last [`STEPS`] steps went on by `gone` [s].
     pub(in crate::drive) fn without_progress(&self, gone: f64) -> Failure {
         let cause = format!(
-            "the run does not go on: the last {STEPS} steps took it from {:.9e} s by {gone:.1e} s, of {:.1e} s. The time tolerance asks for \
-             steps of {:.1e} s",
+            "the run makes no progress: from t = {:.9e} s, its last {STEPS} steps advanced it by {gone:.1e} s, of {:.1e} s in all. The time tolerance needs steps of {:.1e} s",
             self.from.state.t, self.end, self.h
         );
-        let advice = "raise time.tolerance, above all its absolute part, or use a fixed step; look for a load, a wind or a spring that changes \
-                      within so short a time";
+        let advice = "raise time.tolerance (first its absolute part) or use a fixed step; look for a load, a wind or a spring that changes within so short a time";
         self.report(self.scene.suspect(self.from.state.as_ref(), 0), cause, advice.to_owned())
     }
 }

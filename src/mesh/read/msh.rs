@@ -14,7 +14,7 @@ enum Numbers<'a> {
 impl Numbers<'_> {
     fn text<T: std::str::FromStr>(words: &mut std::str::SplitAsciiWhitespace<'_>) -> Result<T, String> {
         let word = words.next().ok_or("ends too early")?;
-        word.parse().map_err(|_| format!("\"{word}\" stands where a number should"))
+        word.parse().map_err(|_| format!("\"{word}\" is not a number"))
     }
 
     fn bytes<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {

@@ -264,7 +264,9 @@ fn many_faults_are_counted() {
     let error = text_with(&text, &[]).expect_err("refused");
     assert_eq!(error.faults().len(), 50);
     let shown = error.to_string();
-    assert!(shown.starts_with("base.json: 1000 faults") && shown.ends_with("and 950 more; mend these and check again"));
+    assert!(
+        shown.starts_with("base.json: 1000 faults") && shown.ends_with("and 950 more; correct these and check again")
+    );
     assert!(shown.len() < 30_000, "{} bytes", shown.len());
 }
 

@@ -192,7 +192,7 @@ fn a_finished_run_goes_on_only_beyond_its_end() {
     let before = contents(&bench.path("out"));
     let again = bench.solve(&[&KEEP[..], &["--resume"]].concat());
     assert_eq!(again.code, Some(0), "{}", again.stderr);
-    assert!(again.stdout.contains("has completed at t = 1 s already"), "{}", again.stdout);
+    assert!(again.stdout.contains("already completed at t = 1 s"), "{}", again.stdout);
     assert!(contents(&bench.path("out")) == before);
     assert_refused(
         &bench,

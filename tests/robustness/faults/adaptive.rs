@@ -284,6 +284,6 @@ fn a_run_without_end_ends_and_says_so() {
     let run = program(folder.path(), &case, &["solve"]);
     assert_eq!(run.status, Some(3), "{}{}", run.stdout, run.stderr);
     let failure = &summary(folder.path(), "too-stiff")["failure"];
-    assert!(failure["cause"].as_str().is_some_and(|cause| cause.contains("the smallest that is tried")), "{failure}");
+    assert!(failure["cause"].as_str().is_some_and(|cause| cause.contains("the smallest allowed")), "{failure}");
     assert!(failure["advice"].as_str().is_some_and(|advice| advice.contains("time.tolerance")), "{failure}");
 }
