@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::bench::{Bench, choice};
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, ExperimentError, Flow, Start};
+use super::experiment::{Event, Experiment, ExperimentError, Start};
 use super::frames::Sampler;
 use super::reference::Reference;
 use super::row::{Job, Measured, RowStatus, StepSetting};
@@ -65,11 +65,11 @@ impl Runner<'_> {
         let interrupt = Stop::on(self.interrupt);
         let experiment = Experiment { interrupt, single_steps: 0, ..bench.experiment(&method, job.setting.step()) };
         let run = experiment.run(start, Some(&mut sampler), &mut |event, distance| {
-            let Event::Boundary(run) = event else { return Flow::Continue };
+            let Event::Boundary(run) = event else { return false };
             let mut save = || {
-                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: seconds(watch.read()) };
+                let unfinished = Unfinished { snapshot: run.snapshot(), distance, spent: watch.seconds() };
                 failed = self.store.keep_unfinished(job, &unfinished).err();
-                Flow::stop_if(failed.is_some())
+                failed.is_some()
             };
             if run.occasion == Occasion::Interrupted {
                 return save();
@@ -77,13 +77,13 @@ impl Runner<'_> {
             let interrupted = self.interrupt.load(Ordering::Relaxed);
             if countdown > 0 {
                 countdown -= 1;
-                return Flow::stop_if(interrupted);
+                return interrupted;
             }
             countdown = between;
             let now = Instant::now();
             let over = deadline.is_some_and(|deadline| now >= deadline);
             if interrupted || over || now.duration_since(saved) < SAVED_EVERY {
-                return Flow::stop_if(interrupted || over);
+                return interrupted || over;
             }
             saved = now;
             save()
@@ -107,13 +107,8 @@ impl Runner<'_> {
             return Ok(Ended::OutOfTime(outcome.t_end));
         }
         let errors = sampler.distance().over(reference.account.motion);
-        Ok(Ended::Done(measured(&outcome, errors, seconds(cost))))
+        Ok(Ended::Done(measured(&outcome, errors, cost.seconds())))
     }
-}
-
-/// [s] Processor time, or that of the wall clock where the system does not say.
-fn seconds(cost: Cost) -> f64 {
-    cost.cpu.unwrap_or(cost.wall.as_secs_f64())
 }
 
 fn refused(note: String) -> Ended {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bench::{Bench, reference_tolerance};
 use super::error::StudyError;
-use super::experiment::{Event, Experiment, Flow, Start};
+use super::experiment::{Event, Experiment, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
@@ -56,6 +56,14 @@ pub struct Reference {
     pub frames: Frames,
     /// what it is worth
     pub account: ReferenceReport,
+}
+
+impl Reference {
+    /// Refuses a reference whose two solutions do not agree.
+    fn checked(self) -> Result<Self, ReferenceFailure> {
+        let error = self.account.error;
+        if error <= NOT_AGREED { Ok(self) } else { Err(ReferenceFailure::NotAgreed(error)) }
+    }
 }
 
 /// How a reference was made and what it is worth.
@@ -182,13 +190,7 @@ impl Workshop<'_> {
                 break;
             }
         }
-        best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(|best| {
-            if best.account.error > NOT_AGREED {
-                Err(ReferenceFailure::NotAgreed(best.account.error))
-            } else {
-                Ok(best)
-            }
-        })
+        best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(Reference::checked)
     }
 
     /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.
@@ -243,12 +245,8 @@ impl Workshop<'_> {
                 break;
             }
         }
-        match best {
-            Some(best) if best.account.error <= NOT_AGREED => Ok(best),
-            Some(best) => Err(ReferenceFailure::NotAgreed(best.account.error)),
-            None => Err(failed
-                .unwrap_or(ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance })),
-        }
+        let too_long = ReferenceFailure::TooLong { seconds: seconds(0) + seconds(1), allowance: self.allowance };
+        best.ok_or(failed.unwrap_or(too_long)).and_then(Reference::checked)
     }
 
     /// The frames of one run to the end.
@@ -267,7 +265,7 @@ impl Workshop<'_> {
             if let Event::Step(_) = event {
                 left = left.saturating_sub(1);
             }
-            Flow::stop_if(left == 0 || self.interrupted())
+            left == 0 || self.interrupted()
         });
         let Outcome { status, counters, failure, steps, t_end, .. } =
             run.map_err(|e| ReferenceFailure::Failed(format!("{told}: {e}")))?;

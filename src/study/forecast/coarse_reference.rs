@@ -5,7 +5,6 @@
 //! so it is measured. How far runs go is decided by nominal costs alone, and what they need is counted: the same case
 //! gives the same errors on every machine.
 
-use super::cost::Clock;
 use super::estimate::Estimate;
 use super::nominal::{Budget, NominalCosts};
 use super::sample::{Sample, work};
@@ -13,8 +12,9 @@ use super::{Candidate, ForecastSpec};
 use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
 use crate::integrate::registry::MethodChoice;
+use crate::process::Stopwatch;
 use crate::study::bench::{interval, nominal_step, reference_tolerance};
-use crate::study::experiment::{Event, Experiment, Flow, Start};
+use crate::study::experiment::{Event, Experiment, Start};
 use crate::study::frames::{Distance, Frames, Sampler};
 
 /// The scheme of the reference.
@@ -153,21 +153,21 @@ impl<'a> CoarseReference<'a> {
         let frames_every = Some(self.every);
         let experiment = Experiment { frames_every, ..Experiment::new(scene, method, problem.solver, step, self.span) };
         let (mut made, mut halfway) = (0, Distance::default());
-        let clock = Clock::default();
+        let clock = Stopwatch::default();
         let before = clock.seconds();
         let run = experiment.run(Start::Initial, Some(sampler), &mut |event, distance| match event {
             Event::Boundary(run) => {
                 let cost = |costs: NominalCosts| costs.cost(run.step as f64, work(run.counters));
-                Flow::stop_if(most.work.is_some_and(|(costs, most)| cost(costs) > most))
+                most.work.is_some_and(|(costs, most)| cost(costs) > most)
             }
             Event::Step(_) => {
                 if halfway.frames == 0 && distance.frames >= half {
                     halfway = distance;
                 }
                 made += 1;
-                Flow::stop_if(made >= most.steps)
+                made >= most.steps
             }
-            _ => Flow::Continue,
+            _ => false,
         });
         let outcome = run.ok()?;
         let seconds = clock.seconds() - before;

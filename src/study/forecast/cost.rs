@@ -1,12 +1,11 @@
 //! What one force pass and one tangent of a scene cost, measured here and now.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use crate::assembly::Assembler;
 use crate::integrate::implicit::{Factor, SolverSpec, cached_factor};
 use crate::model::system::Weights;
-use crate::process;
+use crate::process::Stopwatch;
 use crate::scene::Scene;
 use crate::solve::{Accuracy, LinearSolver, LinearStats, Prediction, solver_for};
 
@@ -140,7 +139,7 @@ pub fn force_cost(scene: &dyn Scene) -> ForceCost {
 /// # Errors
 /// What an implicit method would be refused with.
 pub fn tangent_cost(scene: &dyn Scene, spec: SolverSpec, weight: f64) -> Result<TangentCost, String> {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let before = clock.seconds();
     let (mut assembler, mut solver, kept) =
         match cached_factor(scene, spec.newton.strategy, spec.linear).map_err(|e| e.to_string())? {
@@ -231,27 +230,10 @@ fn solve(solver: &mut dyn LinearSolver, assembler: &Assembler) -> (f64, u64) {
     (seconds, (solver.work().iterations - before).div_ceil(solves.max(1)))
 }
 
-/// Reads processor time, or the wall clock where the system does not say.
-#[derive(Clone, Copy, Debug)]
-pub struct Clock(Instant);
-
-impl Default for Clock {
-    fn default() -> Self {
-        Clock(Instant::now())
-    }
-}
-
-impl Clock {
-    /// [s] spent, from some fixed moment on.
-    pub fn seconds(&self) -> f64 {
-        process::cpu_seconds().unwrap_or_else(|| self.0.elapsed().as_secs_f64())
-    }
-}
-
 /// [s] What a piece of work costs once it is warm: the median of a few samples, or the only one where that already
 /// takes `budget` [s].
 pub fn median_seconds(budget: f64, mut work: impl FnMut()) -> f64 {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let mut sample = |repeats: u32| {
         let before = clock.seconds();
         (0..repeats).for_each(|_| work());

@@ -1,7 +1,6 @@
 //! A few real steps of a method: what they cost and how far they go. They begin at the start of a run or at a state on
 //! its way, and nothing is written.
 
-use super::cost::Clock;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::ledger::Ledger;
 use crate::drive::watch::Watch;
@@ -10,7 +9,8 @@ use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
 use crate::model::point::Point;
 use crate::model::state::State;
-use crate::study::experiment::{Event, Experiment, Flow, Start};
+use crate::process::Stopwatch;
+use crate::study::experiment::{Event, Experiment, Start};
 
 /// [-] A step this many times the one before is not yet the size the tolerance allows.
 const GROWING: f64 = 1.4;
@@ -107,19 +107,19 @@ pub fn sample_start(
     stepper: &mut Stepper<'_>,
     allowance: f64,
 ) -> Result<StartSample, SampleError> {
-    let clock = Clock::default();
+    let clock = Stopwatch::default();
     let start = clock.seconds();
     // Steps made and the time [s] then, at the last two powers of two.
     let (mut made, mut marks) = (0_u64, [(0_u64, 0.0); 2]);
     let run = Experiment { single_steps: 0, ..run };
     let outcome = run.run_with(stepper, Start::Initial, None, &mut |event, _| {
-        let Event::Step(step) = event else { return Flow::Continue };
+        let Event::Step(step) = event else { return false };
         made += 1;
         if made.is_power_of_two() {
             marks = [marks[1], (made, step.t)];
         }
         let look = made < 16 || made.is_multiple_of(16);
-        Flow::stop_if(look && clock.seconds() >= start + allowance)
+        look && clock.seconds() >= start + allowance
     })?;
     if let Some(failure) = outcome.failure {
         return Err(SampleError::Failed { time: failure.time, cause: failure.cause });
@@ -154,7 +154,7 @@ pub fn sample(
     let snapshot = begin(&run, stepper, at)?;
     let from = snapshot.t;
     let adaptive = run.step.fixed().is_none();
-    let mut meter = Meter { clock: Clock::default(), allowance, adaptive, due: true, ..Meter::default() };
+    let mut meter = Meter { clock: Stopwatch::default(), allowance, adaptive, due: true, ..Meter::default() };
     // Steps are made in blocks as a run with these frames makes them, once the first ones were made.
     let run = Experiment { single_steps: COLD, ..run };
     let outcome = run.run_with(stepper, Start::Snapshot(Box::new(snapshot)), None, &mut |event, _| {
@@ -166,7 +166,7 @@ pub fn sample(
             Event::Step(step) => meter.stepped(step.h()),
             _ => {}
         }
-        Flow::stop_if(meter.over)
+        meter.over
     })?;
     meter.mark(outcome.steps, outcome.t_end, outcome.counters);
     match (outcome.failure, outcome.status) {
@@ -203,7 +203,7 @@ fn begin(run: &Experiment<'_>, stepper: &mut Stepper<'_>, from: &Snapshot) -> Re
 /// Reads the clock at some of the steps and decides when the trial ends.
 #[derive(Default)]
 struct Meter {
-    clock: Clock,
+    clock: Stopwatch,
     /// [s]
     allowance: f64,
     adaptive: bool,

@@ -20,7 +20,7 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::state::State;
 use crate::model::stop::Stop;
 use crate::scene::BoundBuffer;
-use crate::study::experiment::{self, Event, Experiment, Flow};
+use crate::study::experiment::{self, Event, Experiment};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [-] Logarithm of the growth that a run leaves room for: by e^45 even a motion of which the displacement at the start
@@ -247,13 +247,13 @@ impl<'a> MethodRuns<'a> {
         let outcome = experiment.run(start, None, &mut |event, _| match event {
             Event::Started(at, ledger) => {
                 classifier.started(at, ledger);
-                Flow::Continue
+                false
             }
             Event::Step(step) => {
                 let settled = step.ends().is_some_and(|ends| classifier.stepped(&step, ends));
-                Flow::stop_if(settled || self.interrupt.load(Ordering::Relaxed))
+                settled || self.interrupt.load(Ordering::Relaxed)
             }
-            _ => Flow::Continue,
+            _ => false,
         });
         Ok((outcome.map_err(|e| StopReason::Refused(e.to_string()))?, classifier))
     }
