@@ -8,7 +8,7 @@ use crate::output::sanitize::file_stem;
 use crate::scene::Scene;
 use crate::simulation::build_scene;
 use crate::study::options::method_list;
-use crate::study::stability::{Beginning, Folder, Stability, StabilitySpec, Status, study, table};
+use crate::study::stability::{Folder, RunStart, Stability, StabilitySpec, Status, study, table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -72,7 +72,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
     };
     let stop = super::interrupt::stop_on_interrupt();
     let bar = progress(chosen.len(), args.quiet);
-    let mut begins = |beginning: Beginning<'_>| show(&bar, beginning);
+    let mut begins = |beginning: RunStart<'_>| show(&bar, beginning);
     let rows = study(&spec, &mut begins, &stop)?;
     bar.finish_and_clear();
     let code = if rows.iter().any(|row| row.status == Status::Interrupted) { 130 } else { 0 };
@@ -120,7 +120,7 @@ fn progress(methods: usize, quiet: bool) -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, Beginning { index, method, run, step, steps }: Beginning<'_>) {
+fn show(bar: &ProgressBar, RunStart { index, method, run, step, steps }: RunStart<'_>) {
     bar.set_position(index as u64);
     bar.set_message(format!("{method}  run {run}  h {step:.3e} s  {steps} steps"));
     bar.tick();

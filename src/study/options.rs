@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::choice;
 use super::error::StudyError;
+use super::prepared_case::choice;
 use super::step_grid::{decades, series};
 use crate::case::schema::{Method, Study};
 

@@ -14,10 +14,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, reference_tolerance};
 use super::error::StudyError;
 use super::experiment::{Event, Experiment, Start};
 use super::frames::{Distance, Frames, Motion, Sampler};
+use super::prepared_case::{PreparedCase, reference_tolerance};
 use crate::analysis::critical::CostLimits;
 use crate::analysis::spectrum::Spectrum;
 use crate::drive::clock::Step;
@@ -105,9 +105,9 @@ pub enum ReferenceFailure {
 }
 
 /// What a reference is made with.
-pub struct Workshop<'a> {
+pub struct ReferenceBuilder<'a> {
     /// the variant
-    pub bench: &'a Bench,
+    pub prepared: &'a PreparedCase,
     /// [s] what it may cost, by nominal figures
     pub allowance: f64,
     /// set when the user interrupts
@@ -118,20 +118,20 @@ pub struct Workshop<'a> {
 
 /// What the runs of a reference have cost.
 #[derive(Default)]
-struct Spent {
+struct ReferenceCost {
     counters: Counters,
     /// [s] of the present way, by nominal figures
     seconds: f64,
 }
 
-impl Workshop<'_> {
+impl ReferenceBuilder<'_> {
     /// Makes the reference.
     ///
     /// # Errors
     /// When the user interrupts, nothing moves, or neither way leads to two solutions that agree.
     pub fn make(&self) -> Result<Reference, StudyError> {
         let watch = Stopwatch::start(Default::default());
-        let mut spent = Spent::default();
+        let mut spent = ReferenceCost::default();
         let explicit = self.explicit(&mut spent);
         let found = match explicit {
             Ok(found) => Ok(found),
@@ -159,7 +159,7 @@ impl Workshop<'_> {
     }
 
     /// By the two pairs.
-    fn explicit(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
+    fn explicit(&self, spent: &mut ReferenceCost) -> Result<Reference, ReferenceFailure> {
         let [fine, coarse] = PAIRS.map(|name| MethodChoice::with_defaults(name).ok());
         let (Some(fine), Some(coarse)) = (fine, coarse) else {
             return Err(ReferenceFailure::Failed(format!("{} and {} are not in the registry", PAIRS[0], PAIRS[1])));
@@ -170,7 +170,7 @@ impl Workshop<'_> {
         }
         let mut best: Option<Reference> = None;
         for [tight, wide] in TOLERANCES {
-            let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.bench.scene, relative));
+            let tolerance = |relative: f64| Step::Adaptive(reference_tolerance(&*self.prepared.scene, relative));
             let both = self.solve(&fine, tolerance(tight), spent);
             let both = both.and_then(|a| Ok((a, self.solve(&coarse, tolerance(wide), spent)?)));
             let (a, b) = match both {
@@ -195,19 +195,19 @@ impl Workshop<'_> {
 
     /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.
     fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
-        let scene = &*self.bench.scene;
+        let scene = &*self.prepared.scene;
         let state = scene.initial_state();
         let effort = CostLimits { stop: Stop::on(self.stop), ..CostLimits::FULL };
         let limit = Spectrum::with(scene, state.as_ref(), effort).critical_step(method).step;
-        let longest = self.bench.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
-        self.bench.end() / longest * self.bench.nominal_step(method)
+        let longest = self.prepared.every.min(if limit > 0.0 { limit } else { f64::INFINITY });
+        self.prepared.end() / longest * self.prepared.nominal_step(method)
     }
 
     /// Newmark's trapezoidal rule, extrapolated.
-    fn extrapolated(&self, spent: &mut Spent) -> Result<Reference, ReferenceFailure> {
+    fn extrapolated(&self, spent: &mut ReferenceCost) -> Result<Reference, ReferenceFailure> {
         let newmark = MethodChoice::with_defaults("newmark").map_err(|e| ReferenceFailure::Failed(e.to_string()))?;
-        let steps = |j: i32| 2f64.powi(j) * (self.bench.end() / self.bench.every).ceil();
-        let seconds = |j: i32| self.bench.nominal_step(&newmark) * steps(j);
+        let steps = |j: i32| 2f64.powi(j) * (self.prepared.end() / self.prepared.every).ceil();
+        let seconds = |j: i32| self.prepared.nominal_step(&newmark) * steps(j);
         let mut row: Vec<Frames> = Vec::new();
         let (mut best, mut total, mut failed): (Option<Reference>, f64, Option<ReferenceFailure>) = (None, 0.0, None);
         for j in 0..24 {
@@ -215,7 +215,7 @@ impl Workshop<'_> {
             if total > self.allowance {
                 break;
             }
-            let h = self.bench.every / 2f64.powi(j);
+            let h = self.prepared.every / 2f64.powi(j);
             let newest = match self.solve(&newmark, Step::Fixed(h), spent) {
                 Ok(frames) => frames,
                 Err(why) if self.interrupted() => return Err(why),
@@ -250,16 +250,16 @@ impl Workshop<'_> {
     }
 
     /// The frames of one run to the end.
-    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut Spent) -> Result<Frames, ReferenceFailure> {
+    fn solve(&self, method: &MethodChoice, step: Step, spent: &mut ReferenceCost) -> Result<Frames, ReferenceFailure> {
         let told = match step {
             Step::Fixed(h) => format!("{} at step {h:.3e} s", method.info.name),
             Step::Adaptive(tolerance) => format!("{} at tolerance {:e}", method.info.name, tolerance.relative),
         };
         (self.tell)(&told);
-        let mut sampler = Sampler::keeping(&*self.bench.scene, self.bench.every);
-        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.bench.experiment(method, step) };
+        let mut sampler = Sampler::keeping(&*self.prepared.scene, self.prepared.every);
+        let mut experiment = Experiment { interrupt: Stop::on(self.stop), ..self.prepared.experiment(method, step) };
         experiment.solver.newton.relative = experiment.solver.newton.relative.min(NEWTON);
-        let nominal = self.bench.nominal_step(method);
+        let nominal = self.prepared.nominal_step(method);
         let mut left = ((PATIENCE * self.allowance - spent.seconds) / nominal).max(1.0) as u64;
         let run = experiment.run(Start::Initial, Some(&mut sampler), &mut |event, _| {
             if let Event::Step(_) = event {
@@ -276,7 +276,7 @@ impl Workshop<'_> {
             Status::Completed => Ok(sampler.into_frames()),
             Status::Interrupted if self.interrupted() => Err(ReferenceFailure::Failed("interrupted".to_owned())),
             Status::Interrupted => {
-                let whole = nominal * steps as f64 * self.bench.end() / t_end;
+                let whole = nominal * steps as f64 * self.prepared.end() / t_end;
                 Err(ReferenceFailure::TooLong { seconds: earlier + whole, allowance: self.allowance })
             }
             Status::Diverged | Status::NotConverged => {
@@ -326,9 +326,10 @@ mod tests {
     fn an_interrupted_reference_starts_again() {
         let case = format!("{}/assets/cases/spring-pendulum.json", env!("CARGO_MANIFEST_DIR"));
         let case = Case::from_file(case.as_ref(), &[]).expect("a good case");
-        let bench = Bench::of(case.into_problem(), 1).expect("a scene");
-        let workshop = Workshop { bench: &bench, allowance: 60.0, stop: &AtomicBool::new(true), tell: &|_| {} };
-        let error = workshop.make().expect_err("interrupted");
+        let prepared = PreparedCase::of(case.into_problem(), 1).expect("a scene");
+        let builder =
+            ReferenceBuilder { prepared: &prepared, allowance: 60.0, stop: &AtomicBool::new(true), tell: &|_| {} };
+        let error = builder.make().expect_err("interrupted");
         assert!(matches!(error, StudyError::InterruptedReference) && error.exit_status() == 130, "{error}");
         assert!(error.to_string().contains("nothing is kept"), "{error}");
     }

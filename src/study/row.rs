@@ -62,7 +62,7 @@ impl RowStatus {
 
 /// What came of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub struct RunResult {
     /// how it ended
     pub status: RowStatus,
     /// why, and what to do, if not well
@@ -97,7 +97,7 @@ pub struct Row {
     pub family: Family,
     /// what came of it
     #[serde(flatten)]
-    pub measured: Measured,
+    pub measured: RunResult,
     /// [s] processor time, median of the repeats
     pub cpu_seconds: Option<f64>,
     /// whether no other run of its variant is both cheaper and more accurate

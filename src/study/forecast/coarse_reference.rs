@@ -13,9 +13,9 @@ use crate::drive::clock::Step;
 use crate::drive::{Outcome, Status};
 use crate::integrate::registry::MethodChoice;
 use crate::process::Stopwatch;
-use crate::study::bench::{interval, nominal_step, reference_tolerance};
 use crate::study::experiment::{Event, Experiment, Start};
 use crate::study::frames::{Distance, Frames, Sampler};
+use crate::study::prepared_case::{interval, nominal_step, reference_tolerance};
 
 /// The scheme of the reference.
 const METHOD: &str = "dop853";

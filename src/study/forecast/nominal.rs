@@ -9,7 +9,7 @@ use super::sample::Work;
 use crate::case::spec::Problem;
 use crate::integrate::registry::{Family, MethodChoice};
 use crate::scene::Scene;
-use crate::study::bench::{nominal_pass, nominal_step};
+use crate::study::prepared_case::{nominal_pass, nominal_step};
 
 /// [-] Share of the run that a forecast may cost.
 const SHARE: f64 = 0.25;

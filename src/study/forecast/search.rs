@@ -7,7 +7,7 @@ use super::{Candidate, tolerance_of};
 use crate::drive::clock::Step;
 use crate::format_number::two_digits;
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::bench::nominal_step;
+use crate::study::prepared_case::nominal_step;
 
 /// [s] What a run may cost, nominally, if a step is cheap or [`DEAR`].
 const RUN: [f64; 2] = [0.3, 0.12];

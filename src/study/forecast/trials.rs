@@ -9,8 +9,8 @@ use crate::analysis::critical::{has_limit, plainly_stable};
 use crate::drive::Snapshot;
 use crate::drive::clock::{FixedSteps, Step};
 use crate::integrate::registry::{Family, MethodChoice};
-use crate::study::bench::nominal_step;
 use crate::study::experiment::Experiment;
+use crate::study::prepared_case::nominal_step;
 
 /// [s] What the run may take that states are sampled from, a probe.
 const PROBE: f64 = 0.3;

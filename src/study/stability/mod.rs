@@ -55,7 +55,7 @@ pub struct StabilitySpec<'a> {
 
 /// A run that is about to begin.
 #[derive(Clone, Copy, Debug)]
-pub struct Beginning<'a> {
+pub struct RunStart<'a> {
     /// number of the method, counted from 0
     pub index: usize,
     /// its name
@@ -74,7 +74,7 @@ pub struct Beginning<'a> {
 /// What the template engine refuses.
 pub fn study(
     spec: &StabilitySpec<'_>,
-    begins: &mut dyn FnMut(Beginning<'_>),
+    begins: &mut dyn FnMut(RunStart<'_>),
     stop: &AtomicBool,
 ) -> Result<Vec<Row>, StudyError> {
     let started = Instant::now();
@@ -109,7 +109,7 @@ pub fn study(
                 return Err(StopReason::OutOfBudget);
             }
             run += 1;
-            begins(Beginning { index, method: &name, run, step, steps });
+            begins(RunStart { index, method: &name, run, step, steps });
             Ok(())
         };
         common.measure(&mut row, (method, critical), &mut before)?;
