@@ -99,7 +99,7 @@ impl Runner<'_> {
             Err(ExperimentError::Run(why)) => return Err(StudyError::Usage(format!("{}: {why}", job.id))),
         };
         let interrupted = self.interrupt.load(Ordering::Relaxed);
-        // A failure whose cause was not looked for to the end is not a row yet.
+        // A failure whose cause was not searched to the end is not a result yet.
         if interrupted && (outcome.status == Status::Interrupted || outcome.failure.is_some()) {
             return Err(StudyError::Interrupted);
         }

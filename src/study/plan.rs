@@ -27,10 +27,10 @@ use crate::output::sanitize::file_stem;
 pub const FORMAT: u32 = 3;
 /// The program that made it; another one may compute other bits.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
-/// Longest identifier of a run made of its method.
+/// Longest part of a run's identifier that comes from its method.
 const LONGEST: usize = 40;
 
-/// A study: what was asked, and the runs that come of it.
+/// A study: its options and the runs that follow from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// layout of the file
@@ -94,7 +94,7 @@ pub struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Makes the references and lists the runs; `keep` stores each reference under the number of its variant.
+    /// Makes the references and lists the runs. `keep` stores each reference under the number of its variant.
     ///
     /// # Errors
     /// A bad variant, no reference, an interrupt, or a reference that cannot be stored.
@@ -167,8 +167,7 @@ impl Planner<'_> {
         asked.into_iter().map(|method| Ok((method.clone(), choice(&method)?))).collect()
     }
 
-    /// The runs of a variant, the cheapest first by nominal figures, so that a budget that ends early has seen the
-    /// most.
+    /// The runs of a variant in the order of their nominal costs, so that as many as possible fit into a budget.
     fn list(
         &self,
         prepared: &PreparedCase,
@@ -192,7 +191,7 @@ impl Planner<'_> {
             };
             let tolerances = match &self.options.tolerances {
                 Some(tolerances) => tolerances.clone(),
-                // Whoever asks for steps wants those.
+                // With a list of steps, no tolerances are tried.
                 None if self.options.steps.is_some() || choice.order() < 2 => Vec::new(),
                 None => scales.tolerances(choice.order(), limit),
             };
@@ -213,7 +212,7 @@ impl Planner<'_> {
         Ok((limits, by_cost(settings, &scales, variant)))
     }
 
-    /// The case's own choice belongs to its study, unless other methods and steps were asked for.
+    /// Adds the step or tolerance of the case, unless the options list others.
     fn add_own(&self, prepared: &PreparedCase, settings: &mut [MethodSettings]) {
         let StudyOptions { steps, tolerances, .. } = &self.options;
         let own = match prepared.problem.time.step {
@@ -254,8 +253,8 @@ impl MethodSettings {
     }
 }
 
-/// The cheapest first, in the order of the methods where the cost is the same; identifiers are the number of the run
-/// and what it is.
+/// The runs in the order of their costs; runs of equal cost stay in the order of the methods. A run's identifier holds
+/// its number, method and step.
 fn by_cost(tried: Vec<MethodSettings>, scales: &StepScales, variant: usize) -> Vec<Job> {
     let runs =
         tried.iter().flat_map(|t| t.list.iter().map(|setting| (t.seconds(*setting, scales), &t.method, *setting)));

@@ -1,14 +1,15 @@
-//! The solution that all others are measured against, and what it is worth itself.
+//! The reference solution that runs are compared with, and its own error.
 //!
-//! Two solutions by different schemes are made as exact as is affordable; their difference is the stated error, and
-//! nothing is ranked below it. Where explicit steps are affordable they are two embedded Runge-Kutta pairs with tight
-//! tolerances, stepping onto every frame; else Newmark's trapezoidal rule with steps halved again and again and
-//! extrapolated: its error is a series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section II.8), so
+//! Two solutions by different schemes are computed as accurately as is affordable. Their difference is the error of the
+//! reference, and no run is ranked below it. If explicit steps are affordable, the schemes are two embedded Runge-Kutta
+//! pairs with tight tolerances that step onto every frame. Otherwise it is Newmark's trapezoidal rule with repeatedly
+//! halved steps, extrapolated. Its error is a series in h^2 on smooth motion (Hairer, Norsett & Wanner 1993, section
+//! II.8), so
 //! ```text
 //! T_j,k = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / (4^k - 1)
 //! ```
-//! gains two orders a column. What is affordable is estimated from counts, before and while it is made, so the
-//! reference is the same on every machine.
+//! gains two orders per column. What is affordable is estimated from counted work, so the reference is the same on
+//! every machine.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -30,8 +31,7 @@ use crate::process::Stopwatch;
 
 /// [-] Difference at which the reference is good enough.
 const WANTED: f64 = 1e-9;
-/// [-] What rounding of the frames alone may come to: two solutions that agree better, as a scheme that is exact on a
-/// scene does, are said to differ by this.
+/// [-] Smallest stated difference, about the rounding of the frames: a scheme may be exact on a scene.
 const ROUNDING: f64 = 1e-13;
 /// [-] Difference above which two solutions do not agree.
 const NOT_AGREED: f64 = 0.1;
@@ -41,8 +41,8 @@ const TOLERANCES: [[f64; 2]; 3] = [[1e-10, 1e-9], [1e-11, 1e-11], [1e-13, 1e-12]
 const PAIRS: [&str; 2] = ["dop853", "dormand-prince"];
 /// [s] What a reference may cost if the study has no budget, by the nominal figures below.
 pub const ALLOWANCE: f64 = 300.0;
-/// How many times its allowance the accepted steps of the explicit solutions may take together: it was estimated by the
-/// longest steps of the first.
+/// The accepted steps of the explicit solutions may take this multiple of the allowance together: their cost was
+/// estimated with the longest steps of the first solution.
 const PATIENCE: f64 = 4.0;
 /// Most columns of the extrapolation.
 const COLUMNS: usize = 2;
@@ -181,7 +181,7 @@ impl ReferenceBuilder<'_> {
             let how = format!("{} at tolerance {tight:e} against {} at {wide:e}", PAIRS[0], PAIRS[1]);
             let found = agreed(a, &b, how)?;
             let better = best.as_ref().is_none_or(|best| found.account.error < best.account.error);
-            // Tighter tolerances that gain little only gather rounding.
+            // Once tighter tolerances gain little, more of them only add rounding errors.
             let gained = best.as_ref().is_none_or(|best| found.account.error < 0.3 * best.account.error);
             if better {
                 best = Some(found);
@@ -193,7 +193,7 @@ impl ReferenceBuilder<'_> {
         best.ok_or(ReferenceFailure::NotAgreed(f64::INFINITY)).and_then(Reference::checked)
     }
 
-    /// [s] What the finer explicit solution costs at the least: steps at the limit of stability, or one a frame.
+    /// [s] Lower bound on the cost of the finer explicit solution: steps at the stability limit, or one per frame.
     fn nominal_explicit(&self, method: &MethodChoice) -> f64 {
         let scene = &*self.prepared.scene;
         let state = scene.initial_state();
@@ -220,7 +220,7 @@ impl ReferenceBuilder<'_> {
                 Ok(frames) => frames,
                 Err(why) if self.interrupted() => return Err(why),
                 Err(why) => {
-                    // A finer step may be solvable; what was made with coarser ones has lost its neighbour.
+                    // A finer step may be solvable, but the row of coarser ones cannot be continued.
                     (row, failed) = (Vec::new(), Some(why));
                     continue;
                 }

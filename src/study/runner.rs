@@ -81,7 +81,7 @@ impl Runner<'_> {
         let mut left = BTreeMap::new();
         let variants = self.plan.variants.len();
         for number in 0..variants {
-            // What is left of the budget is shared out, lest the first variant takes it all.
+            // The rest of the budget is divided among the remaining variants.
             let now = Instant::now();
             let share = |deadline: Instant| now + deadline.saturating_duration_since(now) / (variants - number) as u32;
             self.run_variant(number, self.deadline.map(share), &mut left)?;
@@ -145,7 +145,7 @@ impl Runner<'_> {
         Ok(PreparedVariant { case: prepared, reference: self.store.reference(number)?, deadline })
     }
 
-    /// Why a run is not begun: what is left of the budget is less than it will take by what the method has cost so far.
+    /// Why a run is not begun: its cost, predicted from earlier runs, exceeds the rest of the budget.
     fn too_long(
         &self,
         deadline: Option<Instant>,
@@ -167,7 +167,7 @@ impl Runner<'_> {
         })
     }
 
-    /// [s] From the finished run of the same method that is nearest.
+    /// [s] Predicted from the finished run of the same method with the nearest step.
     fn predicted(&self, job: &Job) -> Result<Option<f64>, StudyError> {
         let order = f64::from(choice(&job.method)?.order());
         let mut nearest: Option<(f64, f64)> = None;

@@ -42,7 +42,7 @@ impl SampledStates {
                 }
                 false
             }
-            // A clock is read in less time than the smallest step takes, but not in no time.
+            // Reading the clock takes some time, compared with the smallest step.
             Event::Step(step) => {
                 let look = step.step < 8 || step.step.is_multiple_of(8);
                 look && clock.seconds() >= deadline
