@@ -17,7 +17,7 @@ const KEPT: u64 = 24;
 /// Vectors over all degrees of freedom that the search for a critical step works with, besides those that it keeps.
 const SEARCH: u64 = 10;
 /// [byte] of an LU an entry of W, for every doubling of the unknowns beyond 2^8; columns are ordered for the worst
-/// pivots. RunResult on annuli of 703 to 40,000 nodes.
+/// pivots. Measured on annuli of 703 to 40,000 nodes.
 const LU_ENTRY: f64 = 40.0;
 
 /// What the process held before any trial.

@@ -5,11 +5,13 @@
 //! share     = (kinetic + elastic) / supplied
 //! unstable: a value is not finite, a step cannot be solved, share > 1e8 at any time,
 //!           share > stays in nine of ten steps of the last quarter of the run,
-//!           mean energy of motion in the last quarter > 30 times that of the next shorter step that held, and >
-//! supplied/1000,           the scheme's mean made energy grew by 30 supplied from the last eighth but one to the last,
-//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the motion's
-//! from eighth to eighth motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h: a motion that
-//! turns at every step has no other v
+//!           mean energy of motion in the last quarter > 30 times that of the next shorter stable step, and
+//!               > supplied/1000,
+//!           the mean energy made by the scheme grew by 30 supplied from the second last eighth to the last,
+//!           or (small motion, schemes that swing no energy) all energy but that of loads rose by 2 % of the
+//!               motion's from eighth to eighth
+//! motion    = the larger of the kinetic energies of v and of (x_{n+1} - x_n)/h; v alone misses a motion that turns at
+//!             every step
 //! ```
 //! By the first law the share is at most 1; `stays` is 3, and 30 for a scheme that swings the energy of a stable
 //! oscillation, as one step of it on an oscillator shows. Just below its limit a symplectic scheme swings it up to

@@ -57,14 +57,14 @@ pub(super) fn regions(
 fn without_region(row: &Row) -> String {
     let name = &row.method;
     match (row.status, row.measured, row.tried_up_to) {
-        (Status::RunResult, Some(measured), _) if measured > 0.0 => {
+        (Status::Measured, Some(measured), _) if measured > 0.0 => {
             format!("{name}: measured {} s", figures(measured, 3))
         }
-        (Status::RunResult, Some(_), _) => format!("{name}: no step held"),
-        (Status::RunResult, None, Some(_)) if row.prediction.known_by == KnownBy::Unlimited => {
+        (Status::Measured, Some(_), _) => format!("{name}: no step held"),
+        (Status::Measured, None, Some(_)) if row.prediction.known_by == KnownBy::Unlimited => {
             format!("no limit: {name}")
         }
-        (Status::RunResult, None, Some(longest)) => format!("{name}: holds up to {} s", figures(longest, 3)),
+        (Status::Measured, None, Some(longest)) => format!("{name}: holds up to {} s", figures(longest, 3)),
         _ => format!("{name}: not measured"),
     }
 }

@@ -80,7 +80,7 @@ impl Prediction {
 pub enum Status {
     /// it was
     #[default]
-    RunResult,
+    Measured,
     /// runs beyond the predicted limit hold, too short for growth to be seen: it lies between `at_least` and `at_most`
     NotSettled,
     /// the method cannot run this scene
@@ -226,7 +226,7 @@ impl Row {
             Status::NotSettled => AsGiven { measured: self.at_least, unstable: self.at_most, settled: false },
             _ => AsGiven { measured: self.measured, unstable: self.unstable, settled: true },
         };
-        self.clear(Status::RunResult);
+        self.clear(Status::Measured);
         self.as_given = Some(as_given);
         self.start = Start::SmallMotion;
     }
