@@ -258,8 +258,8 @@ impl Simulation {
         .map_err(Into::into)
     }
 
-    /// Computes the next step without accepting it: [`Simulation::attempted`] shows where it ends. For implicit
-    /// coupling, where the forces of a step depend on its end.
+    /// Computes the next step without accepting it: [`Simulation::attempted`] shows its end. For implicit coupling,
+    /// where the forces of a step depend on its end.
     ///
     /// # Errors
     /// As [`Simulation::step`], and when an attempted step still waits.

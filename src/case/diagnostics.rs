@@ -1,6 +1,6 @@
-//! A fault of a case: where it is, what stands there, what may stand there.
+//! A fault of a case: its location, its value, and the allowed values.
 //!
-//! The checks know pointers only, nothing of text; [`super::span`] finds the location in the file, `render` draws it.
+//! The checks use pointers only, not the text; [`super::span`] finds the location in the file, and `render` draws it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -14,7 +14,7 @@ use crate::warning::{Warning, WarningCode};
 /// Longest excerpt of a value in a message, in characters.
 const EXCERPT: usize = 80;
 
-/// What of a place is wrong.
+/// Which part of an entry is wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaultTarget {
     /// the value that the pointer leads to
@@ -31,20 +31,20 @@ pub enum FaultTarget {
 pub struct Fault {
     /// JSON pointer, e.g. `/time/step`; empty for the whole case, and where the text is not JSON
     pub pointer: String,
-    /// what of it is wrong
+    /// which part of it is wrong
     pub part: FaultTarget,
-    /// what stands there, shortened
+    /// the value there, shortened
     pub value: String,
-    /// what may stand there, as a sentence part: "a number above 0"
+    /// what is allowed there, as part of a sentence: "a number above 0"
     pub allowed: String,
-    /// what to do about it, if there is more to say
+    /// advice, if any
     pub hint: Option<String>,
-    /// where it was written, if that is known
+    /// its location in the text, if known
     pub place: Option<Location>,
 }
 
 impl Fault {
-    /// The first line of a message: where, and what stands there.
+    /// The first line of a message: location and value.
     pub fn heading(&self) -> String {
         match (self.part, self.pointer.as_str()) {
             (FaultTarget::Text, _) => self.value.clone(),
@@ -53,7 +53,7 @@ impl Fault {
         }
     }
 
-    /// The last lines of a message: what is allowed, and what to do.
+    /// The last lines of a message: what is allowed, and advice.
     pub fn advice(&self) -> String {
         let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
         format!("  allowed: {}{hint}", self.allowed)
@@ -68,7 +68,7 @@ impl fmt::Display for Fault {
 
 /// A value as a message shows it: compact JSON, cut after 80 characters.
 pub fn excerpt(value: &Value) -> String {
-    // A mesh written into the case can be megabytes long: print no more of it than is shown.
+    // A mesh in the case can be megabytes long: print no more of it than is shown.
     match value {
         Value::Array(list) if list.len() > EXCERPT => format!("a list of {} entries", list.len()),
         Value::Object(map) if map.len() > EXCERPT => format!("an object with {} keys", map.len()),
@@ -91,16 +91,16 @@ pub(crate) fn one_of<T: AsRef<str>>(what: &str, names: &[T]) -> String {
     if names.is_empty() { "no key at all".to_owned() } else { format!("{what}: {}", names.join(", ")) }
 }
 
-/// The known name that looks most like `name`, if one does.
+/// The known name that is most similar to `name`, if any is similar.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // 0.6 finds slips and swaps of letters, and lets words of another meaning go.
+    // 0.6 finds typing errors and swapped letters, but no words of another meaning.
     const ALIKE: f64 = 0.6;
     let likeness = |k: &str| strsim::normalized_damerau_levenshtein(name, k);
     let best = known.into_iter().map(|k| (likeness(k), k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 >= ALIKE).then_some(best.1)
 }
 
-/// "did you mean" the known name that looks most like `name`, if one does.
+/// "did you mean" with the known name that is most similar to `name`, if any is similar.
 pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(name, known).map(|k| format!("did you mean \"{k}\"?"))
 }
@@ -110,18 +110,18 @@ pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a s
 pub(crate) struct Faults<'a> {
     json: &'a Value,
     found: FaultList,
-    /// faults kept back as consequences of others
+    /// number of faults left out because they follow from others
     kept_back: usize,
     warnings: Vec<Warning>,
 }
 
 impl<'a> Faults<'a> {
-    /// Starts a collection for the case whose values messages quote, with what an earlier pass has found.
+    /// A collection for this case, with the faults of an earlier pass.
     pub fn new(json: &'a Value, found: FaultList) -> Self {
         Self { json, found, kept_back: 0, warnings: Vec::new() }
     }
 
-    /// Notes that the value at `at` is not what is allowed there.
+    /// Adds a fault: the value at `at` is not allowed there.
     pub fn add(&mut self, at: &Pointer, allowed: impl Into<String>) {
         self.add_value(at, self.shown(at), allowed, None);
     }
@@ -131,12 +131,12 @@ impl<'a> Faults<'a> {
         self.add_value(at, self.shown(at), allowed, Some(hint.into()));
     }
 
-    /// The same where the key at the end of `at` is wrong.
+    /// The same for a wrong key at the end of `at`.
     pub fn add_key(&mut self, at: &Pointer, allowed: impl Into<String>, hint: impl Into<String>) {
         self.put(at, FaultTarget::Key, self.shown(at), allowed.into(), Some(hint.into()));
     }
 
-    /// The same where the wrong value is not the one written at `at`, but follows from it.
+    /// The same for a wrong value that is not written at `at`, but follows from it.
     pub fn add_value(
         &mut self,
         at: &Pointer,
@@ -161,7 +161,7 @@ impl<'a> Faults<'a> {
         self.json.pointer(at.as_str()).is_some()
     }
 
-    /// Notes something doubtful that does not stop a run.
+    /// Adds a warning, which does not stop a run.
     pub fn warn(&mut self, code: WarningCode, text: impl Into<String>) {
         self.pass_on(Warning::new(code, text));
     }
@@ -172,7 +172,7 @@ impl<'a> Faults<'a> {
     }
 
     /// Whether the values at `at`, above it and below it are those of the file. Where an earlier pass found a fault,
-    /// there is a stand-in, and what follows from a stand-in is no fault of the user.
+    /// the value is a stand-in. Faults that follow from a stand-in are not the user's.
     pub fn readable(&self, at: &Pointer) -> bool {
         self.found.readable(at)
     }
@@ -182,7 +182,7 @@ impl<'a> Faults<'a> {
         self.found.unread(at)
     }
 
-    /// Number of faults so far, with those not shown and those kept back.
+    /// Number of faults so far, including those not shown and those left out.
     pub fn count(&self) -> usize {
         self.found.count().saturating_add(self.kept_back)
     }
@@ -197,17 +197,17 @@ impl<'a> Faults<'a> {
     }
 }
 
-/// More than this many faults help nobody; the rest is counted.
+/// Largest number of faults to show; the rest is counted.
 const SHOWN: usize = 50;
 
-/// Faults, and what they leave unread.
+/// Faults, and the entries that they leave unread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaultList {
     list: Vec<Fault>,
     dropped: usize,
-    /// places with a stand-in, and keys that were taken away
+    /// entries with a stand-in, and removed keys
     unread: BTreeSet<String>,
-    /// places of misspelt keys: read as the known key, written otherwise
+    /// misspelt keys: the pointer with the known key, and the key as written
     renamed: BTreeMap<String, String>,
 }
 
@@ -221,7 +221,7 @@ pub(crate) struct FaultReport {
 }
 
 impl FaultList {
-    /// Notes a fault; it is only made if it will be shown.
+    /// Adds a fault; `new` is called only if the fault will be shown.
     pub fn note(&mut self, fault: impl FnOnce() -> Fault) {
         if self.list.len() < SHOWN {
             self.list.push(fault());
@@ -230,14 +230,14 @@ impl FaultList {
         }
     }
 
-    /// Marks a place whose value was not read.
+    /// Marks an entry whose value was not read.
     pub fn leave_unread(&mut self, at: &Pointer) {
         self.unread.insert(at.as_str().to_owned());
     }
 
-    /// Marks a place where a misspelt key is read as the known one it looks like.
+    /// Marks an entry whose misspelt key is read as a similar known key.
     pub fn rename(&mut self, known: &Pointer, written: &Pointer) {
-        // What the reader of the text left unread below goes by the written key still.
+        // Entries below it that the JSON reader left unread still have the written key.
         let below =
             |path: &&String| path.strip_prefix(written.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('/'));
         for path in self.unread.iter().filter(below).cloned().collect::<Vec<_>>() {
@@ -255,7 +255,7 @@ impl FaultList {
 
     /// Whether nothing at `at`, above it or below it was left unread.
     pub fn readable(&self, at: &Pointer) -> bool {
-        // Most cases have no fault, and ask this for every number.
+        // Quick answer for a case without faults, because this is called for every number.
         if self.unread.is_empty() {
             return true;
         }
@@ -301,7 +301,7 @@ mod tests {
         Pointer::root().below(path)
     }
 
-    /// A place is doubtful with what is above and below it; its neighbours, also those of a similar name, are not.
+    /// An unread entry makes those above and below it doubtful, but not its neighbours, even with a similar name.
     #[test]
     fn unread_places_reach_up_and_down() {
         let mut found = FaultList::default();

@@ -1,5 +1,5 @@
-//! Why a case cannot be used. Every variant ends a program with status 2, but a file that is there and cannot be read
-//! ([`CaseError::Read`]), which is 1.
+//! Why a case cannot be used. All variants give exit status 2, except an existing file that cannot be read
+//! ([`CaseError::Read`]), which gives 1.
 
 use super::diagnostics::Fault;
 use super::render::render;
@@ -7,7 +7,7 @@ use super::render::render;
 /// Why a case cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// The operating system did not give the file.
+    /// The operating system cannot read the file.
     #[error("{path}: {source}")]
     Read {
         /// the case file
@@ -15,7 +15,7 @@ pub enum CaseError {
         /// the system's reason
         source: std::io::Error,
     },
-    /// The file is larger than a case can be.
+    /// The file is larger than the largest case.
     #[error(
         "{path}: larger than {limit} bytes; put a large mesh into a mesh file and name it: {{\"file\": \"canopy.vtu\"}}"
     )]
@@ -56,7 +56,7 @@ pub enum CaseError {
     Faults {
         /// the case file
         path: String,
-        /// the text as read, for the pictures
+        /// the text as read, for quotations
         text: String,
         /// what is wrong, in the order of the text; at most 50
         faults: Vec<Fault>,
@@ -66,7 +66,7 @@ pub enum CaseError {
 }
 
 impl CaseError {
-    /// 1 for a case file that the system does not give, 2 for a bad case and for what is no file.
+    /// 1 for a case file that the system cannot read, 2 for a bad case and for a path that is no file.
     pub fn exit_status(&self) -> u8 {
         use std::io::ErrorKind::{InvalidInput, IsADirectory, NotADirectory, NotFound};
         match self {
@@ -77,7 +77,7 @@ impl CaseError {
         }
     }
 
-    /// The faults, if that is what is wrong; else nothing.
+    /// The faults, if there are any.
     pub fn faults(&self) -> &[Fault] {
         match self {
             Self::Faults { faults, .. } => faults,

@@ -1,10 +1,10 @@
-//! What decides the bits of a run's results, part by part, so that a checkpoint of another case is refused with the
-//! parts that differ. The interval of checkpoints is not in it, nor is the end of a run in fixed steps: a run may be
-//! resumed with others. A default that is derived from the end, as the spacing of rows is, counts as the same for every
-//! end: the resumed run keeps the one it began with.
+//! All parts of a case that determine the bits of its results. A checkpoint of another case is refused with the parts
+//! that differ. The interval of checkpoints and, in fixed steps, the end are not included: a run may be resumed with
+//! others. A default that follows from the end, such as the interval of rows, counts as equal for every end: the
+//! resumed run keeps the one with which it began.
 //!
-//! Parts are compared as they were resolved, not as they were written: a mesh file with other nodes is another mesh,
-//! and a value spelt out that was the default before is the same case.
+//! Parts are compared as resolved, not as written: a mesh file with other nodes is another mesh, and a default value
+//! that is given explicitly is the same case.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
@@ -29,7 +29,7 @@ struct FingerprintPart {
     value: Value,
 }
 
-/// What a part holds: as text where it is short, else as a sum over its numbers.
+/// The value of a part: its text if that is short, else a checksum of its numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Value {
     Text(String),
@@ -54,10 +54,10 @@ pub struct FingerprintError {
 }
 
 impl Fingerprint {
-    /// Sums up a case whose system has not been taken out.
+    /// The fingerprint of a case whose system has not been taken out.
     ///
     /// # Errors
-    /// A number that cannot be serialised, which those of a case can.
+    /// A number that cannot be serialised, which does not happen for those of a case.
     pub fn of(problem: &Problem) -> Result<Self, FingerprintError> {
         let mut made = Fingerprint::default();
         made.text("name", &problem.name)?;
@@ -71,7 +71,7 @@ impl Fingerprint {
             Step::Fixed(step) => made.text("time.step", &step)?,
             Step::Adaptive(tolerance) => {
                 made.text("time.tolerance", &tolerance)?;
-                // It is shared out over the run.
+                // The tolerance is divided over the run.
                 made.text("time.end", &problem.time.end)?;
             }
         }
@@ -95,12 +95,12 @@ impl Fingerprint {
         Ok(made)
     }
 
-    /// A checksum over all parts, such as `"5f3a…-1234"`: different cases differ in it, but for one in 2^32. What
-    /// follows from the length of the run is left out.
+    /// A checksum over all parts, such as `"5f3a…-1234"`: two cases have the same one with a probability of 2^-32.
+    /// Parts that follow from the length of the run are left out.
     pub fn digest(&self) -> String {
         let mut sum = Digest::default();
         let mut add = |bytes: &[u8]| {
-            // Its length too, lest parts run into each other.
+            // With its length, so that the parts are separated.
             sum.add(&(bytes.len() as u64).to_le_bytes());
             sum.add(bytes);
         };
@@ -123,7 +123,7 @@ impl Fingerprint {
     }
 
     fn network(&mut self, spec: &NetworkSpec) -> Result<(), FingerprintError> {
-        // All fields by name: a new one must be summed up too.
+        // All fields by name, so that a new field is not forgotten.
         let NetworkSpec {
             mesh,
             mass,
@@ -154,7 +154,7 @@ impl Fingerprint {
         Ok(())
     }
 
-    /// The part that was made last follows from the length of the run.
+    /// Marks the last part as derived from the length of the run.
     fn last_follows(&mut self) {
         if let Some(FingerprintPart { value, .. }) = self.parts.last_mut()
             && let Value::Text(text) = value
@@ -174,7 +174,7 @@ impl Fingerprint {
         Ok(())
     }
 
-    /// Where another case differs from this one; `None` if nowhere.
+    /// The differences of another case from this one; `None` if there are none.
     pub fn differences(&self, now: &Fingerprint) -> Option<Differences> {
         let mut found = Vec::new();
         let keys = self.parts.iter().chain(&now.parts).map(|part| part.key.as_str());
@@ -218,7 +218,7 @@ impl Display for Differences {
     }
 }
 
-/// Counts and sums what is written to it.
+/// Counts the bytes written to it and computes their checksum.
 #[derive(Default)]
 struct Digest {
     crc: crc32fast::Hasher,

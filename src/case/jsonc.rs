@@ -1,8 +1,8 @@
 //! The text of a case: JSON with comments and trailing commas.
 //!
-//! `jsonc-parser` reads it once, strictly, into a tree that knows where everything is. Where that fails a tolerant
-//! reading follows: missing commas, other quotes, other numbers and repeated keys are noted and read over, so that they
-//! hide nothing behind them. The words about the first thing that is not JSON are those of `serde_json`.
+//! `jsonc-parser` first reads it strictly, into a tree with the locations of all values. If that fails, a tolerant
+//! reading follows: it reports missing commas, other quotes, other numbers and repeated keys, and continues, so that
+//! faults behind them are found too. The message on the first part that is not JSON is that of `serde_json`.
 
 use std::io::Read;
 use std::ops::Range;
@@ -55,16 +55,16 @@ pub(crate) fn decode(mut bytes: Vec<u8>, path: &str) -> Result<String, CaseError
 /// Why a text is not a JSON value.
 #[derive(Clone, Debug)]
 pub(crate) enum ParseFailure {
-    /// There is nothing but white space and comments.
+    /// The text has only white space and comments.
     Empty,
-    /// The first thing that is not JSON; `None` if that is a repeated key.
+    /// The first part that is not JSON; `None` if that is a repeated key.
     Broken(Option<Box<Fault>>),
 }
 
-/// Text to JSON: comments and trailing commas are read over, repeated keys refused.
+/// Text to JSON: ignores comments and trailing commas, refuses repeated keys.
 ///
 /// # Errors
-/// The first thing that is not JSON.
+/// The first part that is not JSON.
 pub(crate) fn parse(text: &str) -> Result<Value, ParseFailure> {
     let strict = ParseOptions {
         allow_comments: true,
@@ -83,7 +83,7 @@ pub(crate) fn parse(text: &str) -> Result<Value, ParseFailure> {
         Ok(None) => return Err(ParseFailure::Empty),
         Ok(Some(root)) => {
             let value = Tree { text, root }.value(&mut found);
-            // White space that only the parser takes for white space.
+            // Characters that only this parser takes for white space.
             let odd = |c: char| c.is_whitespace() && !matches!(c, ' ' | '\t' | '\n' | '\r');
             if found.count() == 0 && !text.contains(odd) {
                 return Ok(value);
@@ -148,36 +148,37 @@ pub(crate) fn blank(text: &str) -> Result<String, usize> {
         let token = match scanner.scan() {
             Ok(Some(token)) => token,
             Err(e) if matches!(e.kind(), ParseErrorKind::UnterminatedCommentBlock) => return Err(e.range().start),
-            // What follows a place that is no token is not read in any case.
+            // Text after an invalid token is not read in any case.
             Ok(None) | Err(_) => break,
         };
         let range = scanner.token_start()..scanner.token_end();
         if let Token::CommentLine(_) | Token::CommentBlock(_) = token {
-            // Line ends stay, so that line numbers do; a multi-byte character becomes as many spaces.
+            // Line ends are kept, and with them the line numbers; a multi-byte character becomes as many spaces as it
+            // has bytes.
             let hidden = out.get_mut(range).into_iter().flatten();
             hidden.filter(|byte| !matches!(**byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
             continue;
         }
         let closes = matches!(token, Token::CloseBracket | Token::CloseBrace);
-        // A comma without an entry before it stays, and is a fault.
+        // A comma without an entry before it is kept, and is a fault.
         let none = matches!(before, None | Some(Token::OpenBracket | Token::OpenBrace | Token::Comma | Token::Colon));
         if closes && last == Some(Token::Comma) && !none {
             out[at] = b' ';
         }
         (before, last, at) = (last, Some(token), range.start);
     }
-    // Whole characters were replaced by ASCII, so what is left is still UTF-8.
+    // Whole characters were replaced by ASCII, so the result is still UTF-8.
     Ok(String::from_utf8_lossy(&out).into_owned())
 }
 
-/// A text as a tree that knows where everything is.
+/// A text as a tree with the locations of all values.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree<'a> {
     text: &'a str,
     root: ast::Value<'a>,
 }
 
-/// One thing in the text that JSON does not have.
+/// One deviation of the text from JSON.
 struct NonJson {
     range: Range<usize>,
     value: String,
@@ -185,7 +186,7 @@ struct NonJson {
 }
 
 impl<'a> Tree<'a> {
-    /// Reads a text as far as it can be read.
+    /// Reads a text as far as possible.
     ///
     /// # Errors
     /// The byte from which nothing more can be read.
@@ -198,13 +199,13 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The value, with every slip noted; commas are looked for in a text without comments. Of a repeated key the first
-    /// value is taken.
+    /// The value; every deviation from JSON becomes a fault. The text must have no comments. Of a repeated key the
+    /// first value is used.
     pub fn value(&self, findings: &mut FaultList) -> Value {
         Reader { text: self.text, findings }.value(&self.root, ValuePath::Root)
     }
 
-    /// How much of a pointer leads to something in the text: `/time` of `/time/step`, where there is no step.
+    /// The longest part of a pointer that exists in the text: `/time` of `/time/step`, if there is no step.
     pub fn reach<'p>(&self, pointer: &'p str) -> &'p str {
         let mut node = Some(&self.root);
         let mut reached = 0;
@@ -218,7 +219,7 @@ impl<'a> Tree<'a> {
         pointer.get(..reached).unwrap_or_default()
     }
 
-    /// [byte] Where the value of a pointer stands, or its key; of a place that is not there the opening brace above it.
+    /// [byte] Location of the value of a pointer, or of its key; for a missing entry, of the opening brace above it.
     pub fn range(&self, pointer: &str, part: FaultTarget) -> Range<usize> {
         let mut node = &self.root;
         let mut key = span(node);
@@ -233,7 +234,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// What one step of a pointer leads to, and where its key stands.
+/// The value that one step of a pointer leads to, and the location of its key.
 fn below<'n, 'a>(node: &'n ast::Value<'a>, step: &str) -> Option<(&'n ast::Value<'a>, Range<usize>)> {
     let name = step.replace("~1", "/").replace("~0", "~");
     match node {
@@ -252,7 +253,7 @@ fn span(node: &impl Ranged) -> Range<usize> {
     node.range().start..node.range().end
 }
 
-/// Where the reader is; most places are never asked for their pointer.
+/// The present location of the reader, without a pointer, which is needed for few locations only.
 #[derive(Clone, Copy)]
 enum ValuePath<'p> {
     Root,
@@ -298,7 +299,7 @@ impl Reader<'_, '_> {
             "a number that fits a double, whose size is at most 1.797e308; NaN and Infinity are not JSON"
         };
         self.slip(at, NonJson { range: span(node), value: node.value.to_owned(), allowed });
-        // A whole number, so that it is a number wherever one may stand.
+        // A whole number, so that it is valid for every kind of number.
         self.findings.leave_unread(&at.pointer());
         Value::from(1)
     }

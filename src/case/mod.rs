@@ -1,13 +1,12 @@
-//! The case file: read, checked, and turned into what a run needs.
+//! The case file: reads and checks it, and makes the data of a run.
 //!
 //! ```text
 //! file --jsonc--> value --set--> value --serde--> CaseFile --lower--> Problem
 //! ```
 //!
-//! The fast path stops at the first thing that is not JSON or that serde refuses. Then a second pass finds all faults
-//! at once: it reads the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces what is
-//! wrong by stand-ins, and checks ranges and meaning of the rest. [`diagnostics`] says what a fault is, [`span`] where
-//! it was written.
+//! The fast path stops at the first fault of JSON or of a type. Then a second pass finds all faults at once. It reads
+//! the text tolerantly (`jsonc`), compares it with the schema (`schema_check`), replaces wrong values by stand-ins, and
+//! checks ranges and meaning of the rest. [`diagnostics`] describes a fault, and [`span`] has its location in the text.
 
 pub mod diagnostics;
 mod error;
@@ -37,7 +36,7 @@ use crate::warning::Warning;
 use lower::geometry::Geometry;
 use schema::CaseFile;
 
-/// A case that was read and found good.
+/// A case that was read and has no faults.
 #[derive(Clone, Debug)]
 pub struct Case {
     source: Source,
@@ -47,11 +46,12 @@ pub struct Case {
 }
 
 impl Case {
-    /// Reads a case file, puts the `--set` values in their places (dotted path and value), checks everything, and makes
-    /// or reads the mesh, whose path counts from the case file's folder.
+    /// Reads a case file, applies the `--set` assignments (dotted path and value), checks everything, and makes or
+    /// reads the mesh. Paths are relative to the folder of the case file.
     ///
     /// # Errors
-    /// A file that cannot be read, text that is no JSON, an assignment without a place, or the faults of the case.
+    /// A file that cannot be read, text that is not JSON, an assignment that cannot be applied, or the faults of the
+    /// case.
     pub fn from_file(path: &Path, overrides: &[(String, String)]) -> Result<Self, CaseError> {
         let text = jsonc::read(path)?;
         let base = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -71,11 +71,11 @@ impl Case {
         Self::from_text(jsonc::decode(bytes, name)?, name, base, overrides)
     }
 
-    /// The same for a text that is already in memory; `name` stands for the file's name in messages, and paths count
-    /// from `base`.
+    /// The same for a text that is already in memory; `name` is the file name in messages, and paths are relative to
+    /// `base`.
     ///
     /// # Errors
-    /// As [`Case::from_file`], but for the file itself.
+    /// As [`Case::from_file`], except for reading the file.
     pub fn from_text(
         text: String,
         name: &str,
@@ -86,11 +86,11 @@ impl Case {
         Source { path: name.to_owned(), base, text, overrides }.read()
     }
 
-    /// The same case with some values replaced, as a study needs it; the mesh is not made again unless its section
+    /// The same case with some values replaced, as a study needs it; the mesh is made again only if its section
     /// changes.
     ///
     /// # Errors
-    /// An assignment without a place, or the faults of the changed case.
+    /// An assignment that cannot be applied, or the faults of the changed case.
     pub fn with(&self, overrides: &[(String, String)]) -> Result<Self, CaseError> {
         let mut source = self.source.clone();
         source.overrides.extend_from_slice(overrides);
@@ -101,17 +101,17 @@ impl Case {
         source.resolve(json, self.geometry.clone())
     }
 
-    /// What a run needs.
+    /// The data of a run.
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
 
-    /// What a run needs, without a copy.
+    /// The data of a run, without a copy.
     pub fn into_problem(self) -> Problem {
         self.problem
     }
 
-    /// What a run needs, and where it comes from, to name the place of a later fault.
+    /// The data of a run, and the source of the case, to locate a later fault.
     pub fn split(self) -> (Problem, Source) {
         (self.problem, self.source)
     }
@@ -121,7 +121,7 @@ impl Case {
         &self.file
     }
 
-    /// What is doubtful but runs, and is not acknowledged.
+    /// Warnings that are not acknowledged.
     pub fn warnings(&self) -> &[Warning] {
         &self.problem.warnings
     }

@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 use super::error::CaseError;
 
 /// Puts one value into a case. `key` is a dotted path, list entries are numbers (`system.network.springs.0.stiffness`);
-/// objects that are missing on the way are made. `value` is read as JSON, and as a plain text if it is none; `null`
-/// takes the key away.
+/// missing objects on the path are made. `value` is read as JSON, or as plain text if it is not JSON; `null` removes
+/// the key.
 pub(crate) fn apply(case: &mut Value, key: &str, value: &str) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError::Override { key: key.to_owned(), value: value.to_owned(), reason };
     if key.contains(['/', '[', ']']) {
@@ -91,7 +91,7 @@ mod tests {
         apply(&mut case, key, value).map(|()| case).map_err(|error| error.to_string())
     }
 
-    /// Numbers, texts, objects, list entries, new sections and removal all arrive where they should.
+    /// Numbers, texts, objects, list entries, new sections and removals are applied at the right place.
     #[test]
     fn replaces_what_the_path_names() {
         assert_eq!(set("time.step", "1e-3").expect("ok")["time"]["step"], json!(1e-3));
@@ -101,7 +101,7 @@ mod tests {
         assert!(set("time.method", "null").expect("ok")["time"].get("method").is_none());
     }
 
-    /// A path that leads nowhere says which part of it does.
+    /// The message for a wrong path names its wrong part.
     #[test]
     fn refuses_paths_that_lead_nowhere() {
         for (key, words) in [

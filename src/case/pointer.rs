@@ -1,8 +1,8 @@
-//! JSON pointers (RFC 6901): where in a case something stands.
+//! JSON pointers (RFC 6901): the location of a value in a case.
 
 use std::fmt;
 
-/// A JSON pointer that grows while the reader walks down a case, e.g. `/time/step`.
+/// A JSON pointer, e.g. `/time/step`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pointer(String);
 
@@ -44,7 +44,7 @@ impl Pointer {
 
 impl fmt::Display for Pointer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The root pointer is the empty string, which reads as a mistake in a message.
+        // The root pointer is the empty string, which would look like a mistake in a message.
         f.write_str(if self.0.is_empty() { "/" } else { &self.0 })
     }
 }

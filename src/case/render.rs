@@ -1,4 +1,4 @@
-//! Faults as a person reads them: place, the line with a mark below, what is allowed.
+//! Faults for the terminal: location, the line with a mark below, what is allowed.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use super::diagnostics::Fault;
 use super::span::Location;
 
-/// [characters] Widest picture of a line.
+/// [characters] Largest width of a quoted line.
 const WIDTH: usize = 120;
 
-/// [byte] What is kept of a line on either side of the mark: a mesh on one line can be megabytes long.
+/// [byte] Length to keep of a line on either side of the mark: a mesh on one line can be megabytes long.
 const AROUND: usize = 400;
 
 /// Renders faults for a terminal: one paragraph each.
@@ -29,7 +29,7 @@ fn paragraph(path: &str, text: &str, fault: &Fault) -> String {
     format!("{}\n{place}{}", fault.heading(), fault.advice())
 }
 
-/// The line of the range's start, shortened, with a mark below what of the range is on it.
+/// The first line of the range, shortened, with a mark below the range.
 fn picture(text: &str, range: &Range<usize>, number: usize) -> String {
     let before = text.get(..range.start).unwrap_or_default();
     let after = text.get(range.start..).unwrap_or_default();
@@ -65,7 +65,7 @@ mod tests {
         render("case.json", text, &[fault])
     }
 
-    /// Of a value over several lines the first is marked; an empty range and one at the end are marked too.
+    /// The first line of a longer value is marked; an empty range and one at the end are marked too.
     #[test]
     fn marks_what_is_on_the_line() {
         assert!(drawn("{\"a\": {\n}}", 6..9).contains("1 | {\"a\": {\n  |       ^"));

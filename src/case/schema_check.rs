@@ -1,9 +1,9 @@
-//! The second pass over a case that serde refused: a walk over the JSON Schema that finds every wrong type and key,
-//! where serde stops at the first.
+//! The second pass over a case that serde refused: it compares the case with the JSON Schema and finds every wrong type
+//! and key, while serde stops at the first.
 //!
-//! What is wrong is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
-//! checked here. The walk knows the part of JSON Schema that schemars makes of this case: `$ref`, `oneOf` of
-//! words, of objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
+//! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
+//! checked here. The check knows the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words, of
+//! objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
 
 use serde_json::{Map, Value, json};
 
@@ -12,7 +12,7 @@ use super::diagnostics::{Fault, FaultTarget, did_you_mean, excerpt, nearest, one
 use super::pointer::Pointer;
 use super::schema::json_schema;
 
-/// Finds every wrong type and key of a case and puts stand-ins in their places.
+/// Finds every wrong type and key of a case and replaces them by stand-ins.
 pub(crate) fn walk(json: &mut Value, findings: &mut FaultList) {
     let root = json_schema();
     SchemaCheck { root: &root, findings }.visit(&root, json, &Pointer::root());
@@ -44,7 +44,7 @@ impl<'a> SchemaCheck<'a> {
         }
     }
 
-    /// Notes that the whole value is wrong, and puts a stand-in in its place.
+    /// Adds a fault for the whole value, and replaces it by a stand-in.
     fn refuse(&mut self, schema: &Value, value: &mut Value, at: &Pointer, allowed: String) {
         self.note(at, FaultTarget::Value, value, allowed, None);
         self.replace(schema, value, at);
@@ -117,7 +117,7 @@ impl<'a> SchemaCheck<'a> {
         }
     }
 
-    /// Visits an object whose one key is a name of the choice; whether what is left of it can be read.
+    /// Visits an object whose only key is a name of the `oneOf`. Returns whether the rest of it can be read.
     fn tagged(&mut self, choice: &OneOf<'a>, map: &mut Map<String, Value>, at: &Pointer) -> bool {
         let mut keys = map.keys().cloned();
         let (Some(key), None) = (keys.next(), keys.next()) else {
@@ -163,7 +163,7 @@ struct OneOf<'a> {
 }
 
 impl<'a> OneOf<'a> {
-    /// The choice that a schema is, if it is one.
+    /// The `oneOf` of a schema, if it has one.
     fn new(root: &'a Value, schema: &'a Value) -> Option<Self> {
         let mut choice = Self { words: Vec::new(), tags: Vec::new(), others: Vec::new() };
         for branch in schema.get("oneOf")?.as_array()? {
@@ -194,7 +194,7 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number or a list. Of two kinds of list most of the entries decide which is meant.
+    /// The branch for a number or a list. Between two kinds of list, the majority of the entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
             let number = |branch: &&Value| value.is_number() && kind(branch) == "number";
@@ -221,10 +221,10 @@ impl<'a> OneOf<'a> {
     }
 }
 
-/// [-] Stands in for a number. Large, so that nothing else seems too large beside it.
+/// [-] Stand-in for a number. It is large, so that no other number seems too large beside it.
 const NUMBER: u32 = 1_000_000_000;
 
-/// The schema itself, references and the choice between something and null resolved.
+/// The schema itself, with references and the choice between a value and null resolved.
 fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     let referred = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
     if let Some(target) = referred.and_then(|pointer| root.pointer(pointer)) {
@@ -235,7 +235,7 @@ fn meant<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     branch.map_or(schema, |branch| meant(root, branch))
 }
 
-/// The type of a value, null aside; empty where the schema names none.
+/// The type of a value, except null; empty if the schema names none.
 fn kind(schema: &Value) -> &str {
     match schema.get("type") {
         Some(Value::String(name)) => name,

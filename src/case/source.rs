@@ -1,4 +1,4 @@
-//! Where a case comes from, and the way from there to a case or to all its faults.
+//! The source of a case, and the way from there to a case or to all its faults.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,12 +16,12 @@ use super::schema_check::walk;
 use super::span::{Location, Written};
 use super::{Case, CaseError, overrides};
 
-/// Where a case comes from.
+/// The source of a case.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// name of the file, for messages
     pub(crate) path: String,
-    /// folder that paths count from
+    /// folder to which paths are relative
     pub(crate) base: PathBuf,
     /// the file
     pub(crate) text: String,
@@ -30,8 +30,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// The error for a fault that shows only when the case is made ready: the value at a JSON pointer of `case_json`
-    /// does not go with the rest.
+    /// The error for a fault that shows only when the scene is built: the value at a JSON pointer of `case_json` does
+    /// not fit the rest.
     pub fn refuse(self, case_json: &Value, pointer: &str, allowed: &str, hint: String) -> CaseError {
         let mut faults = Faults::new(case_json, FaultList::default());
         faults.add_hint(&Pointer::root().below(pointer), allowed, hint);
@@ -76,7 +76,7 @@ impl Source {
 
     /// All faults of a text that is not JSON: those of the text, and those of what can be read of it.
     fn broken(self, first: Option<Box<Fault>>) -> CaseError {
-        // The tolerant reader would see a comment that is open to the end as nonsense.
+        // The tolerant reader could not read a comment that is not closed.
         let clean = blank(&self.text).unwrap_or_default();
         let mut found = FaultList::default();
         let mut json = match Tree::parse(&clean) {
@@ -94,7 +94,7 @@ impl Source {
                 return self.refused(FaultReport { faults, more: 0 });
             }
         };
-        // What the tolerant reader allows and JSON does not, it notes; white space is the rest.
+        // The tolerant reader reports all it reads that is not JSON, except white space.
         if let (0, Some(first)) = (found.count(), first) {
             found.note(|| *first);
         }
@@ -114,7 +114,7 @@ impl Source {
         Ok(json)
     }
 
-    /// The faults of a case in which faults were found, with those of its ranges and meaning.
+    /// All faults of a case, including those of ranges and meaning.
     fn rest(&self, json: &Value, mut found: FaultList, known: Option<Arc<Geometry>>) -> FaultReport {
         match typed(json) {
             Ok(file) => self.build(json, &file, found, known).err().unwrap_or_default(),
@@ -154,7 +154,7 @@ impl Source {
         }
     }
 
-    /// The error that shows these faults at their places.
+    /// The error with these faults and their locations.
     fn refused(self, told: FaultReport) -> CaseError {
         let FaultReport { mut faults, more } = told;
         let tree = Tree::parse(&self.text).ok();
@@ -166,7 +166,7 @@ impl Source {
 /// From JSON to the schema's structs. Serde stops at the first fault; [`walk`] finds them all.
 ///
 /// # Errors
-/// The first wrong type, unknown or missing key, as serde says it.
+/// The first wrong type, unknown or missing key, with serde's message.
 fn typed(json: &Value) -> Result<CaseFile, Box<Fault>> {
     serde_path_to_error::deserialize(json).map_err(|error| {
         let at = pointer(json, error.path());

@@ -1,4 +1,4 @@
-//! Where a fault was written: a range of the file's text, or an assignment on the command line.
+//! The location of a fault: a range of the file's text, or an assignment on the command line.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,12 +7,12 @@ use super::diagnostics::{Fault, FaultTarget, shorten};
 use super::jsonc::Tree;
 use super::pointer::Pointer;
 
-/// Where a fault was written.
+/// The location of a fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// in the file
     Text {
-        /// [byte] what of the text is at fault
+        /// [byte] the range of the text
         range: Range<usize>,
         /// line of its start, from 1
         line: usize,
@@ -23,7 +23,7 @@ pub enum Location {
     Assignment {
         /// dotted path
         key: String,
-        /// what was to be put there, shortened
+        /// the value assigned, shortened
         value: String,
     },
 }
@@ -58,19 +58,19 @@ fn floor(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// What a case was written in.
+/// The text and the assignments of a case.
 #[derive(Clone, Debug)]
 pub(crate) struct Written<'a> {
     /// the file
     pub text: &'a str,
-    /// the same with its comments blanked, read as far as it can be
+    /// the tree of the text with its comments blanked, as far as it can be read
     pub tree: Option<Tree<'a>>,
     /// assignments of the command line, in the order they apply
     pub overrides: &'a [(String, String)],
 }
 
 impl Written<'_> {
-    /// Gives every fault its place and puts them in the order of the text; assignments come last.
+    /// Gives every fault its location and sorts them in the order of the text; assignments come last.
     pub fn locate(&self, faults: &mut [Fault]) {
         for fault in faults.iter_mut().filter(|fault| fault.place.is_none() && fault.part != FaultTarget::Text) {
             fault.place = self.place(fault);
@@ -83,7 +83,8 @@ impl Written<'_> {
     }
 
     fn place(&self, fault: &Fault) -> Option<Location> {
-        // The longest part of the pointer that the text has, and one key more: who assigns below that has made it.
+        // The longest part of the pointer that exists in the text, and one more key: an assignment to or below it has
+        // made it.
         let made = self.tree.as_ref().map(|tree| tree.reach(&fault.pointer).len()).and_then(|reached| {
             let step = fault.pointer.get(reached + 1..)?;
             fault.pointer.get(..reached + 1 + step.find('/').unwrap_or(step.len()))
@@ -99,7 +100,7 @@ impl Written<'_> {
     }
 }
 
-/// Whether a pointer leads to what another one leads to, or to something in it.
+/// Whether a pointer leads to the same value as another one, or into it.
 fn within(pointer: &str, other: &str) -> bool {
     pointer.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
@@ -108,7 +109,8 @@ fn within(pointer: &str, other: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Lines and columns count from 1, columns in characters; offsets within a character or beyond the end are moved.
+    /// Lines and columns are counted from 1, columns in characters; offsets within a character or beyond the end are
+    /// moved.
     #[test]
     fn lines_and_columns() {
         let text = "a\n  é b";

@@ -1,4 +1,4 @@
-//! A case as a run needs it: every default filled in, nothing left to look up.
+//! The data of a run, with all defaults filled in.
 
 use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 pub use super::schema::Field;
 
-/// Everything a run needs.
+/// All data of a run.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// name of the case
@@ -22,15 +22,15 @@ pub struct Problem {
     pub system: SystemSpec,
     /// method with its parameters
     pub method: MethodChoice,
-    /// how long and in which steps
+    /// end and steps
     pub time: TimeSpec,
-    /// how an implicit step is solved
+    /// the solver of implicit steps
     pub solver: SolverSpec,
     /// what is written
     pub output: OutputSpec,
-    /// what is doubtful but runs, and is not acknowledged
+    /// warnings that are not acknowledged
     pub warnings: Vec<Warning>,
-    /// the same, acknowledged
+    /// warnings that are acknowledged
     pub acknowledged: Vec<Warning>,
     /// kinds of warnings that the case acknowledges
     pub acknowledge: Vec<WarningCode>,
@@ -39,7 +39,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// What [`crate::drive::run`] is to do.
+    /// The specification for [`crate::drive::run`].
     pub fn run_spec(&self, keep_going: bool) -> RunSpec<'_> {
         RunSpec {
             end: self.time.end,
@@ -57,12 +57,12 @@ impl Problem {
         self.acknowledge.contains(&code)
     }
 
-    /// Warnings that the case acknowledges, and the others.
+    /// Separates the warnings that the case acknowledges from the others.
     pub fn sort_out(&self, warnings: impl IntoIterator<Item = Warning>) -> (Vec<Warning>, Vec<Warning>) {
         warnings.into_iter().partition(|warning| self.acknowledges(warning.code))
     }
 
-    /// Takes the system out; an empty network stays. A large mesh is then not kept twice.
+    /// Takes the system out, so that a large mesh is not kept twice; an empty network remains.
     pub fn take_system(&mut self) -> SystemSpec {
         std::mem::replace(&mut self.system, SystemSpec::Network(Box::default()))
     }
@@ -77,12 +77,12 @@ pub enum SystemSpec {
     Pendulum(PendulumSpec),
 }
 
-/// How long and in which steps.
+/// End and steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeSpec {
     /// [s] end of the simulated time, above 0
     pub end: f64,
-    /// how the run goes there
+    /// the steps
     pub step: Step,
 }
 
@@ -104,7 +104,7 @@ pub struct OutputSpec {
     pub probes: Vec<ProbeSpec>,
     /// how often `history.csv` has a row
     pub history_every: RowEvery,
-    /// whether nobody asked for that, so that it follows from the length of the run
+    /// whether it is the default, which follows from the length of the run
     pub history_derived: bool,
     /// [s] a checkpoint at every multiple of this; `None`: only when interrupted
     pub checkpoint_every: Option<f64>,
@@ -115,7 +115,7 @@ pub struct OutputSpec {
 /// How often `history.csv` has a row, beside the first and the last state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RowEvery {
-    /// [-] every so many steps, at least 1
+    /// [-] every this many steps, at least 1
     Steps(u64),
     /// [s] at the end of the first step that reaches each multiple of this, above 0
     Time(f64),

@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The arguments of the command line.
 
 use super::init::InitArgs;
 use super::mesh::MeshArgs;
@@ -136,7 +136,7 @@ impl CaseArgs {
     }
 }
 
-/// Both tolerances from the relative one; what is no number is left for the case's own check.
+/// Both tolerances from the relative one; a value that is not a number is left to the check of the case.
 fn both(relative: &str) -> String {
     match relative.trim().parse::<f64>() {
         Ok(number) => format!("{{\"relative\": {relative}, \"absolute\": {:e}}}", number / 100.0),

@@ -1,5 +1,5 @@
-//! `canopy-fem check`: all faults, what is modelled and what that costs, every method's critical step and the run it
-//! would make, and what to take for an accuracy, found by trial runs; nothing is written.
+//! `canopy-fem check`: lists all faults, the model and its cost, each method's critical step and predicted run, and
+//! recommends a method for an accuracy, by trial runs. It writes no files.
 
 use super::check_json::Report;
 use super::warnings::{check_solver, of_scene, planned};
@@ -24,7 +24,7 @@ use crate::warning::Warning;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Accuracy advised for where neither the command nor the case has one.
+/// Accuracy to recommend a method for, if neither the command nor the case has one.
 const ACCURACY: f64 = 1e-3;
 
 pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
@@ -32,7 +32,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     let system = problem.take_system();
     let mut text = format!("{}: no faults\n", problem.name);
     describe_system(&mut text, &system);
-    // What a network takes is the scene's from here on.
+    // From here on the scene owns the data of the network.
     let scene = build_scene(system, 1)?;
     let baseline = Baseline::now();
     let scene = &*scene;
@@ -66,14 +66,14 @@ pub(super) fn run(args: &CheckArgs) -> Result<String, CliError> {
     Ok(text)
 }
 
-/// What limits of methods are known by.
+/// The source of the critical steps of methods.
 enum Limits<'a> {
     Searched(Box<Spectrum<'a>>),
     Bounded(ElementBounds),
 }
 
 impl<'a> Limits<'a> {
-    /// By a search where the forecast may cost that much.
+    /// Uses a search, if the budget of the forecast allows it.
     fn of(scene: &'a dyn Scene, state: &'a State, budget: &Budget) -> Self {
         match budget.affords_search(scene) {
             true => Limits::Searched(Box::new(Spectrum::of(scene, state.as_ref()))),
@@ -89,7 +89,7 @@ impl<'a> Limits<'a> {
     }
 }
 
-/// Every method, the case's with its own parameters, with its limit at the start.
+/// Every method with its critical step at the start; the method of the case has its own parameters.
 fn candidates(problem: &Problem, scene: &dyn Scene, limits: &mut Limits<'_>) -> Vec<Candidate> {
     let known = |method: &MethodChoice| {
         let needs_network = method.info.family == Family::MatrixFree && scene.interfaces().graph.is_none();

@@ -20,7 +20,7 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// JSON text that ends with a line's end.
+    /// JSON text that ends with a line break.
     pub fn to_json(&self) -> Result<String, CliError> {
         let Report { problem, scene, candidates, forecast, warnings, acknowledged } = self;
         let tolerance = problem.time.step.tolerance();

@@ -1,4 +1,4 @@
-//! Why a command failed, and the exit status that says so.
+//! Why a command failed, and its exit status.
 
 use super::init::InitError;
 use super::mesh::MeshCliError;
@@ -21,19 +21,19 @@ pub enum CliError {
     /// The case is bad.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The case cannot be made ready.
+    /// The scene of the case cannot be built.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The results' folder cannot be used.
+    /// The folder for the results cannot be used.
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// Results cannot be prepared.
     #[error(transparent)]
     Recorder(#[from] RecorderError),
-    /// The earlier run cannot be taken up.
+    /// The earlier run cannot be resumed.
     #[error(transparent)]
     Resume(#[from] ResumeError),
-    /// The case cannot be summed up for checkpoints.
+    /// The case has no checksum for checkpoints.
     #[error(transparent)]
     Fingerprint(#[from] FingerprintError),
     /// Results cannot be written.
@@ -42,7 +42,7 @@ pub enum CliError {
     /// The run could not start or write.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The simulation refuses what it is asked.
+    /// The simulation refuses a request.
     #[error(transparent)]
     Simulation(SimulationError),
     /// Matrices cannot be written.
@@ -57,7 +57,7 @@ pub enum CliError {
     /// A method cannot be chosen.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// A study cannot go on.
+    /// A study failed.
     #[error(transparent)]
     Study(#[from] StudyError),
     /// An example case cannot be written.

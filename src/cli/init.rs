@@ -26,7 +26,7 @@ pub enum InitError {
         /// what was asked for
         name: String,
     },
-    /// The file is there already.
+    /// The file exists already.
     #[error("{path} exists already; --force overwrites it")]
     Exists {
         /// the file
@@ -45,7 +45,7 @@ pub enum InitError {
 /// Writes the example into `folder`; returns the file's path.
 ///
 /// # Errors
-/// A name that is no file name, a file that exists (without `force`), or a failed write.
+/// A name that cannot be a file name, a file that exists (without `force`), or a failed write.
 pub fn run(args: &InitArgs, folder: &Path) -> Result<PathBuf, InitError> {
     let name = args.name.strip_suffix(".json").unwrap_or(&args.name);
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
@@ -54,7 +54,7 @@ pub fn run(args: &InitArgs, folder: &Path) -> Result<PathBuf, InitError> {
     }
     let path = folder.join(format!("{name}.json"));
     let shown = path.display().to_string();
-    // `create_new` lets no other program slip a file in between a look and the write.
+    // `create_new` fails if another program makes the file between the check and the write.
     let mut options = OpenOptions::new();
     let options = if args.force { options.create(true).truncate(true) } else { options.create_new(true) };
     let written =

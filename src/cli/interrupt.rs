@@ -1,5 +1,5 @@
-//! Ctrl-C, and `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job. A command that has nothing
-//! to save ends at once; one that has is asked, and ends at once when it is asked again.
+//! Ctrl-C, and `SIGTERM` and `SIGXCPU`, with which batch systems announce the end of a job. A command with nothing to
+//! save ends at once. Another one is asked to stop at the first signal, and ends at once at the second.
 
 use super::complain;
 use std::process::exit;
@@ -7,28 +7,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Signals closer than this are one: a terminal and a batch system may both send one.
+/// Signals closer together than this count as one: a terminal and a batch system may both send one.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 /// Exit status of an interrupted command.
 pub(super) const STATUS: i32 = 130;
 
-/// What a signal does; one for the process, as signals are.
+/// What a signal does; global, as signals belong to the process.
 static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-/// When the first came to a command that is asked.
+/// Time of the first signal.
 static FIRST: Mutex<Option<Instant>> = Mutex::new(None);
 
-/// From now on a signal asks: it sets this flag.
+/// From now on, the first signal only sets this flag.
 pub(super) fn stop_on_interrupt() -> Arc<AtomicBool> {
     Arc::clone(ASKED.get_or_init(Arc::default))
 }
 
-/// Catches signals, which end the program until it says that it has something to save.
+/// Catches signals. They end the program until it says that it has something to save.
 pub(super) fn catch_interrupts() {
     // Without a handler a signal still ends the program, only without a summary.
     if let Err(e) = ctrlc::set_handler(interrupted) {
         complain(&format!("warning: Ctrl-C will not be caught: {e}"));
     }
-    // Not by ctrlc, which would catch SIGHUP as well, and so end what was started with nohup.
+    // The crate ctrlc would also catch SIGHUP, and so end commands that were started with nohup.
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGTERM, SIGXCPU};
@@ -53,8 +53,7 @@ fn interrupted() {
     }
 }
 
-/// Where a file reaches the size that is allowed, writing it is to fail, with a message, and not to end the program
-/// without one.
+/// Makes a write beyond the allowed file size fail with a message, instead of ending the program without one.
 pub(super) fn outlive_full_files() {
     #[cfg(unix)]
     if let Err(e) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()) {

@@ -35,7 +35,7 @@ pub enum MeshCommand {
     Inspect(InspectArgs),
 }
 
-/// Where a made mesh goes.
+/// The output of a generated mesh.
 #[derive(Clone, Debug, Args)]
 pub struct OutputArgs {
     /// File to write, .vtu or .obj; without it, the command only describes the mesh
@@ -78,7 +78,7 @@ pub struct AnnulusArgs {
     /// counts and grading
     #[command(flatten)]
     pub graded: GradedArgs,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -92,7 +92,7 @@ pub struct DiscArgs {
     /// counts and grading
     #[command(flatten)]
     pub graded: GradedArgs,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -125,7 +125,7 @@ pub struct RectangleArgs {
     /// How the cells are cut
     #[arg(long, value_enum, default_value_t)]
     pub pattern: PatternArg,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -142,7 +142,7 @@ pub struct ChainArgs {
     /// Number of edges
     #[arg(long)]
     pub segments: usize,
-    /// where it goes
+    /// the output
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -248,7 +248,7 @@ fn written(path: &Path) -> String {
     format!("written to {}\n", path.display())
 }
 
-/// Counts, loops, quality, histogram, and what a simulation would stumble over.
+/// Counts, loops, quality, histogram, and faults that matter for a simulation.
 fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
     let topology = Topology::new(mesh).map_err(MeshCliError::Input)?;
     let quality = Quality::with_topology(mesh, &topology);

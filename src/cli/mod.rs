@@ -1,4 +1,4 @@
-//! The command line: what was typed, and one file a command.
+//! The command line: its arguments, and one file per command.
 
 mod args;
 mod check;
@@ -35,7 +35,7 @@ pub fn main() -> ExitCode {
         Ok(CommandOutput { text, code }) => {
             let mut out = std::io::stdout().lock();
             match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-                // A closed pipe (`canopy-fem methods | head`) is the reader's choice, not a failure.
+                // A closed pipe (`canopy-fem methods | head`) is not a failure.
                 Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
                     complain(&format!("error: standard output: {e}"));
                     ExitCode::from(1)
@@ -50,12 +50,12 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// A line on standard error, if anybody listens: `eprintln!` would panic on a closed one.
+/// Writes a line to standard error, if it is open: `eprintln!` would panic on a closed one.
 fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }
 
-/// What a command leaves: text for standard output, and its exit status.
+/// The result of a command: text for standard output, and its exit status.
 struct CommandOutput {
     text: String,
     code: u8,

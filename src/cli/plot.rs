@@ -56,7 +56,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
         from: args.from,
         to: args.to,
     };
-    // All pictures are made before the first is written.
+    // All charts are made before the first is written.
     let pictures = kinds(args, &runs).into_iter().map(|kind| Ok((kind.file(), picture(&runs, &view, kind)?)));
     let pictures = pictures.collect::<Result<Vec<_>, PlotError>>()?;
     let folder = match (&args.out, args.runs.as_slice()) {
@@ -77,7 +77,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<String, CliError> {
     Ok(text)
 }
 
-/// What was asked for, each once; without a wish, all kinds, but no motion where none of the runs has probes.
+/// The requested kinds, each once. By default all kinds, but without those of motion if no run has probes.
 fn kinds(args: &PlotArgs, runs: &[Run]) -> Vec<Kind> {
     let probed = runs.iter().any(|run| !run.tracks.is_empty());
     let wanted = |kind: &Kind| match args.kind.as_slice() {
@@ -91,7 +91,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|t: &f64| t.is_finite()).ok_or_else(|| "expected a time in seconds".to_owned())
 }
 
-/// Numbers and ranges with both ends, parted by commas.
+/// Numbers and ranges that include both ends, separated by commas.
 fn nodes(text: &str) -> Result<Nodes, String> {
     let wrong = || "expected nodes such as 3,7 or 650..702".to_owned();
     let mut nodes = Vec::new();

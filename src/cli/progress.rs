@@ -1,4 +1,4 @@
-//! The progress line on standard error: time, share done, steps a second, step size, Newton iterations, time left.
+//! The progress line on standard error: time, share done, steps per second, step size, Newton iterations, time left.
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -9,16 +9,16 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::warning::{Warning, WarningCode};
 
-/// Between two updates of the line.
+/// Time between two updates of the line.
 const REDRAW: Duration = Duration::from_millis(100);
-/// The clock is read at least once in this many steps: rarer would save nothing more, and freeze the line when steps
-/// become slow.
+/// The clock is read at least once in this many steps: reading it less often would save nothing, and the line would
+/// stop when steps become slow.
 const RAREST: u64 = 64;
 /// [-] weight of the newest interval in the smoothed rates
 const NEWEST: f64 = 0.3;
 /// [s] Start-ups longer than this are printed phase by phase.
 pub const LONG_START: f64 = 1.0;
-/// Positions of the bar.
+/// Length of the bar.
 const TICKS: f64 = 1000.0;
 
 /// When a progress line is drawn.
@@ -41,7 +41,7 @@ pub struct Progress {
     countdown: u64,
     every: u64,
     since: WorkSince,
-    /// whether energy that the scheme makes is acknowledged, so that nothing is said of it
+    /// whether energy that the scheme makes is acknowledged, so that there is no warning
     acknowledged: bool,
 }
 
@@ -52,7 +52,7 @@ struct WorkSince {
     newton: u64,
 }
 
-/// What the line last knew; exists once a run has started and is to be shown.
+/// State of the line at its last update; exists once a run has started and its progress is shown.
 #[derive(Clone, Copy, Debug)]
 struct RefreshClock {
     start: f64,
@@ -65,9 +65,9 @@ struct RefreshClock {
 /// Smoothed speeds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rates {
-    /// [1/s] steps a second of clock time
+    /// [1/s] steps per second of clock time
     steps: f64,
-    /// [-] seconds simulated a second of clock time
+    /// [-] simulated seconds per second of clock time
     time: f64,
 }
 
@@ -105,7 +105,7 @@ impl Progress {
         }
     }
 
-    /// The same, silent about energy that the scheme makes where that is acknowledged.
+    /// The same, without a warning about energy that the scheme makes if that is acknowledged.
     #[must_use]
     pub fn acknowledging(mut self, acknowledged: bool) -> Self {
         self.acknowledged = acknowledged;
@@ -124,7 +124,8 @@ impl Progress {
         }
     }
 
-    /// Reads the clock: adapts the steps between so that this happens several times an update, and draws when due.
+    /// Reads the clock and draws the line when due. Adapts the number of steps between readings, so that there are
+    /// several per update.
     fn refresh(&mut self, t: f64, step_size: f64) {
         let Some(clock) = &mut self.clock else { return };
         let now = Instant::now();
@@ -133,7 +134,7 @@ impl Progress {
         if gap < REDRAW / 10 {
             self.every = (self.every * 2).min(RAREST);
         } else if gap > REDRAW / 3 {
-            // At once, not by halves: steps may have become a thousand times slower.
+            // Reduced at once, not by halves: steps may have become a thousand times slower.
             self.every = 1;
         }
         self.countdown = self.every;
@@ -154,7 +155,7 @@ impl Progress {
         };
         let done = ((t - clock.start) / (self.end - clock.start)).clamp(0.0, 1.0);
         self.since = WorkSince::default();
-        // A share that is not a number becomes 0.
+        // A share that is NaN becomes 0.
         self.bar.set_position((done * TICKS) as u64);
         self.bar.set_message(line.text());
     }
@@ -201,7 +202,7 @@ impl Observer for Progress {
 }
 
 impl Drop for Progress {
-    /// A run that ends with an error must not leave half a line under its message.
+    /// Clears the line, so that an error message is not mixed with it.
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
@@ -259,7 +260,7 @@ fn time_left(remaining: f64, rate: f64) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// The line shows what a person waits for, and leaves out what the scheme does not have.
+    /// The line shows the progress, and leaves out quantities that the scheme does not have.
     #[test]
     fn line_reads_well() {
         let rates = Rates { steps: 12_345.6, time: 0.01 };
@@ -271,7 +272,8 @@ mod tests {
         assert_eq!(time_left(1.0, f64::NAN), None);
     }
 
-    /// While steps are quick the clock is read ever more rarely; when they become slow, at once again.
+    /// While steps are quick, the clock is read less and less often; when they become slow, it is read often again at
+    /// once.
     #[test]
     fn clock_is_read_sparsely() {
         let view = AcceptedStep { step: 1, t: 0.1, newton_iterations: 3, ..AcceptedStep::default() };

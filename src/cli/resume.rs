@@ -1,4 +1,4 @@
-//! `solve --resume`: what there is to go on from.
+//! `solve --resume`: finds the run to continue.
 
 use super::CliError;
 use crate::case::fingerprint::Fingerprint;
@@ -9,15 +9,15 @@ use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
 use crate::output::summary::Summary;
 use std::path::Path;
 
-/// What a folder holds of a case.
+/// An earlier run of a case in a folder.
 pub(super) enum EarlierRun {
-    /// a run that has reached the end asked for
+    /// a run that has reached the requested end
     Done(Box<Summary>),
-    /// a run to go on with
+    /// a run to continue
     Checkpoint(ResultFolder, Box<Checkpoint>),
 }
 
-/// Looks at the folder; changes nothing.
+/// Finds the earlier run in the folder; changes nothing.
 pub(super) fn find_earlier_run(dir: &Path, problem: &Problem, case: &Fingerprint) -> Result<EarlierRun, CliError> {
     let folder = ResultFolder::reopen(dir, &problem.name)?;
     if let Some(summary) = Summary::read(&folder.file(SUMMARY)).filter(|summary| is_done(summary, problem, case)) {
@@ -27,7 +27,7 @@ pub(super) fn find_earlier_run(dir: &Path, problem: &Problem, case: &Fingerprint
     Ok(EarlierRun::Checkpoint(folder, Box::new(checkpoint)))
 }
 
-/// Whether this very case has reached this very end.
+/// Whether the same case has reached the same end.
 fn is_done(summary: &Summary, problem: &Problem, case: &Fingerprint) -> bool {
     summary.status == Status::Completed
         && summary.t_end == problem.time.end

@@ -2,7 +2,7 @@
 
 /// The JSON Schema of a case file, ready to print.
 pub fn run() -> String {
-    // Pretty-printing a value cannot fail; the compact form has no failure to report either.
+    // Printing a value cannot fail.
     let schema = crate::case::json_schema();
     serde_json::to_string_pretty(&schema).unwrap_or_else(|_| schema.to_string())
 }

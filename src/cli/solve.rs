@@ -1,4 +1,4 @@
-//! `canopy-fem solve`: the main job.
+//! `canopy-fem solve`: runs a case and writes its results.
 
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, LONG_START, Progress};
@@ -33,7 +33,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// [-] Share of the energy dissipated from which on a braked body is worth a word: less than half of the speed is left.
+/// [-] Share of the energy above which dissipation by a braked body leads to a warning: less than half of the speed is
+/// left.
 const LOST: f64 = 0.8;
 
 pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
@@ -53,9 +54,9 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let scene: Arc<dyn Scene> =
         timed(Phase::Scene, || build_scene(problem.take_system(), usize::from(args.threads)))?.into();
     check_solver(&problem, &*scene, source)?;
-    // A method that does not fit is refused before any file is made.
+    // An unsuitable method is refused before any file is created.
     bind(&problem, &*scene)?;
-    // Before any file is made, so that no interrupt leaves results without a summary.
+    // Before any file is created, so that no interrupt leaves results without a summary.
     let stop = stop_on_interrupt();
     let (folder, checkpoint) = match earlier {
         Some(EarlierRun::Checkpoint(folder, checkpoint)) => (folder, Some(*checkpoint)),
@@ -85,7 +86,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     let text = if args.quiet { String::new() } else { report(&problem, &outcome, &summary, &folder, &seen) };
     let code = match outcome.status {
         Status::Completed => 0,
-        // Its failure is in the summary, with what was known of the cause by then.
+        // The summary has its failure, with the cause as far as it is known.
         Status::Diverged | Status::NotConverged if stop.load(Ordering::Relaxed) => 130,
         Status::Diverged | Status::NotConverged => 3,
         Status::Interrupted => 130,
@@ -93,7 +94,7 @@ pub(super) fn run(args: &SolveArgs) -> Result<CommandOutput, CliError> {
     Ok(CommandOutput { text, code })
 }
 
-/// A run that is ready.
+/// A run that is ready to start.
 struct PreparedRun<'a> {
     args: &'a SolveArgs,
     problem: &'a Problem,
@@ -103,7 +104,7 @@ struct PreparedRun<'a> {
     account: StartupTimer,
 }
 
-/// What was seen of a run besides its results.
+/// Data of a run for the report, besides its results.
 struct RunNotes<'a> {
     limit: CriticalStep,
     least: Option<LeastStep>,
@@ -113,7 +114,7 @@ struct RunNotes<'a> {
 }
 
 impl<'a> PreparedRun<'a> {
-    /// Runs from the start or from the checkpoint, and leaves all files.
+    /// Runs from the start or from the checkpoint, and writes all files.
     fn integrate(
         &self,
         case: Fingerprint,
@@ -133,7 +134,7 @@ impl<'a> PreparedRun<'a> {
         };
         let stopwatch = Stopwatch::start(checkpoint.as_ref().map(|checkpoint| checkpoint.spent).unwrap_or_default());
         let every = problem.output.checkpoint_every;
-        // What was derived at the start stays in force.
+        // Settings that were derived at the start of the earlier run are kept.
         let case = checkpoint.as_ref().map_or(case, |checkpoint| checkpoint.case.clone());
         let case_digest = case.digest();
         let mut recorder = recorder.with_checkpoints(CheckpointSpec { case, every, stopwatch });
@@ -144,13 +145,13 @@ impl<'a> PreparedRun<'a> {
             MaxDisplacement::new(scene),
         );
         let tell = |text: &str| {
-            // Over what is left of a progress line.
+            // Overwrites the rest of a progress line.
             let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
             if !unwatched {
                 complain(&format!("{clear}warning: {text}"));
             }
         };
-        // Adaptive steps shrink by themselves where a scene stiffens.
+        // Adaptive steps become smaller where a scene stiffens, so no monitor is needed.
         let mut monitor = spec.step.fixed().and_then(|step| {
             let (method, start, stop) = (&problem.method, limit, Stop::on(stop));
             CriticalStepMonitor::of(Monitored { scene, method, start, step, tell: &tell, stop }, has_limit(method))
@@ -169,7 +170,7 @@ impl<'a> PreparedRun<'a> {
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
         let summary = Summary { resumed_from, case_digest, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
-        // That of an interrupt; nobody has asked for one to stay.
+        // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {
             folder.remove_checkpoint()?;
         }
@@ -178,13 +179,13 @@ impl<'a> PreparedRun<'a> {
     }
 }
 
-/// A word on a run that reached its end on energy its scheme made itself.
+/// Warning for a completed run whose scheme made much energy itself.
 fn energy_made(outcome: &Outcome) -> Option<Warning> {
     let made = outcome.energy_doubt().filter(|_| outcome.status == Status::Completed)?;
     Some(Warning::new(WarningCode::EnergyMade, format!("{made}; do not trust this run")))
 }
 
-/// A word on a run in which damping that brakes the rotation of a free body has taken nearly all energy.
+/// Warning for a run in which damping that brakes the rotation of a free body took nearly all energy.
 fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
     let mut found = problem.warnings.iter().chain(&problem.acknowledged);
     let lost = found.any(|w| w.code == WarningCode::BrakedRotation).then(|| dissipated_share(&outcome.ledger))?;
@@ -197,7 +198,7 @@ fn energy_dissipated(problem: &Problem, outcome: &Outcome) -> Option<Warning> {
     })
 }
 
-/// [-] What was dissipated over all that was in motion and springs, or would still be.
+/// [-] Dissipated energy over the kinetic and elastic energy that there would be without dissipation.
 fn dissipated_share(at: &LedgerRow) -> f64 {
     at.dissipated / (at.dissipated + at.kinetic + at.elastic)
 }
@@ -245,7 +246,7 @@ fn report(
     if !failed {
         let _ = writeln!(text, "  energy error    {:.2e} of the largest energy exchanged", outcome.energy_error);
     }
-    // Of adaptive steps, what they came to on average.
+    // For adaptive steps, their average.
     let fixed = problem.time.step.fixed().map(|step| step.min(problem.time.end));
     let step = fixed.unwrap_or(outcome.t_end / outcome.steps.max(1) as f64);
     if let Some(tolerance) = problem.time.step.tolerance() {
@@ -260,7 +261,7 @@ fn report(
     }
     let results = folder.dir().join(format!("{}.pvd", folder.stem()));
     if failed {
-        // Error, displacement and share of the critical step would be those of a state that is wrong.
+        // After a divergence, error, displacement and share of the critical step have no meaning.
         if let Some(t) = seen.last_frame {
             let _ = writeln!(text, "  last frame      t = {} s", figures(t, 12));
         }

@@ -95,7 +95,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<CommandOutput, CliError> {
 /// The flags of a study as values of the case's study section, so that they are checked as those are.
 fn overrides(args: &StabilityArgs) -> Vec<(String, String)> {
     let mut all = args.case.overrides();
-    // Whoever names a method wants that one.
+    // A method given by name has its default parameters.
     let named = args.case.method.as_ref().map(|method| match method.trim_start().starts_with(['{', '"']) {
         true => format!("[{method}]"),
         false => format!("[\"{method}\"]"),

@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// [s] Budget of a study on one machine, if nobody says.
+/// [s] Default budget of a study on one machine.
 const BUDGET: f64 = 120.0;
-/// Share of a budget that the references may take, by nominal figures.
+/// Share of a budget that the references may take, in nominal costs.
 const FOR_REFERENCES: f64 = 0.5;
 
 /// `tradeoff`.
@@ -69,7 +69,7 @@ pub struct TradeoffArgs {
     pub quiet: bool,
 }
 
-/// [s] Time a study may take.
+/// [s] Time limit of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// so many seconds
@@ -152,7 +152,7 @@ impl Command<'_> {
         let answers = Recommendations::of(&plan, &rows)?;
         let study = Study { plan, rows };
         let here = Rerun::here(typed());
-        // A study is made again by the command that planned it, not by one that joined its parts.
+        // To repeat a study one needs the command that planned it, not the one that merged its parts.
         let command = if study.plan.command.is_empty() { here.command } else { study.plan.command.clone() };
         let how = Rerun { command, ..here };
         let files = report::write(&self.out, &study, &answers, &how)?;
@@ -166,7 +166,7 @@ impl Command<'_> {
         format!("shard {part}/{of} done; {finished} of {all} runs of the study are finished in {out}\n")
     }
 
-    /// Refuses to write over results of a study whose plan is not there.
+    /// Refuses to overwrite results of a study without its plan.
     fn nothing_lost(&self) -> Result<(), StudyError> {
         let there = report::FILES.iter().find(|name| !self.args.force && self.out.join(name).exists());
         match there {
@@ -182,7 +182,7 @@ impl Command<'_> {
         StudyOptions::of(&self.args.options, case.file().study.as_ref())
     }
 
-    /// [s] what the study may take
+    /// [s] time limit of the study
     fn budget(&self, section: Option<f64>) -> Option<f64> {
         let shared = self.args.plan || self.args.shard.is_some();
         match self.args.budget {
@@ -222,15 +222,15 @@ impl Command<'_> {
             let keys = differences(&plan.case, &case.problem().case_json);
             return Err(other(format!("its case is not {} as given now: {keys}", path.display())));
         }
-        // The files that it names may have changed though it has not. One variant is enough: others differ in stiffness
-        // only.
+        // The files that the case names may have changed, although the case has not. One variant is enough: the others
+        // differ in stiffness only.
         if let Some(variant) = plan.variants.first() {
             let now = fingerprint_of(case.with(&variant.overrides)?.problem())?;
             if let Some(differences) = variant.fingerprint.differences(&now) {
                 return Err(other(differences.to_string()));
             }
         }
-        // A shard or a merge does what was planned; options are those of the plan.
+        // A shard or a merge follows the plan and its options.
         let asks = self.args.shard.is_none() && self.args.merge.is_none();
         if asks && plan.asked != self.options(case)? {
             return Err(other("other methods, steps, tolerances, repeats or stiffnesses were asked for".to_owned()));
@@ -289,7 +289,7 @@ impl ProgressLine {
     }
 }
 
-/// The arguments as typed; what is not UTF-8 is shown as well as it can be.
+/// The arguments as typed; bytes that are not UTF-8 are replaced.
 fn typed() -> impl Iterator<Item = String> {
     std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
 }

@@ -1,5 +1,5 @@
-//! What shows only when the scene is built: a case that does not fit its solver, a step above the critical one, frames
-//! for which the disk has no room. `check` and `solve` say the same.
+//! Faults and warnings that need the built scene: a case that does not fit its solver, a step above the critical one,
+//! frames that do not fit on the disk. `check` and `solve` use the same.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn check_solver(problem: &Problem, scene: &dyn Scene, source: Source)
 
 fn unsuitable_solver(scene: &dyn Scene, SolverSpec { newton, linear }: SolverSpec) -> Option<LinearError> {
     match linear {
-        // Only networks have a graph.
+        // Only networks have a spring graph.
         LinearChoice::Cg | LinearChoice::Cholesky if scene.interfaces().graph.is_none() => {
             Some(LinearError::NotByNodes)
         }
@@ -55,7 +55,7 @@ pub(super) fn of_scene(planned: Planned<'_>, problem: &Problem, limit: CriticalS
     all.into_iter().flatten().collect()
 }
 
-/// A warning for frames that will not fit on the disk of `out`.
+/// Warning for frames that will not fit on the disk of `out`.
 fn disk_warning(problem: &Problem, scene: &dyn Scene, out: &Path) -> Option<Warning> {
     let every = problem.output.frames_every;
     let frames = 1.0 + every.map_or(1.0, |every| (problem.time.end / every).ceil());

@@ -1,5 +1,5 @@
-//! Why a run went wrong, from evidence: limits of the scheme on the tangent, what the loads do in one step, what is
-//! held.
+//! Why a run went wrong, from evidence: the limits of the scheme for the tangent, the effect of the loads in one step,
+//! and the supports.
 
 use crate::analysis::critical::{Confidence, CostLimits, CriticalStep, has_limit, implicit_for, remedy};
 use crate::analysis::limit::{critical_step, growth};
@@ -17,14 +17,14 @@ mod held;
 mod units;
 mod unsolved;
 
-/// Share of the limit of forces outside Kang's filter that is advised.
+/// Recommended share of the limit of forces outside Kang's filter.
 const SAFE: f64 = 0.5;
 /// [rad] w h of a step that resolves an oscillation well
 const RESOLVED: f64 = 0.3;
 /// A step above this share of the critical one is near enough to be the cause.
 const NEAR: f64 = 0.9;
 
-/// What is asked about.
+/// The run to diagnose.
 #[derive(Clone, Copy)]
 pub(super) struct DiagnosisInput<'a> {
     pub scene: &'a dyn Scene,
@@ -35,14 +35,14 @@ pub(super) struct DiagnosisInput<'a> {
     pub h: f64,
     /// [s] end of the run
     pub end: f64,
-    /// whether the search is to be cut short
+    /// whether the search is to end early
     pub stop: Stop<'a>,
 }
 
-/// What was found, and what to do about it.
+/// The cause that was found, and advice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Diagnosis {
-    /// why, in words; empty if nothing was seen
+    /// the cause in words; empty if none was found
     pub why: String,
     pub advice: String,
     /// [s] critical step, where one was found
@@ -52,7 +52,7 @@ pub(super) struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Of a search that whoever waits for it has ended; `h` [s] is the step.
+    /// The diagnosis of a search that was interrupted; `h` [s] is the step.
     fn cut_short(h: f64) -> Self {
         Diagnosis {
             why: "the search for the cause was cut short by a signal".to_owned(),
@@ -101,7 +101,7 @@ impl DiagnosisInput<'_> {
         answer
     }
 
-    /// Why nodes have left the scene although no energy was made: `error` is that of the account.
+    /// Why nodes have left the scene although the scheme made no energy: `error` is that of the energy account.
     pub fn flight(&self, error: f64) -> Diagnosis {
         let found = self.explicit(&self.scene.initial_state());
         if self.stop.asked() {
@@ -127,7 +127,7 @@ impl DiagnosisInput<'_> {
         }
     }
 
-    /// The step against the limit of the scheme on the tangent at the start, else in the last good state.
+    /// Compares the step with the critical step at the start, else in the last good state.
     fn explicit(&self, start: &State) -> Option<Diagnosis> {
         let method = self.method;
         if self.method.info.family == Family::MatrixFree {
@@ -138,7 +138,7 @@ impl DiagnosisInput<'_> {
         }
         let first = self.limit(method, start, "at the start");
         let over = |limit: &Limit| self.h > NEAR * limit.critical.step;
-        // The start first: it is sane, and the warning before the run spoke of it.
+        // The start first: its state is credible, and the warning before the run was about it.
         let found =
             first.filter(over).or_else(|| self.limit(method, self.last, "in the last good state").filter(over))?;
         Some(if found.critical.step > 0.0 { self.too_long(&found) } else { self.always_grows(method, &found) })
@@ -181,13 +181,13 @@ impl DiagnosisInput<'_> {
         Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(step), dof: Some(dof) }
     }
 
-    /// An oscillation, or a force that follows a velocity at once.
+    /// The oscillation, or the velocity-dependent force, that sets the limit.
     fn motion(&self, dof: usize, rates: Rates) -> String {
         let place = self.place(dof);
         if rates.damping > 2.0 * rates.frequency {
             let mut viscous = Vec::new();
             for term in self.scene.terms().iter().filter(|t| t.velocity_dependent) {
-                // One a spring rule, but one name.
+                // There is one term per spring rule, with the same name.
                 if !viscous.contains(&term.name) {
                     viscous.push(term.name);
                 }
@@ -208,7 +208,7 @@ impl DiagnosisInput<'_> {
             }
             _ => String::new(),
         };
-        // A weakly damped slow one may set the limit of a scheme that makes energy.
+        // The limit of a scheme that makes energy may be set by a slow oscillation with little damping.
         format!("the oscillation of {} rad/s {place}{why}", figures(rates.frequency, 4))
     }
 
@@ -217,7 +217,7 @@ impl DiagnosisInput<'_> {
         self.scene.terms().iter().filter(|t| t.follower).map(|t| t.name).collect()
     }
 
-    /// [rad/s] what no oscillation on the springs exceeds, by row sums of their stiffness (Gershgorin).
+    /// [rad/s] Upper bound of the frequencies of the springs, by row sums of their stiffness (Gershgorin).
     fn springs_alone(&self) -> Option<f64> {
         self.stiffest_row().map(|(_, square)| square.sqrt()).filter(|w| *w > 0.0 && w.is_finite())
     }
@@ -246,14 +246,14 @@ impl DiagnosisInput<'_> {
         Diagnosis { why, advice: remedy(&found.critical, self.h), critical: Some(0.0), dof: Some(dof) }
     }
 
-    /// What acts outside Kang's filter is explicit. Loads are; dashpots may be inside, which their tangent does not
-    /// tell.
+    /// Forces outside Kang's filter are explicit. Loads are outside; dashpots may be inside, which their tangent does
+    /// not show.
     fn outside_filter(&self, at: &State) -> Option<Diagnosis> {
         let outside = |t: &TermInfo| t.velocity_dependent && t.role == Role::External;
         let loaded = self.scene.terms().iter().any(outside);
         let rates = self.spectrum(at).rates();
-        // As explicit Euler's; a relaxation that does not overshoot needs half of it, and the filter a step that
-        // resolves.
+        // The limit of explicit Euler. A relaxation without overshoot needs half of it, and the filter needs a step
+        // that resolves the motion.
         let critical = 2.0 / rates.damping;
         if !loaded || self.h <= NEAR * critical {
             return None;
@@ -272,7 +272,7 @@ impl DiagnosisInput<'_> {
         Some(Diagnosis { why, advice, critical: Some(critical), dof: Some(dof) })
     }
 
-    /// A step that jumps over oscillations, of a method whose stability on linear scenes does not depend on it.
+    /// A step too long to resolve oscillations, with a method that is stable on linear scenes for any step.
     fn unresolved(&self, start: &State) -> Option<Diagnosis> {
         let rates = |at: &State| self.spectrum(at).rates();
         let (first, last) = (rates(start), rates(self.last));
@@ -313,7 +313,7 @@ impl DiagnosisInput<'_> {
     }
 }
 
-/// "2.5 times", or nothing where it is one time.
+/// "2.5 times", or nothing for a factor of one.
 fn times(ratio: f64) -> String {
     match figures(ratio, 3).as_str() {
         "1" => "just".to_owned(),

@@ -1,10 +1,9 @@
-//! How a run goes through time: in fixed steps, multiples of one size with the end met exactly, or in steps of the size
-//! a tolerance allows.
+//! The steps of a run: of fixed size, with the last one cut to meet the end, or of the size that a tolerance allows.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How a run goes through time.
+/// The steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// [s] in steps of this size
@@ -65,7 +64,7 @@ pub struct Tick {
     pub t: f64,
 }
 
-/// Share of a step by which the end may miss a multiple of the step without a step of its own.
+/// Share of a step by which the end may differ from a multiple of the step without an extra step.
 const SLACK: f64 = 1e-9;
 
 impl FixedSteps {
@@ -89,7 +88,7 @@ impl FixedSteps {
             return Tick { h: self.step, t: k as f64 * self.step };
         }
         let rest = self.end - (self.count - 1) as f64 * self.step;
-        // A last step that is whole but for rounding keeps the size of the others.
+        // If the last step differs from the others by rounding only, it keeps their size.
         let h = if (rest - self.step).abs() <= 1e-6 * self.step { self.step } else { rest };
         Tick { h, t: self.end }
     }

@@ -1,7 +1,7 @@
-//! The critical step while a run goes on: a net that stretches, goes taut or meets faster air can lose its
-//! stability long after the start. One pass over the elements now and then (about a hundredth of the run) gives a
-//! measure that falls as the critical step does; only where that comes close to the step is the spectrum itself asked,
-//! and only then is anything said.
+//! The critical step during a run: a net that stretches, goes taut or meets faster air can become unstable long after
+//! the start. Occasional passes over the elements (about a hundredth of the cost of the run) give a measure that falls
+//! with the critical step. Only where this measure comes close to the step is the spectrum computed, and only then can
+//! there be a warning.
 
 use crate::analysis::critical::step_by_bounds;
 use crate::analysis::critical::{CostLimits, CriticalStep, remedy};
@@ -15,20 +15,20 @@ use crate::model::stop::Stop;
 use crate::scene::{BoundBuffer, Scene, place_of};
 use crate::warning::WarningCode;
 
-/// Force passes that a pass over the elements is worth.
+/// Cost of a pass over the elements, in force passes.
 const PASSES: u32 = 5;
-/// Share of a run, one over this, that is spent.
+/// One over the share of a run that may be spent.
 const SHARE: u32 = 100;
-/// At first a look follows the last after one part in so many of the steps made.
+/// At first, the steps between two estimates are the steps made so far divided by this.
 const EARLY: u64 = 4;
-/// Growth of the kinetic energy since the liveliest look at which is looked at once, or at the end of the block in
-/// which it grows so.
+/// Growth of the kinetic energy, over its largest value at an estimate, that leads to a new estimate at once or at the
+/// end of the block of steps.
 const LIVELIER: f64 = 4.0;
-/// The spectrum is asked where the measure says that the critical step is below so many steps.
+/// The spectrum is computed where, by the measure, the critical step is below this many steps.
 const NEAR: f64 = 1.05;
-/// It is asked again where the measure has fallen below this share since.
+/// It is computed again where the measure has fallen below this share since.
 const FALLEN: f64 = 0.97;
-/// Most questions to the spectrum in a run.
+/// Largest number of spectra computed in a run.
 const MOST_ASKED: u32 = 8;
 
 /// What is monitored.
@@ -42,13 +42,13 @@ pub struct Monitored<'a> {
     pub start: CriticalStep,
     /// [s] nominal step
     pub step: f64,
-    /// reported once, when the critical step falls below the step
+    /// called once with a warning, when the critical step falls below the step
     pub tell: &'a dyn Fn(&str),
     /// ends a search for the critical step
     pub stop: Stop<'a>,
 }
 
-/// The least critical step a run has met.
+/// The smallest critical step of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastStep {
     /// [s] when
@@ -61,16 +61,16 @@ pub struct LeastStep {
 pub struct CriticalStepMonitor<'a> {
     monitored: Monitored<'a>,
     every: u64,
-    /// step after which is looked next
+    /// step after which the next estimate is made
     next: u64,
-    /// [J] largest kinetic energy at a look
+    /// [J] largest kinetic energy at an estimate
     kinetic: f64,
-    /// [J] one since that asks for another; else 0
+    /// [J] a kinetic energy since then that requires another estimate; else 0
     livelier: f64,
     room: BoundBuffer,
-    /// critical step over measure, where both were last known
+    /// critical step over measure, when both were last computed
     ratio: Option<f64>,
-    /// [s] measure at which the spectrum is asked next
+    /// [s] measure below which the spectrum is computed next
     ask_below: f64,
     asked: u32,
     warned: bool,
@@ -78,14 +78,14 @@ pub struct CriticalStepMonitor<'a> {
 }
 
 impl<'a> CriticalStepMonitor<'a> {
-    /// `None` where there is nothing to follow: a method without limit, or one that grows at every step anyway.
+    /// `None` where there is nothing to monitor: a method without a limit, or one without a stable step.
     pub fn of(monitored: Monitored<'a>, limited: bool) -> Option<Self> {
         let Monitored { scene, method, start, step, .. } = monitored;
         if !limited || start.step == 0.0 {
             return None;
         }
         let damped = scene.velocity_dependent();
-        // An implicit step is dearer than any number of force passes that are expected of it.
+        // The cost of an implicit step is more than its force passes.
         let [still, moving] = method.info.evaluations;
         let evaluations = if damped { moving } else { still }.max(1);
         let every = u64::from((SHARE * PASSES * (1 + u32::from(damped))).div_ceil(evaluations));
@@ -93,7 +93,7 @@ impl<'a> CriticalStepMonitor<'a> {
         let at_start = step_by_bounds(scene, scene.initial_state().as_ref(), &mut room);
         let known = start.step.is_finite() && at_start > 0.0 && at_start.is_finite();
         let ratio = known.then(|| start.step / at_start);
-        // The start itself is spoken of before the run.
+        // The user is warned about the start itself before the run.
         let warned = step > start.step;
         Some(CriticalStepMonitor {
             monitored,
@@ -110,15 +110,15 @@ impl<'a> CriticalStepMonitor<'a> {
         })
     }
 
-    /// [s] the least critical step seen after the start, where it is clearly below that at the start.
+    /// [s] The smallest critical step found after the start, if it is clearly below that at the start.
     pub fn least(&self) -> Option<LeastStep> {
         self.least.filter(|least| least.step < FALLEN * self.monitored.start.step)
     }
 
-    /// After a step, with its end and its size [s] where the end can be seen.
+    /// Called after a step: its end, and its size [s] where the end is known.
     fn stepped(&mut self, step: u64, kinetic: f64, end: Option<(&Point, f64)>) {
-        // By number, so that a run does the same work each time, on any number of threads; closer together early on,
-        // for short runs. A motion that has become much livelier may be one that has begun to diverge.
+        // Chosen by step number, so that a run always does the same work, on any number of threads; more frequent at
+        // first, for short runs. A large growth of the kinetic energy may be the beginning of a divergence.
         if kinetic > LIVELIER * self.kinetic {
             self.livelier = self.livelier.max(kinetic);
         }
@@ -185,7 +185,7 @@ impl Observer for CriticalStepMonitor<'_> {
         Ok(())
     }
 
-    /// The state of the next look.
+    /// The state for the next estimate.
     fn wants(&self, step: UpcomingStep) -> Wants {
         Wants::end_if(step.step >= self.next)
     }

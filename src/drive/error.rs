@@ -1,9 +1,9 @@
-//! Errors of a run that could not start, or whose results could not be kept.
+//! Errors of a run that could not start, or whose results could not be written.
 
 use super::observer::ObserveError;
 use crate::integrate::StepError;
 
-/// Why a run could not start or its results not be kept.
+/// Why a run could not start, or its results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The scheme cannot start.
@@ -12,7 +12,7 @@ pub enum RunError {
     /// Results cannot be written.
     #[error(transparent)]
     Observe(#[from] ObserveError),
-    /// A time or tolerance that no run can be made with.
+    /// A time or tolerance out of range.
     #[error("the {what} is {value}: {needed} is needed")]
     OutOfRange {
         /// e.g. "step [s]"
@@ -38,7 +38,7 @@ pub enum RunError {
         /// degrees of freedom of the scene
         needed: usize,
     },
-    /// The run does not come past the snapshot.
+    /// The run does not pass through the snapshot.
     #[error(
         "the saved state is at t = {t} s after {step} steps, which a run of {steps} steps until t = {end} s does not reach"
     )]

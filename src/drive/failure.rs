@@ -1,4 +1,4 @@
-//! Why a run was stopped, in words a person can act on.
+//! Why a run was stopped, with advice for the user.
 
 use super::cause::{Diagnosis, DiagnosisInput};
 use super::observer::LedgerRow;
@@ -17,7 +17,7 @@ use crate::solve::newton::NewtonFailure;
 /// What `summary.json` shows under `failure`.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
-    /// [s] when the trouble was found
+    /// [s] when the failure was found
     pub time: f64,
     /// step in which it was found, counted from 1
     pub step: u64,
@@ -31,7 +31,7 @@ pub struct Failure {
     pub term: Option<String>,
     /// what changed most in energy in that step: `inertia` or a force term
     pub grew: Option<String>,
-    /// [-] growth a step of the energy the scheme has made, over the last steps
+    /// [-] growth per step of the energy that the scheme has made, over the last steps
     pub growth: Option<f64>,
     /// [s] critical step of the method, where one was found; 0 for a method without stable step
     pub critical_step: Option<f64>,
@@ -39,11 +39,11 @@ pub struct Failure {
     pub cause: String,
     /// what to do
     pub advice: String,
-    /// [s] when a value stopped being finite or left 1e4 times the scene's size
+    /// [s] when a value was not finite, or beyond 1e4 times the scene's size
     pub blow_up_time: Option<f64>,
 }
 
-/// Where a run stood when a step failed.
+/// The state of a run when a step failed.
 pub(super) struct FailureContext<'a> {
     pub scene: &'a dyn Scene,
     pub method: &'a MethodChoice,
@@ -56,13 +56,13 @@ pub(super) struct FailureContext<'a> {
     pub t: f64,
     /// [s] end of the run
     pub end: f64,
-    /// of what the cause is looked for
+    /// failures for which the cause is searched
     pub explain: Explain,
-    /// whether the search is to be cut short
+    /// whether the search is to end early
     pub stop: Stop<'a>,
 }
 
-/// The state that is wrong, and its account.
+/// The diverged state and its energy account.
 pub(super) struct DivergedState<'a> {
     pub trouble: DivergenceKind,
     pub to: &'a Point,
@@ -72,7 +72,7 @@ pub(super) struct DivergedState<'a> {
 }
 
 impl FailureContext<'_> {
-    /// A state that cannot be right.
+    /// The report of a diverged state.
     pub(super) fn diverged(&self, diverged: &DivergedState<'_>) -> Failure {
         let mut worst = self.worst_dof(diverged.to);
         let fullest = self.fullest_spring(diverged);
@@ -87,7 +87,7 @@ impl FailureContext<'_> {
         let looked_for = self.explain != Explain::Nothing;
         let answer = match diverged.trouble {
             _ if !looked_for => Diagnosis::default(),
-            // Less than everything that was supplied: the motion is real.
+            // The scheme made less energy than was supplied: the motion is real.
             DivergenceKind::Spread { share, error, .. } if share < 1.0 => self.question().flight(error),
             _ => self.question().gain(),
         };
@@ -203,7 +203,7 @@ impl FailureContext<'_> {
         }
     }
 
-    /// A speed that all energy there is could not give.
+    /// A speed that would need more than all the energy.
     fn speed(&self, diverged: &DivergedState<'_>, worst: usize, gain: EnergyGain) -> String {
         let inverse = self.scene.inverse_mass().get(worst).copied().unwrap_or(0.0);
         let speed = diverged.to.state.v.get(worst).map_or(0.0, |v| v.abs());
@@ -220,7 +220,7 @@ impl FailureContext<'_> {
         )
     }
 
-    /// The spring with the most energy where the springs are at fault, and a degree of freedom at its end.
+    /// The spring with the most energy, if the springs are the cause, and a degree of freedom at its end.
     fn fullest_spring(&self, diverged: &DivergedState<'_>) -> Option<(u32, usize)> {
         let DivergenceKind::Strain { .. } = diverged.trouble else { return None };
         let (scene, reference) = (self.scene, self.scene.reference());
@@ -268,7 +268,7 @@ impl FailureContext<'_> {
         largest.0.to_owned()
     }
 
-    /// The triangle at the suspected node whose nodes move fastest, if what acts on triangles is under suspicion.
+    /// The triangle at the suspected node whose nodes move fastest, if a force on triangles is suspected.
     fn fastest_triangle(&self, to: &Point, suspect: &Suspect) -> Option<u32> {
         let node = suspect.node?;
         suspect.term.filter(|term| term.on_triangles)?;
@@ -282,15 +282,15 @@ impl FailureContext<'_> {
         here.max_by(|a, b| speed(a.1).total_cmp(&speed(b.1))).map(|(i, _)| i)
     }
 
-    /// The degree of freedom that is not finite (the fastest of them), else the one whose kinetic energy grew most,
-    /// else the one that moved farthest.
+    /// A degree of freedom that is not finite (the fastest of them); else the one whose kinetic energy grew most; else
+    /// the one that moved farthest.
     fn worst_dof(&self, to: &Point) -> usize {
         let (x0, v0, x, v) = (&self.from.state.x, &self.from.state.v, &to.state.x, &to.state.v);
         let inverse = self.scene.inverse_mass();
         let size = |i: usize| {
             let finite = x[i].is_finite() && v[i].is_finite();
             let gained = if finite && inverse[i] > 0.0 { (v[i] * v[i] - v0[i] * v0[i]) / inverse[i] } else { 0.0 };
-            // A held one is taken along by its neighbours' forces.
+            // A held degree of freedom is not finite because of the forces of its neighbours.
             (!finite && inverse[i] > 0.0, gained.max(0.0), if finite { (x[i] - x0[i]).abs() } else { v0[i].abs() })
         };
         let larger = |a: &usize, b: &usize| {

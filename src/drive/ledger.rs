@@ -4,8 +4,8 @@
 //! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
-//! Runge-Kutta and PEC schemes) and resolves what its dashpots do. `numerical` is the remainder: what the scheme itself
-//! lost (above 0) or made (below 0).
+//! Runge-Kutta and PEC schemes) and resolves its dashpots. `numerical` is the remainder: the energy that the scheme
+//! itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};
@@ -14,16 +14,16 @@ use crate::model::point::Point;
 use crate::model::step_block::StepSummary;
 use crate::model::system::System;
 
-/// [eps] of the energies that rounding may leave unexplained in the sums of one row.
+/// [eps] Rounding error of the sums of one row, relative to the energies.
 const ROUNDED: f64 = 8.0;
-/// [eps] of them that it may add in a step: states are rounded, and what an implicit step leaves of its residual adds
-/// up. The generalised-alpha scheme gathers an eighth on a motion that is exact.
+/// [eps] Rounding error that each step may add, relative to the energies: states are rounded, and the residuals of
+/// implicit steps add up. Generalised alpha adds an eighth of this on a motion that it solves exactly.
 const ROUNDED_A_STEP: f64 = 0.25;
 
-/// [-] Share of the energy exchanged from which on rounding may be taken for an error.
+/// [-] Share of the exchanged energy above which rounding could look like an error.
 const VISIBLE: f64 = 1e-6;
 
-/// Running account of a run.
+/// Energy account of a run, up to the present step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ledger {
     first: LedgerRow,
@@ -33,7 +33,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Opens the account.
+    /// Opens the account at the initial state.
     pub fn open(system: &dyn System, at: &Point) -> (Self, LedgerRow) {
         let mut ledger = Ledger::default();
         ledger.first = ledger.row(system, system.kinetic_energy(&at.state.v), &at.forces.tallies);
@@ -41,13 +41,13 @@ impl Ledger {
         (ledger, ledger.first)
     }
 
-    /// Accounts for an accepted step after the account `before`; tells also whether by works that the scheme has
+    /// Adds an accepted step to the account `before`. Returns also whether the works are those that the scheme
     /// integrated itself.
     ///
-    /// Stages of a step above the limit of a stiff dashpot have velocities that no state has, and weights of either
-    /// sign: their sum may be off by any factor, though the step is good. Where the ends of the step say something
-    /// quite different and leave less of the energy unexplained, they count; where steps resolve what happens, stages
-    /// leave by far the least.
+    /// In a step above the limit of a stiff dashpot, the stages have velocities that no state has, and weights of
+    /// either sign. Their sum may then be wrong by any factor, although the step is good. So the works by the ends of
+    /// the step are used where they are quite different and leave less energy unexplained. Where steps resolve the
+    /// motion, stages leave by far the least.
     pub fn step(
         &mut self,
         system: &dyn System,
@@ -82,7 +82,7 @@ impl Ledger {
         (self.close(system, kinetic, &to.forces.tallies), by_stages)
     }
 
-    /// The same for a step of a block.
+    /// The same for the summary of a step in a block.
     pub fn close_with(&mut self, system: &dyn System, end: &StepSummary) -> LedgerRow {
         self.work.external += end.nodes.work.external;
         self.work.dissipated -= end.nodes.work.dissipative;
@@ -104,11 +104,11 @@ impl Ledger {
         row
     }
 
-    /// [-] Largest |numerical| over the largest energy exchanged in so many steps; 0 when nothing was exchanged.
+    /// [-] Largest |numerical| over the largest energy exchanged in this number of steps; 0 if nothing was exchanged.
     ///
-    /// What rounding explains is no error of the scheme: where it could be seen beside so small an exchange, it is
-    /// compared with the energies that were rounded. A turning pendulum without gravity exchanges nothing but rounding,
-    /// of which all is unexplained.
+    /// Rounding is no error of the scheme. Where so little energy is exchanged that rounding matters, `numerical` is
+    /// compared with the energies that were rounded. An example is a pendulum that turns without gravity: it exchanges
+    /// no energy except by rounding.
     pub fn energy_error(&self, steps: u64) -> f64 {
         let rounded = self.exchanged
             + [self.first.kinetic, self.first.elastic, self.first.gravity].map(f64::abs).iter().sum::<f64>();
@@ -133,7 +133,7 @@ impl Ledger {
             }
         }
         let f = &self.first;
-        // Differences first: a large constant energy does not swamp a small remainder.
+        // Differences first, so that a large constant energy does not hide a small remainder.
         row.numerical =
             (f.kinetic - row.kinetic) + (f.elastic - row.elastic) + (f.gravity - row.gravity) + row.external_work
                 - row.dissipated;

@@ -3,7 +3,7 @@
 use crate::drive::observer::{AcceptedStep, ObserveError, Observer, Point, UpcomingStep, Wants};
 use crate::scene::Scene;
 
-/// An observer that finds the largest displacement at the end of a run.
+/// Observer of the largest displacement at the end of a run.
 pub struct MaxDisplacement<'a> {
     scene: &'a dyn Scene,
     /// the node with it, user's number

@@ -1,7 +1,7 @@
-//! The run: steps are attempted, accepted or dropped, accounted for and observed.
+//! The run: steps are attempted, accepted or dropped, added to the energy account and shown to observers.
 //!
-//! [`run`] owns the two points a step goes between; a scheme computes, the ledger accounts, observers watch. A
-//! step that is not finite or has blown up is never shown to an observer as good.
+//! [`run`] owns the two points of a step. A step that is not finite or has diverged is never shown to an observer as
+//! credible.
 
 pub mod adaptive;
 mod cause;

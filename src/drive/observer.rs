@@ -19,18 +19,18 @@ pub struct LedgerRow {
     pub external_work: f64,
     /// [J] taken by dashpots and Rayleigh damping since t = 0
     pub dissipated: f64,
-    /// [J] the remainder: above 0 the scheme lost energy, below 0 it made some
+    /// [J] the remainder: energy that the scheme lost (above 0) or made (below 0)
     pub numerical: f64,
 }
 
 impl LedgerRow {
-    /// Whether all that goes into the account is a number.
+    /// Whether all energies of the account are finite.
     pub(super) fn is_finite(&self) -> bool {
         (self.kinetic + self.elastic + self.gravity + self.external_work + self.dissipated).is_finite()
     }
 }
 
-/// A step that is about to be made.
+/// A step that will be made next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UpcomingStep {
     /// number of the step, counted from 1
@@ -51,7 +51,7 @@ impl UpcomingStep {
 /// The states of a step that an observer wants to see.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum States {
-    /// none: the account of the step is enough
+    /// none: only the account of the step
     None,
     /// the state at its end
     End,
@@ -60,12 +60,12 @@ pub enum States {
     BothEnds,
 }
 
-/// What an observer wants to know of a step. A run makes several steps at once where nobody wants their states.
+/// What an observer wants to know of a step. A run makes several steps in a block where no observer wants their states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wants {
     /// states
     pub states: States,
-    /// whether [`AcceptedStep::max_strain`] is asked for where no state is
+    /// whether [`AcceptedStep::max_strain`] is wanted without a state
     pub strain: bool,
 }
 
@@ -90,18 +90,18 @@ pub struct AcceptedStep<'a> {
     pub t: f64,
     /// account at its end
     pub ledger: LedgerRow,
-    /// state at its start; there where an observer wants both ends
+    /// state at its start, if an observer wants both ends
     pub start: Option<&'a Point>,
-    /// state at its end; there where an observer wants it
+    /// state at its end, if an observer wants it
     pub end: Option<&'a Point>,
-    /// summary of the state at its end, where that state is not kept
+    /// summary of the state at its end, if that state is not kept
     pub summary: Option<&'a StepSummary>,
     /// Newton iterations of the step, 0 for explicit schemes
     pub newton_iterations: u32,
     /// [-] final residual over its scale, 0 for explicit schemes
     pub residual: f64,
-    /// whether its end can be right: the scheme has made no more energy than there was, and no node moved farther than
-    /// the scene's size
+    /// whether its end is credible: the scheme made no more energy than was present or supplied, and no node moved
+    /// farther than the scene's size
     pub credible: bool,
 }
 
@@ -111,7 +111,7 @@ impl<'a> AcceptedStep<'a> {
         self.t - self.from
     }
 
-    /// The states at both ends, where they are there.
+    /// The states at both ends, if they are known.
     pub fn ends(&self) -> Option<[&'a Point; 2]> {
         Some([self.start?, self.end?])
     }
@@ -146,7 +146,7 @@ pub enum ObserveError {
         /// the system's reason
         source: std::io::Error,
     },
-    /// The writing thread ended before the run did.
+    /// The writing thread ended before the run.
     #[error("the thread that writes results has stopped")]
     WriterGone,
 }
@@ -161,7 +161,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Instead of [`Observer::started`], before the first step of a run that goes on from a snapshot.
+    /// Called instead of [`Observer::started`], before the first step of a run that continues from a snapshot.
     ///
     /// # Errors
     /// When results cannot be written.
@@ -169,17 +169,17 @@ pub trait Observer {
         Ok(())
     }
 
-    /// At states from which a run can be resumed: the start, after every step whose state an observer wanted, and when
-    /// the run is interrupted.
+    /// Called at states from which a run can be resumed: at the start, after every step whose state an observer wanted,
+    /// and when the run is interrupted.
     ///
     /// # Errors
-    /// When it cannot be kept.
+    /// When the snapshot cannot be written.
     fn resumable(&mut self, _run: &Resumable<'_>) -> Result<(), ObserveError> {
         Ok(())
     }
 
-    /// What it wants to know of a step that is about to be made, given all steps that were accepted so far. Asked of
-    /// the next steps in order, up to the first of which a state is wanted.
+    /// What the observer wants to know of a step that will be made next. Called for the next steps in order, up to the
+    /// first whose state is wanted.
     fn wants(&self, step: UpcomingStep) -> Wants {
         let _ = step;
         Wants::default()
@@ -191,11 +191,11 @@ pub trait Observer {
     /// When results cannot be written.
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError>;
 
-    /// Once, when the scheme has made energy worth a warning; the run goes on.
+    /// Called once, when the scheme has made enough energy for a warning; the run continues.
     fn warned(&mut self, _warning: &str) {}
 
-    /// Before [`Observer::finished`] where the run has failed. States right before the end that are not
-    /// [credible](AcceptedStep::credible) are not worth showing.
+    /// Called before [`Observer::finished`] if the run has failed. States right before the end that are not
+    /// [credible](AcceptedStep::credible) need not be shown.
     ///
     /// # Errors
     /// When results cannot be written.
@@ -203,7 +203,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// After the last step, however the run ended; `last` is the last accepted point.
+    /// Called after the last step, however the run ended; `last` is the last accepted point.
     ///
     /// # Errors
     /// When results cannot be written.

@@ -1,4 +1,4 @@
-//! What a run is asked to do, and what comes of it.
+//! The specification of a run, and its outcome.
 
 use super::clock::{Step, Tolerance};
 use super::error::RunError;
@@ -11,15 +11,15 @@ use crate::integrate::registry::MethodChoice;
 use crate::model::stop::Stop;
 use crate::solve::LinearStats;
 
-/// What a run looks for the cause of, by an analysis of the scene that takes as long as some hundred steps of a small
-/// one. Without it a report still says what happened and where.
+/// For which events a run searches the cause. The search is an analysis of the scene that takes as long as some hundred
+/// steps of a small scene. Without it a report still says what happened and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explain {
     /// nothing
     Nothing,
     /// a run that fails
     Failures,
-    /// that, and energy that the scheme makes
+    /// a run that fails, and energy that the scheme makes
     All,
 }
 
@@ -28,24 +28,24 @@ pub enum Explain {
 pub struct RunSpec<'a> {
     /// [s] end of the run
     pub end: f64,
-    /// how it goes there
+    /// its steps
     pub step: Step,
-    /// [s] what shows states between steps does so at multiples of this; `None` where only ends of steps are shown.
-    /// Adaptive steps of a scheme with an error estimate of its own end there, because cubic interpolation would be
-    /// coarser than they are; other steps take no notice
+    /// [s] interval of the frames; `None` where only ends of steps are shown. Adaptive steps of a scheme with an
+    /// embedded pair end at its multiples, because cubic interpolation would be less accurate than such a step; other
+    /// steps do not
     pub frames_every: Option<f64>,
-    /// go on past a blow-up until a value stops being finite
+    /// continue after a divergence until a value is not finite
     pub keep_going: bool,
-    /// of what the cause is looked for; where a run's cost is measured, of nothing
+    /// events for which the cause is searched; none where the cost of a run is measured
     pub explain: Explain,
     /// ends the search for a cause, besides the flag that ends the run
     pub interrupt: Stop<'a>,
-    /// the method that the stepper was made of
+    /// the method of the stepper
     pub method: &'a MethodChoice,
 }
 
 impl RunSpec<'_> {
-    /// Whether there is a run like this at all.
+    /// Checks the numbers of the specification.
     ///
     /// # Errors
     /// [`RunError::OutOfRange`]: an end, step, interval of frames or absolute tolerance that is not finite and above 0,
@@ -99,15 +99,15 @@ pub struct Outcome {
     pub t_end: f64,
     /// work done
     pub counters: Counters,
-    /// force passes that the account and the observers needed besides, where a scheme leaves none at the end of its
-    /// step; since this start, where `counters` go on from a snapshot
+    /// additional force passes for the account and the observers, where a scheme evaluates none at the end of its step;
+    /// counted since the last start or resume
     pub account_passes: u64,
     /// [-] largest numerical energy over the largest energy exchanged; where rounding explains it, over the energies
     /// that were rounded
     pub energy_error: f64,
-    /// [-] largest energy made by the scheme over all energy that was there or was put in
+    /// [-] largest energy made by the scheme over all energy that was present or supplied
     pub energy_made: f64,
-    /// warning that the run gave on its way
+    /// warning that the run gave
     pub doubt: Option<String>,
     /// the account at the last good state
     pub ledger: LedgerRow,
@@ -118,7 +118,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// A word on a run whose scheme has made energy itself (Kuhl & Crisfield 1999 show it for Newmark).
+    /// Text about a run whose scheme has made energy itself (Kuhl & Crisfield 1999 show it for Newmark).
     pub fn energy_doubt(&self) -> Option<String> {
         (self.energy_made > DOUBTFUL).then(|| {
             let share = figures(100.0 * self.energy_made, 2);

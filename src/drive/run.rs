@@ -1,5 +1,5 @@
-//! The loop: from state to state, each made (`attempt`), accounted for and shown (`take`), or several in one go
-//! (`step_block`).
+//! The loop over the steps: each is attempted (`attempt`), then accepted, added to the account and shown (`accept`), or
+//! several are made in a block (`step_block`).
 
 mod accept;
 mod attempt;
@@ -25,14 +25,14 @@ use crate::startup::{Phase, timed};
 use scene_limits::SceneLimits;
 use std::sync::atomic::AtomicBool;
 
-/// How many times its size a scene may spread before it counts as blown up.
+/// How many times its size a scene may spread before it counts as diverged.
 const BLOW_UP: f64 = 1e4;
 
 /// Runs a scene to its end, to a failure, or until `stop` is set.
 ///
 /// # Errors
-/// When there is no such run ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A diverged or
-/// unsolvable run is not an error but an [`Outcome`].
+/// When the specification is out of range ([`RunSpec::check`]), the scheme cannot start or an observer cannot write. A
+/// diverged or unsolvable run is not an error but an [`Outcome`].
 pub fn run(
     scene: &dyn Scene,
     stepper: &mut Stepper<'_>,
@@ -62,8 +62,8 @@ pub fn run_from(
     Run { scene, spec, stop: Stop::on(stop), state: &mut state }.finish(stepper, observers)
 }
 
-/// Goes on from a snapshot of a run with the same scene, method and step: every further step has the bits it has in a
-/// run that was never stopped.
+/// Continues from a snapshot of a run with the same scene, method and step. Every further step has the same bits as in
+/// a run that was never stopped.
 ///
 /// # Errors
 /// As [`run`], and when the snapshot does not fit.
@@ -83,7 +83,7 @@ pub fn resume(
 }
 
 impl Run<'_> {
-    /// Makes all steps that are left.
+    /// Makes all remaining steps.
     pub(crate) fn finish(
         &mut self,
         stepper: &mut Stepper<'_>,
@@ -113,7 +113,7 @@ impl Run<'_> {
             }
         }
         for o in observers.iter_mut() {
-            // Who goes on past a divergence wants to see what follows.
+            // A run that continues after a divergence shows all states.
             if matches!(status, Status::Diverged | Status::NotConverged) && !self.spec.keep_going {
                 o.failed()?;
             }
@@ -125,28 +125,28 @@ impl Run<'_> {
         Ok(self.state.outcome(status, stepper))
     }
 
-    /// The next step, or the next to try; `None` at the end.
+    /// The next step to attempt; `None` at the end.
     pub(crate) fn next(&self) -> Option<Tick> {
         self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
-    /// Whether a scene of this extent [m] has left its place.
+    /// Whether a scene of this extent [m] counts as diverged.
     fn has_left(&self, extent: f64) -> bool {
         extent.is_nan() || extent > self.state.limit
     }
 }
 
-/// A run at work: what it is of, and where it stands.
+/// A run in progress: its scene and specification, and its state.
 pub(crate) struct Run<'a> {
     pub scene: &'a dyn Scene,
     pub spec: RunSpec<'a>,
-    /// whether it is to end before its end
+    /// set to stop the run early
     pub stop: Stop<'a>,
     pub state: &'a mut RunState,
 }
 
-/// Where a run stands. After a step `from` is the accepted point and `to` the one before it. It borrows nothing, so it
-/// can be kept beside the scene and the scheme it belongs to.
+/// The state of a run. After a step, `from` is the accepted point and `to` the one before it. The struct borrows
+/// nothing, so it can be stored beside its scene and scheme.
 pub(crate) struct RunState {
     policy: StepPolicy,
     pub from: Point,
@@ -157,7 +157,7 @@ pub(crate) struct RunState {
     watch: Watch,
     pub row: LedgerRow,
     pub steps: u64,
-    /// [m] extent beyond which the scene counts as blown up
+    /// [m] extent beyond which the scene counts as diverged
     limit: f64,
     scene_limits: SceneLimits,
     pub failure: Option<Failure>,
@@ -166,7 +166,7 @@ pub(crate) struct RunState {
     blocks: step_block::StepBlocks,
 }
 
-/// What a run begins with.
+/// The initial state of a run.
 struct RunStart {
     from: Point,
     policy: StepPolicy,
@@ -176,7 +176,7 @@ struct RunStart {
 }
 
 impl RunState {
-    /// Before the first step, from a state at t = 0. Starts the scheme.
+    /// A run before its first step, from a state at t = 0. Starts the scheme.
     pub fn start(
         scene: &dyn Scene,
         stepper: &mut Stepper<'_>,
@@ -199,7 +199,7 @@ impl RunState {
         Ok(RunState { counters, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
     }
 
-    /// Where a snapshot was taken. Starts the scheme.
+    /// A run at a snapshot. Starts the scheme.
     pub fn restore(
         scene: &dyn Scene,
         stepper: &mut Stepper<'_>,
@@ -212,7 +212,7 @@ impl RunState {
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
-        // Counted when the step that led here was made.
+        // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         stepper.restore(&carried)?;
@@ -258,18 +258,19 @@ impl RunState {
         Resumable { occasion, step: *steps, at, row, counters, ledger, watch, failure, doubt, stepper, adaptive }
     }
 
-    /// A copy of all that a run needs to go on from here.
+    /// A copy of all that a run needs to continue from here.
     pub fn snapshot(&self, stepper: &Stepper<'_>) -> Snapshot {
         self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Finds the forces at the present state again after one was changed from outside; the scheme begins anew there.
+    /// Evaluates the forces at the present state again, after a force was changed from outside, and restarts the
+    /// scheme.
     pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) {
         self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
         stepper.restart(&self.from);
     }
 
-    /// The result of a run that ends here.
+    /// The outcome of a run that ends here.
     pub fn outcome(&self, status: Status, stepper: &Stepper<'_>) -> Outcome {
         Outcome {
             status,

@@ -1,4 +1,4 @@
-//! All that a run needs to go on from a step as if it had never stopped.
+//! All that a run needs to continue from a step as if it had never stopped.
 
 use super::adaptive::AdaptiveState;
 use super::clock::{FixedSteps, Step};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 /// A run between two steps. Forces are not in it: evaluated at the same state they have the same bits.
 ///
-/// The field order is the format of a checkpoint file: with another field goes another
+/// The field order is the format of a checkpoint file: a change needs a new
 /// [`FORMAT`](crate::output::checkpoint::FORMAT).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
@@ -32,22 +32,22 @@ pub struct Snapshot {
     pub carried: CarriedState,
     /// work done so far
     pub counters: Counters,
-    /// running energy account
+    /// energy account of the run
     pub ledger: Ledger,
     /// the account at this state
     pub row: LedgerRow,
-    /// what the watch remembers
+    /// the energy account of the watch
     pub watch: EnergyAccount,
-    /// first trouble of a run that was let go on past it
+    /// first divergence of a run that continued after it
     pub failure: Option<Failure>,
     /// the warning the run has given
     pub doubt: Option<String>,
-    /// where adaptive steps stand
+    /// state of the adaptive steps
     pub adaptive: Option<AdaptiveState>,
 }
 
 impl RunSpec<'_> {
-    /// Whether a run of this kind of this scene comes past the snapshot. One with another end does, if its steps up to
+    /// Checks that a run of this scene passes through the snapshot. A run with another end does, if its steps up to
     /// there are the same.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ impl RunSpec<'_> {
             return Err(RunError::OtherScene { found, needed });
         }
         let Step::Fixed(step_size) = self.step else {
-            // The tolerance is shared out over the run, so the case's end is part of what must be the same.
+            // The tolerance is divided over the run, so the end must be the same too.
             if snapshot.adaptive.is_none() || t > self.end {
                 return Err(RunError::NotOnTheWay { t, step, steps: step, end: self.end });
             }
@@ -74,18 +74,18 @@ impl RunSpec<'_> {
     }
 }
 
-/// Why a run can be taken up from here.
+/// Why a run can be resumed from here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occasion {
     /// before any step but the last
     Step,
-    /// before the last step; it may be shortened to meet the end, so a longer run has to go on from here
+    /// before the last step; it may be shortened to meet the end, so a run with a later end must continue from here
     LastStep,
     /// the run was stopped from outside and makes no further step
     Interrupted,
 }
 
-/// A run between two steps, lent to observers. A snapshot of it costs a copy, so it is made when asked for.
+/// A run between two steps, shown to observers. A snapshot of it costs a copy, so it is made only on request.
 pub struct Resumable<'a> {
     /// why it is shown
     pub occasion: Occasion,
@@ -101,7 +101,7 @@ pub struct Resumable<'a> {
     pub(super) failure: Option<&'a Failure>,
     pub(super) doubt: Option<&'a String>,
     pub(super) stepper: &'a Stepper<'a>,
-    /// what adaptive steps carry over
+    /// what adaptive steps keep
     pub adaptive: Option<&'a AdaptiveState>,
 }
 

@@ -1,4 +1,4 @@
-//! The choice of the next step of a run: from a fixed size, or from what the tolerance allows.
+//! The choice of the next step of a run: of fixed size, or of the size that a tolerance allows.
 
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, PlannedStep};
 use super::clock::{FixedSteps, Step, Tick};
@@ -14,12 +14,12 @@ pub(super) enum StepPolicy {
 }
 
 impl StepPolicy {
-    /// From t = 0, or from where adaptive steps of an earlier run stood.
+    /// Starts at t = 0, or continues from the adaptive steps of an earlier run.
     pub fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
         match spec.step {
             Step::Fixed(step) => StepPolicy::Fixed(FixedSteps::new(step, spec.end)),
             Step::Adaptive(tolerance) => {
-                // Kang's filter is a drag on slow motion too.
+                // Kang's filter also damps slow motion.
                 let coherent = spec.method.info.family == Family::MatrixFree;
                 let frames_every = spec.frames_every.filter(|_| stepper.pair().is_some());
                 let order = spec.method.order();
@@ -32,7 +32,7 @@ impl StepPolicy {
         }
     }
 
-    /// The step after `steps` accepted ones, or the next to try from `t` [s]; `None` at the end.
+    /// The step after `steps` accepted ones, or the next to attempt from `t` [s]; `None` at the end.
     pub fn next(&self, steps: u64, t: f64) -> Option<Tick> {
         match self {
             StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
@@ -40,7 +40,7 @@ impl StepPolicy {
         }
     }
 
-    /// What adaptive steps carry over.
+    /// What adaptive steps keep.
     pub fn state(&self) -> Option<&AdaptiveState> {
         match self {
             StepPolicy::Fixed(_) => None,

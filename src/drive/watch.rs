@@ -1,23 +1,23 @@
 //! The watch: finds divergence from the energy account, by the first law of thermodynamics.
 //!
 //! ```text
-//! supplied    = kinetic + elastic at t = 0, and the most that gravity and external work have put in since
+//! supplied    = kinetic + elastic at t = 0, and the largest energy supplied since by gravity and external work
 //! made        = how far `numerical` has fallen below its highest value, and work of the wrong sign
 //! load_energy = 1/2 h^2 sum f^2/m of the loads at the start, or of later ones on resting masses: what one step gives
 //! diverged:     made > 10 (supplied + load_energy)      or       elastic > 10 supplied
 //! ```
-//! What is supplied bounds all motion, so a gain is measured against it, and not against the energy that is exchanged:
-//! energy made by the scheme turns into kinetic, elastic and dissipated energy, so that against those a gain could
-//! never reach a factor of ten. The bound needs no length, speed or strain of anyone's choice: a node that is faster,
-//! or a spring that is strained more, than with all the energy there ever was, times ten, cannot be right.
+//! The supplied energy bounds all motion, so the energy made by the scheme is compared with it. It is not compared with
+//! the exchanged energy: what the scheme makes becomes kinetic, elastic and dissipated energy, so their ratio could
+//! never reach ten. The bound needs no chosen length, speed or strain: a speed or a strain that needs more than ten
+//! times all energy ever supplied is impossible.
 //!
-//! Schemes of first order move masses a step late, so that a gain as large as `load_energy` belongs to the first step
-//! of any load; it cannot strain a spring by more than the same share of what is supplied, so the second test does
-//! without it. Kang's filter holds dashpots that the account evaluates outside it, far too large in long steps: there
-//! only energy that is present counts as made, and dissipated energy as lost. The trapezoid of the ledger is blind to
-//! one fault: where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from 1/2 (f_n +
-//! f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Dashpots that give energy, and work of the air beyond twice
-//! what its power at either end of the step comes to, are therefore counted as made.
+//! Schemes of first order move masses one step late, so they make up to `load_energy` in the first step of any load.
+//! The second test does not need this term, because that energy strains springs by no more than the same share of the
+//! supplied energy. Kang's filter contains dashpots, whose work the account evaluates outside it, far too large in long
+//! steps. For it, only energy that is present counts as made, and dissipated energy as lost. The trapezoidal rule of
+//! the ledger misses one fault. Where a step overshoots in a viscous force, explicit Euler and velocity Verlet get from
+//! 1/2 (f_n + f_{n+1}).(x_{n+1} - x_n) exactly the energy they make. Therefore energy from dashpots counts as made by
+//! the scheme. So does work of the air above twice its power at either end of the step times h.
 
 use super::observer::LedgerRow;
 use crate::integrate::registry::{Family, MethodInfo};
@@ -27,33 +27,33 @@ use crate::model::state::StateRef;
 use crate::model::system::TermInfo;
 use crate::scene::Scene;
 
-/// [-] A gain, or elastic energy, beyond this many times the energy supplied is a divergence.
+/// [-] Energy made, or elastic energy, above this many times the supplied energy is a divergence.
 const DIVERGED: f64 = 10.0;
-/// [-] A gain beyond this share of the energy supplied is worth a warning.
+/// [-] Energy made above this share of the supplied energy leads to a warning.
 pub const DOUBTFUL: f64 = 0.1;
-/// [-] The warning waits until the gain is this many times `load_energy`, which a scheme of first order makes in the
-/// first step of a load.
+/// [-] There is no warning while the energy made is below this many times `load_energy`, which a scheme of first order
+/// makes in the first step of a load.
 const BEYOND_LOAD_ENERGY: f64 = 10.0;
-/// [-] A state is not credible where springs hold more than this many times the energy supplied: as much again may be
-/// the scheme's.
+/// [-] A state is not credible where springs hold more than this many times the supplied energy: the scheme may have
+/// made as much again.
 const CREDIBLE: f64 = 2.0;
-/// [-] Roundings of a position or a force in a step.
+/// [-] Rounding errors of a position or a force in a step.
 const ROUNDINGS: f64 = 8.0;
-/// [-] Share of the energies in the account that sums of many numbers lose.
+/// [-] Share of the energies in the account that is lost to rounding in long sums.
 const SUMS: f64 = 1e-12;
-/// Number of gains that are kept to find how fast they grow.
+/// Number of past gains kept to compute their growth.
 const KEPT: usize = 5;
 
-/// The watch's memory, as far as it cannot be found again from the scene: part of a snapshot.
+/// What the watch keeps and cannot compute again from the scene: part of a snapshot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyAccount {
     /// [J] kinetic, elastic and gravity energy at the start
     base: f64,
-    /// [J] energy there at the start, or put in by gravity, loads and air since
+    /// [J] energy present at the start, or supplied by gravity, loads and air since
     supplied: f64,
     /// [J] work of the wrong sign so far
     contrary: f64,
-    /// [J] work of the air by its power beyond that of the account so far
+    /// [J] work of the air by its power, above that of the account, so far
     missed: f64,
     /// [J] lowest of all energy made so far
     least: f64,
@@ -63,35 +63,35 @@ pub struct EnergyAccount {
     largest: f64,
     /// [s] longest step so far
     longest: f64,
-    /// [J] what loads that came on later give in one step
+    /// [J] energy that loads which begin later give in one step
     late_load_energy: f64,
     /// whether the warning was given
     doubted: bool,
 }
 
 impl EnergyAccount {
-    /// The same, but no warning is given (finding its words may cost more than many steps).
+    /// The same, but without a warning, whose text may cost more than many steps.
     #[must_use]
     pub fn without_warning(self) -> Self {
         EnergyAccount { doubted: true, ..self }
     }
 }
 
-/// Follows a run's account; a few sums a step, and a pass over the nodes where these look wrong.
+/// Checks the energy account of a run: a few sums per step, and a pass over the nodes where these look wrong.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     account: EnergyAccount,
     /// [J/s^2] 1/2 sum f^2/m of the loads at the start
     load_energy: f64,
-    /// [N/m] all stiffness
+    /// [N/m] sum of all stiffnesses
     stiffness: f64,
     /// [kg] mass of all free degrees of freedom
     mass: f64,
     /// [m] largest coordinate at the start
     reach: f64,
-    /// whether a step's work can have the wrong sign by overshooting
+    /// whether overshooting can give the work of a step the wrong sign
     overshoots: bool,
-    /// whether what the account calls dissipated counts
+    /// whether the dissipated energy of the account counts
     dissipates: bool,
 }
 
@@ -100,15 +100,15 @@ pub struct Watch {
 pub struct WatchedStep<'a> {
     /// the scene
     pub scene: &'a dyn Scene,
-    /// where the step starts
+    /// start of the step
     pub from: &'a Point,
-    /// where it ends
+    /// its end
     pub to: &'a Point,
     /// account at its start
     pub before: &'a LedgerRow,
     /// account at its end, finite
     pub after: &'a LedgerRow,
-    /// whether that account has the works that the scheme integrated itself
+    /// whether that account uses the works that the scheme integrated itself
     pub by_stages: bool,
     /// [W] power of external forces at its start and at its end
     pub power: [f64; 2],
@@ -118,12 +118,12 @@ pub struct WatchedStep<'a> {
     pub h: f64,
 }
 
-/// What the watch says of a step.
+/// The watch's report on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WatchReport {
     /// nothing to say
     Calm,
-    /// the scheme has made energy; said once
+    /// the scheme has made energy; reported once
     Doubt(EnergyGain),
     /// the state is impossible
     Diverged(DivergenceKind),
@@ -134,9 +134,9 @@ pub enum WatchReport {
 pub struct EnergyGain {
     /// [J] energy made
     pub made: f64,
-    /// [J] energy there at the start or put in since
+    /// [J] energy present at the start or supplied since
     pub supplied: f64,
-    /// [-] growth of the energy made, a step, over the last steps
+    /// [-] growth per step of the energy made, over the last steps
     pub growth: Option<f64>,
 }
 
@@ -148,7 +148,7 @@ struct EnergyBounds {
     impossible: f64,
 }
 
-/// Why a state cannot be right.
+/// Why a state counts as diverged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DivergenceKind {
     /// a value is not finite
@@ -162,9 +162,9 @@ pub enum DivergenceKind {
         /// [-] largest numerical energy over the energy exchanged
         error: f64,
     },
-    /// more energy was made than can be explained
+    /// the scheme made more energy than the limit
     Energy(EnergyGain),
-    /// the springs hold more energy than ever came in
+    /// the springs hold more energy than was ever supplied
     Strain {
         /// [J] what they hold
         elastic: f64,
@@ -174,7 +174,7 @@ pub enum DivergenceKind {
 }
 
 impl Watch {
-    /// Starts to watch a run from its first state.
+    /// A watch of a run from its first state.
     pub fn open(scene: &dyn Scene, method: &MethodInfo, first: &LedgerRow) -> Self {
         let supplied = first.kinetic + first.elastic;
         Watch::restore(
@@ -184,7 +184,7 @@ impl Watch {
         )
     }
 
-    /// Goes on from a snapshot's account.
+    /// A watch that continues with the account of a snapshot.
     pub fn restore(scene: &dyn Scene, method: &MethodInfo, account: EnergyAccount) -> Self {
         let stiffness = scene.nodal_stiffness().iter().sum::<f64>();
         let start = scene.initial_state();
@@ -199,20 +199,20 @@ impl Watch {
         &self.account
     }
 
-    /// Accounts for a step whose account is finite.
+    /// Checks a step whose account is finite.
     pub fn step(&mut self, step: WatchedStep<'_>) -> WatchReport {
         let calm = self.record(step);
         self.judge(step, calm)
     }
 
-    /// The same where the states at the step's ends are not there (those given are others): `false` if it takes them to
-    /// judge it.
+    /// The same where the states at the ends of the step are not known (those given are others): `false` if they are
+    /// needed for the decision.
     pub fn unseen_step(&mut self, step: WatchedStep<'_>) -> bool {
         self.record(step);
         self.is_calm(step.after)
     }
 
-    /// Whether the gain could be explained before.
+    /// Adds the step to the account. Returns whether rounding or loads explained the gain before it.
     fn record(&mut self, step: WatchedStep<'_>) -> bool {
         let WatchedStep { after, .. } = step;
         let (contrary, missed) = (self.contrary(step), self.air_work_missing(step));
@@ -231,20 +231,20 @@ impl Watch {
         calm
     }
 
-    /// [-] Largest gain over the energy supplied, rounding apart; 0 where nothing was supplied.
+    /// [-] Largest gain over the supplied energy, without rounding; 0 where nothing was supplied.
     pub fn gain_share(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
         let EnergyAccount { largest, supplied, .. } = self.account;
         if largest <= DOUBTFUL * supplied {
             return if supplied > 0.0 { largest / supplied } else { 0.0 };
         }
         let beyond = (largest - self.rounding(at, row, steps)).max(0.0);
-        // Where nothing else was supplied, what a load gives in the step in which it comes on.
+        // Where nothing else was supplied, the energy that a load gives in its first step.
         let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
         let supplied = if supplied > 0.0 { supplied } else { load_energy.max(f64::MIN_POSITIVE) };
         if beyond > 0.0 { beyond / supplied } else { 0.0 }
     }
 
-    /// The gain now.
+    /// The present gain.
     pub fn gain(&self) -> EnergyGain {
         let EnergyAccount { gains, supplied, .. } = self.account;
         let made = gains[KEPT - 1];
@@ -253,7 +253,7 @@ impl Watch {
         EnergyGain { made, supplied, growth: growth.filter(|g| g.is_finite()) }
     }
 
-    /// Gains that are beyond doubt and belief, rounding apart, where so much energy [J] was supplied.
+    /// Limits of the gain, without rounding, for this supplied energy [J].
     fn bounds(&self, supplied: f64) -> EnergyBounds {
         let load_energy = self.load_energy * self.account.longest.powi(2) + self.account.late_load_energy;
         let doubtful = DOUBTFUL * supplied + BEYOND_LOAD_ENERGY * load_energy;
@@ -261,15 +261,15 @@ impl Watch {
         EnergyBounds { doubtful, credible, impossible: DIVERGED * (supplied + load_energy) }
     }
 
-    /// Whether there is nothing to say even if nothing is rounded.
+    /// Whether there is nothing to report even without allowing for rounding.
     fn is_calm(&self, after: &LedgerRow) -> bool {
         let EnergyGain { made, supplied, .. } = self.gain();
         let EnergyBounds { doubtful, credible, .. } = self.bounds(supplied);
         made <= (if self.account.doubted { credible } else { doubtful }) && after.elastic <= CREDIBLE * supplied
     }
 
-    /// Whether a state that was entered can be right: the scheme has made no more energy than there was or was put in,
-    /// rounding apart.
+    /// Whether a recorded state is credible: apart from rounding, the scheme has made no more energy than was present
+    /// or supplied.
     pub fn credible(&self, at: &Point, row: &LedgerRow, steps: u64) -> bool {
         if self.is_calm(row) {
             return true;
@@ -286,7 +286,7 @@ impl Watch {
         let (gain, elastic) = (self.gain(), step.after.elastic);
         let EnergyBounds { doubtful, impossible, .. } = self.bounds(gain.supplied);
         let rounding = self.rounding(step.to, step.after, step.step);
-        // A scheme whose account lags behind a load that has just come on has not booked its work yet.
+        // With a scheme of first order, the account does not yet have the work of a load that has just begun.
         if elastic > DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding {
             return WatchReport::Diverged(DivergenceKind::Strain { elastic, gain });
         }
@@ -301,9 +301,9 @@ impl Watch {
         WatchReport::Calm
     }
 
-    /// Whether a load that has just come on explains a gain, as the loads at the start do.
+    /// Whether a load that has just begun explains a gain, as the loads at the start do.
     fn explained_by_load(&mut self, step: WatchedStep<'_>, gain: EnergyGain, rounding: f64) -> bool {
-        // On resting masses: on moving ones the air resists what the scheme itself may have made.
+        // For resting masses: on moving ones the air would act against motion that the scheme itself may have made.
         let rest = vec![0.0; step.from.state.v.len()];
         let at = |t: f64| load_energy(step.scene, StateRef { t, x: &step.from.state.x, v: &rest }, 1.0);
         let most = at(step.from.state.t).max(at(step.to.state.t));
@@ -311,7 +311,7 @@ impl Watch {
         gain.made <= DIVERGED * (gain.supplied + self.account.late_load_energy) + rounding
     }
 
-    /// [J] Work in a step that the forces at both of its ends would not do.
+    /// [J] Work in a step whose sign contradicts the forces at both of its ends.
     fn contrary(&self, step: WatchedStep<'_>) -> f64 {
         let WatchedStep { before, after, .. } = step;
         if !self.overshoots || step.by_stages {
@@ -326,9 +326,9 @@ impl Watch {
         given + (external - 2.0 * step.h * most).max(0.0)
     }
 
-    /// [J] Work that the air does by its power at the ends of a step, and not in the account: stages that overshoot in
-    /// a stiff force say that it takes energy where it gives some. Bounded, because the power is below zero where all
-    /// moves faster than the air.
+    /// [J] Work of the air by its power at the ends of a step that is not in the account: stages that overshoot in a
+    /// stiff force count energy as taken that the air supplies. It is bounded, because the power is negative where
+    /// everything moves faster than the air.
     fn air_work_missing(&self, step: WatchedStep<'_>) -> f64 {
         if !self.overshoots || !step.scene.velocity_dependent() {
             return 0.0;
@@ -338,7 +338,7 @@ impl Watch {
         (0.5 * step.h * ends - external).max(0.0)
     }
 
-    /// [J] What rounded positions, forces and sums may leave in the account after a number of steps.
+    /// [J] Rounding error of the account after a number of steps, from positions, forces and sums.
     fn rounding(&self, at: &Point, row: &LedgerRow, steps: u64) -> f64 {
         let reach = self.reach.max(farthest(&at.state.x));
         let forces = [&at.forces.total, &at.forces.external, &at.forces.dissipative];

@@ -1,12 +1,13 @@
-//! Force terms: one file a physical effect, each with its force, its exact tangents and its energy or power.
+//! Force terms: one file per physical effect, each with its force, its exact tangents and its energy or power.
 //!
 //! Signs: `f` is the force on the nodes, `K = -df/dx`, `C = -df/dv` (see [the crate's first page](crate)).
 //!
-//! * [`law`]: the physics, one file a force.
-//! * [`kernel`]: loops over elements of one shape. They find nodes in the local buffers of a block, and know no scene.
+//! * [`law`]: the physics, one file per force.
+//! * [`kernel`]: loops over elements of one shape. They read the local buffers of a block, and do not depend on the
+//!   scene.
 //! * [`schedule`]: blocks, threads, and several steps at once.
 //!
-//! There are three kinds of elements, and one kernel for each:
+//! There are three kinds of elements, with one kernel each:
 //!
 //! | elements | kernel | what a law gives |
 //! |---|---|---|
@@ -14,8 +15,8 @@
 //! | triangles | [`kernel::faces`] | pressure: [`law::air`], [`law::follower_pressure`] |
 //! | nodes | `kernel/nodes` | force: [`law::gravity`], [`law::nodal`] |
 //!
-//! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels ask for four elements side by side,
-//! and tangents for one.
+//! Laws are pure functions, written once on [`crate::model::quad::Real`]: kernels evaluate four elements side by side,
+//! and tangents one.
 //!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
@@ -26,23 +27,22 @@
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
-//! 2. Say in the [`TermInfo`] of its [parts](ForceTerm::parts) what it is: schemes, the ledger and diagnoses go by
-//!    that, and by no name. `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`);
-//!    `on_triangles` lets a failure name one. A term with elastic energy also adds its stiffness at rest in
+//! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
+//!    no names. A step may be too long for forces with `velocity_dependent` or `follower` (`drive/cause`); with
+//!    `on_triangles` a failure report names a triangle. A term with elastic energy also adds its stiffness at rest in
 //!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
-//! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it
-//!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner).
+//! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
+//!    built (`scene/build.rs`, which also collects the times at which a table has a corner).
 //! 4. If it is new to the case file, its section goes to `case/schema` and `case/lower`, and to `case/fingerprint`,
-//!    which says what must be the same for a run to go on; the compiler asks for the last.
+//!    which says what must be equal for a run to be resumed; the compiler requires the last.
 //! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
-//!    states, what its [`TermInfo`] says with its forces, copies of it in several blocks with one alone, and steps made
-//!    several at once with steps one by one.
+//!    states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single steps.
 //!
 //! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars
 //! by [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
 //!
 //! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
-//! assembler relies on it to know every block's slot in advance.
+//! assembler needs this to know the slot of every block in advance.
 
 pub mod kernel;
 pub mod law;
@@ -51,7 +51,7 @@ pub mod schedule;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 
-/// A state by nodes: what a force term sees.
+/// A state by nodes, as a force term reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeState<'a> {
     /// [s] time
@@ -74,12 +74,12 @@ pub trait TangentSink {
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]);
 }
 
-/// What a tangent may leave out.
+/// The parts that a tangent may leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TangentForm {
-    /// whether what makes K indefinite in a compressed or buckled state is left out
+    /// whether to leave out the part that makes K indefinite in a compressed or buckled state
     pub convex: bool,
-    /// whether every element's block is symmetric: what a factor is made of that is kept over many steps
+    /// whether the block of every element is symmetric, as for a factor that is kept over many steps
     pub symmetric: bool,
 }
 
@@ -90,8 +90,8 @@ impl TangentForm {
 
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: kernel::batch::BlockForces {
-    /// Of each of its parts: name in reports, role in the ledger, and what diagnoses ask of it; the same at every
-    /// state. Most terms have one part; springs with dashpots have two ([`kernel::batch::PARTS`] at most).
+    /// Name, role in the ledger and properties of each of its parts; the same at every state. Most terms have one part;
+    /// springs with dashpots have two ([`kernel::batch::PARTS`] at most).
     fn parts(&self) -> &[TermInfo];
 
     /// Whether both tangents are symmetric at every state.
@@ -101,8 +101,8 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
-    /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor
-    /// of a residual, and for diagnoses. Terms without elastic energy have none.
+    /// Adds the stiffness [N/m] of this term's springs to each of their nodes, at rest: for the rounding floor of a
+    /// residual, and for diagnoses. Terms without elastic energy have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }

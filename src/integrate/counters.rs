@@ -6,10 +6,10 @@ use crate::model::state::StateRef;
 use crate::model::step_block::StepSummary;
 use crate::model::system::{KickDriftBlock, System};
 
-/// What a run cost, in operations.
+/// The work of a run, in operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
-    /// force passes the scheme asked for
+    /// force passes of the scheme
     pub force_evaluations: u64,
     /// assemblies of W
     pub tangent_assemblies: u64,
@@ -19,7 +19,7 @@ pub struct Counters {
     pub linear_solves: u64,
     /// Newton iterations
     pub newton_iterations: u64,
-    /// iterations of conjugate gradients, in these solves and to see what serves a new W
+    /// iterations of conjugate gradients, in these solves and in trials on a new W
     #[serde(default)]
     pub cg_iterations: u64,
 }

@@ -4,8 +4,8 @@
 //!
 //! The estimate joins solutions of order 5 and 3, e = |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2): as e5 falls as h^6 and e3 as
 //! h^4, it falls as h^8, and does not vanish where either does by chance. Norms are taken over all positions and over
-//! all velocities, each for itself, since the two have different units; every degree of freedom gets its part of e5
-//! times |e5| / sqrt(|e5|^2 + 0.01 |e3|^2).
+//! all velocities, each for itself, since the two have different units; the estimate of a degree of freedom is its part
+//! of e5 times |e5| / sqrt(|e5|^2 + 0.01 |e3|^2).
 //!
 //! Coefficients are those of that code, rounded to doubles. On linear problems a step is R(z) = sum over k <= 8 of
 //! z^k/k! + 0.9768 z^9/9! + 0.8496 z^10/10! + 0.5967 z^11/11! + 0.1731 z^12/12!, which damps undamped oscillations a

@@ -1,11 +1,11 @@
-//! Explicit Runge-Kutta methods whose stages serve a second, coarser solution too, so that a step brings its own error
-//! estimate (Fehlberg 1969; Hairer, Norsett & Wanner 1993, section II.4).
+//! Explicit Runge-Kutta methods whose stages also give a second, less accurate solution, and so an error estimate
+//! (Fehlberg 1969; Hairer, Norsett & Wanner 1993, section II.4).
 //!
 //! With y = (x, v) and the slopes k_i = (v_i, M^-1 f(t_i, x_i, v_i)):
 //! ```text
 //! y_i     = y_n + h sum_{j<i} a_ij k_j,     t_i = t_n + c_i h
 //! y_{n+1} = y_n + h sum_i b_i k_i
-//! e       = h sum_i e_i k_i                  e_i = b_i - b^_i, the weights of the coarser solution taken off
+//! e       = h sum_i e_i k_i                  e_i = b_i - b^_i, the weights minus those of the less accurate solution
 //! ```
 //! The last slope of `e` may be that of the new point itself, whose forces the next step needs in any case ("first same
 //! as last"): a step costs as many force passes as the method has stages, and the estimate none. Sums are formed before
@@ -30,7 +30,7 @@ pub(super) struct Stage {
 /// Weights of the estimate, one for each stage and, where it is used, one for the new point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Estimate {
-    /// the coarser solution's difference
+    /// the difference from the coarser solution
     One(&'static [f64]),
     /// `|e|^2 / sqrt(|e|^2 + 0.01 |e'|^2)` of a fine e and a coarse e' (Hairer, Norsett & Wanner 1993, section II.10)
     Two {
@@ -63,7 +63,7 @@ struct Slope {
     v: Vec<f64>,
 }
 
-/// The method of a tableau; carries nothing.
+/// The method of a tableau; it carries no state between steps.
 #[derive(Clone, Debug)]
 pub(super) struct Embedded {
     tableau: &'static Tableau,
@@ -83,7 +83,7 @@ impl Embedded {
 impl Integrator<dyn System> for Embedded {
     fn start(&mut self, system: &dyn System, at: &Point) -> Result<(), StepError> {
         let zero = vec![0.0; at.state.x.len()];
-        // One more than stages: the slope at the new point, for the estimate.
+        // One more than the stages: the slope at the new point, for the estimate.
         let count = self.tableau.stages.len() + 2;
         self.slopes = vec![Slope { x: zero.clone(), v: zero.clone() }; count];
         self.x = zero;
@@ -172,7 +172,7 @@ fn weighted(out: &mut [f64], h: f64, weights: &[f64], slopes: &[Slope], part: Pa
     }
 }
 
-/// out = e |e| / sqrt(|e|^2 + 0.01 |e'|^2), whose norm is that of [`Estimate::Two`]; `room` takes e'.
+/// out = e |e| / sqrt(|e|^2 + 0.01 |e'|^2), whose norm is that of [`Estimate::Two`]; `room` holds e'.
 fn combined(out: &mut [f64], room: &mut [f64], (h, two): (f64, [&[f64]; 2]), slopes: &[Slope], part: Part) {
     let square = |e: &[f64]| e.iter().map(|e| e * e).sum::<f64>();
     let [fine, coarse] = two;

@@ -32,7 +32,7 @@ pub(super) struct Equations<'a> {
     pub counters: &'a mut Counters,
 }
 
-/// What is known before a step.
+/// Data of a step known at its start.
 pub(super) struct StepStart<'a> {
     pub from: &'a Point,
     /// [m/s^2] accelerations at the step's start `[n_dof]`
@@ -86,7 +86,7 @@ impl Workspace {
     }
 }
 
-/// The matrices of a run and what is known of them.
+/// The matrices of a run and their state.
 pub(super) struct LinearState {
     pub tangents: Tangents,
     pub cache: FactorCache,

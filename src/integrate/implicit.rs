@@ -57,7 +57,7 @@ pub struct Implicit<M> {
     solver: Option<Solver>,
 }
 
-/// What steps work with, made at the start of a run.
+/// Buffers of the steps, allocated at the start of a run.
 struct Solver {
     newton: Newton,
     linear: LinearState,

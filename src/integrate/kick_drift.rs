@@ -5,10 +5,10 @@ use crate::model::point::Point;
 use crate::model::step_block::{KickDriftScheme, StepSummary};
 use crate::model::system::{KickDriftBlock, System};
 
-/// Such a scheme; carries nothing.
+/// Such a scheme; it carries no state between steps.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift {
-    /// its step of a size [s], where forces depend on velocity or not
+    /// the description of a step of a size [s], for forces that depend on velocity or not
     pub step: fn(h: f64, velocity_dependent: bool) -> KickDriftScheme,
 }
 

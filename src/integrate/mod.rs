@@ -1,30 +1,29 @@
-//! Time integration: one file a scheme, all on the same residual M a = f(t, x, v).
+//! Time integration: one file per scheme, all on the same residual M a = f(t, x, v).
 //!
-//! A scheme *attempts* a step from one [`Point`] to another; the driver accepts or drops it. Rejecting is not
-//! accepting: `to` is overwritten by the next attempt, and what the scheme carries from step to step (an algorithmic
+//! A scheme *attempts* a step from one [`Point`] to another; the driver accepts or drops it. To drop a step, do not
+//! accept it: the next attempt overwrites `to`, and what the scheme carries from step to step (an algorithmic
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
 //! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
 //!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
-//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and what its step is on
-//!    linear scenes ([`linear_step`], which limits and diagnoses go by instead of names). The case format, the JSON
-//!    Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of `analysis/limit`
-//!    measure on oscillators whether what it says of the step is so.
-//! 3. `tests/claims/recurrence` wants its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
+//! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
+//!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
+//!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
+//!    `analysis/limit` check on oscillators what it says of the step.
+//! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
 //!    leading error term and `tests/api/counters.rs` its work; an explicit one has a line of known limits in
-//!    `analysis/limit` and, if it is one of Runge and Kutta's, a polynomial in `tests/common/polynomials.rs`.
-//!    `tests/claims/order.rs` and `tolerance.rs` measure its order and what tolerances deliver. Each of them fails and
-//!    says so where it finds nothing; `tests/api/case/faults.rs` and the README's table name all methods.
+//!    `analysis/limit` and, if it is a Runge-Kutta method, a polynomial in `tests/common/polynomials.rs`.
+//!    `tests/claims/order.rs` and `tolerance.rs` measure its order and its errors with tolerances. Each of them fails
+//!    with a message if the entry is missing; `tests/api/case/faults.rs` and the README's table name all methods.
 //!
-//! A scheme that solves more than once a step owns as many [`implicit::Implicit`] engines as it has stages: an engine
-//! carries one kept factor and one first guess from step to step, and `check` counts one solve a step where it does not
-//! try.
+//! A scheme that solves several times per step owns one [`implicit::Implicit`] engine per stage: an engine carries one
+//! kept factor and one first guess from step to step. `check` counts one solve per step where it makes no trial runs.
 //!
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
 //! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
 //!
-//! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
+//! Nothing here depends on a force: schemes use the traits of [`crate::model::system`].
 
 pub mod backward_euler;
 mod balance;
@@ -68,7 +67,7 @@ use crate::solve::{LinearError, LinearStats};
 pub struct StepInput<'a, S: ?Sized> {
     /// the system
     pub system: &'a S,
-    /// where the step starts; its forces are those at its state, except after a scheme that says they are not
+    /// start of the step; its forces are those at its state, except after a scheme that reports otherwise
     pub from: &'a Point,
     /// [s] step size
     pub h: f64,
@@ -113,12 +112,12 @@ pub struct CarriedState {
     pub factor: Option<CachedFactor>,
 }
 
-/// How accelerations went on from step to step.
+/// The change of accelerations from step to step.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Trend {
-    /// [m/s^2] those before the last step; none before the first
+    /// [m/s^2] accelerations before the last step; empty before the first
     pub before: Vec<f64>,
-    /// whether the last step went on nearer to a straight line through the two before than to a constant
+    /// whether the accelerations of the last step were closer to a linear extrapolation than to a constant
     pub straight: bool,
 }
 
@@ -126,11 +125,11 @@ pub struct Trend {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairInfo {
     /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h
-    /// [s]: the run goes on with the finer solution, whose error is of one order more than the estimate
+    /// [s]: the run continues with the more accurate solution, whose error is one order smaller than the estimate
     pub leading: f64,
 }
 
-/// Room for an error estimate.
+/// Buffers for an error estimate.
 #[derive(Debug)]
 pub struct ErrorEstimate<'a> {
     /// [m] of the positions
@@ -166,7 +165,7 @@ pub enum StepError {
     },
 }
 
-/// A time integration scheme for systems of ability `S`.
+/// A time integration scheme for systems with the interface `S`.
 pub trait Integrator<S: ?Sized>: Send {
     /// Sizes all buffers and makes the carried state from the first point (a_0 = M^-1 f_0).
     ///
@@ -185,9 +184,9 @@ pub trait Integrator<S: ?Sized>: Send {
         counters: &mut Counters,
     ) -> Result<StepReport, StepError>;
 
-    /// Makes several steps into `to`, of one size and an entry of `summaries` each, which has its time; `step.t_next`
-    /// is that of the last. Their bits are those of steps attempted and accepted one by one. `false`, and `to` means
-    /// nothing, where the scheme or the system has no such thing. Allocates nothing after the first.
+    /// Makes several steps of one size into `to`, one for each entry of `summaries`, which has its time; `step.t_next`
+    /// is that of the last. Their bits are those of steps attempted and accepted one by one. Returns `false`, and `to`
+    /// is undefined, if the scheme or the system cannot make blocks. Allocates nothing after the first.
     fn advance_block(
         &mut self,
         step: StepInput<'_, S>,
@@ -199,19 +198,19 @@ pub trait Integrator<S: ?Sized>: Send {
         false
     }
 
-    /// Takes over what the last attempt carried.
+    /// Accepts the last attempt: updates the carried state.
     fn accept(&mut self) {}
 
-    /// Drops what is carried and begins anew at a point, as [`Integrator::start`] does: forces are not smooth across
-    /// its time. Allocates nothing.
+    /// Drops the carried state and starts again at a point, as [`Integrator::start`] does, because forces are not
+    /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
-    /// What is carried, for a checkpoint.
+    /// The carried state, for a checkpoint.
     fn save(&self) -> CarriedState {
         CarriedState::default()
     }
 
-    /// Restores what was carried; called after [`Integrator::start`].
+    /// Restores the carried state; called after [`Integrator::start`].
     ///
     /// # Errors
     /// When the saved state does not fit.
@@ -221,8 +220,8 @@ pub trait Integrator<S: ?Sized>: Send {
 
     /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself: e <- W^-1
     /// cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not
-    /// resolve would count for (w h)^2 times what it is (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19).
-    /// Explicit schemes leave e.
+    /// resolve would count (w h)^2 times too much (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19). Explicit
+    /// schemes leave e.
     ///
     /// # Errors
     /// When the factorised W cannot be solved with.
@@ -230,7 +229,7 @@ pub trait Integrator<S: ?Sized>: Send {
         Ok(())
     }
 
-    /// How this scheme's own estimate compares with its error; `None` for schemes without one.
+    /// Relation of the embedded estimate to the error of the scheme; `None` for schemes without one.
     fn pair(&self) -> Option<PairInfo> {
         None
     }

@@ -7,7 +7,7 @@
 //! ```
 //! On linear problems stable for every h if 2 beta >= gamma >= 1/2; else for h/T <= 1/(pi sqrt2 sqrt(gamma - 2 beta))
 //! (Eq. 27). The thesis' linear-incremental form (Eq. 28-36) has four misprints and drifts on nonlinear problems; it is
-//! not built.
+//! not implemented.
 
 use super::implicit::ImplicitScheme;
 use super::stage::{NewmarkParameters, StageMap};

@@ -1,5 +1,5 @@
-//! The table of methods: one entry a scheme. Case files, `canopy-fem methods`, the JSON Schema and the tests
-//! all read it, so a scheme is registered here and nowhere else.
+//! The table of methods: one entry per scheme. Case files, `canopy-fem methods`, the JSON Schema and the tests all read
+//! it, so a scheme is registered here and nowhere else.
 
 use super::backward_euler::BackwardEuler;
 use super::euler_cromer::EULER_CROMER;

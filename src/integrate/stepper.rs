@@ -1,4 +1,4 @@
-//! A scheme bound to a scene that can do what the scheme needs.
+//! A scheme bound to a scene that has the interface the scheme needs.
 
 use super::{CarriedState, Counters, ErrorEstimate, Integrator, PairInfo, StepError, StepInput, StepReport};
 use crate::assembly::{SceneInterfaces, TangentSystem};
@@ -7,7 +7,7 @@ use crate::model::step_block::StepSummary;
 use crate::model::system::{SpringGraph, System};
 use crate::solve::LinearStats;
 
-/// A scheme by what it needs of a system.
+/// A scheme, by the interface that it needs.
 pub enum Scheme {
     /// forces
     Explicit(Box<dyn Integrator<dyn System>>),
@@ -17,7 +17,7 @@ pub enum Scheme {
     Graph(Box<dyn Integrator<dyn SpringGraph>>),
 }
 
-/// The scene cannot do what the scheme needs.
+/// The scene does not have the interface that the scheme needs.
 #[derive(Clone, Copy, Debug, thiserror::Error, PartialEq, Eq)]
 #[error("this method filters a spring network and the scene has none; choose another method")]
 pub struct NeedsNetwork;
@@ -34,7 +34,7 @@ enum BoundScheme<'a> {
 /// One step to attempt by a bound scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempt<'a> {
-    /// where the step starts
+    /// start of the step
     pub from: &'a Point,
     /// [s] step size
     pub h: f64,
@@ -65,7 +65,7 @@ impl<'a> Stepper<'a> {
         }))
     }
 
-    /// The scheme alone, with all that it carries; bound to the same scene again it goes on as if nothing had been.
+    /// The scheme with its carried state. Bound to the same scene again, it continues unchanged.
     pub fn unbind(self) -> Scheme {
         match self.0 {
             BoundScheme::Explicit(s, _) => Scheme::Explicit(s),

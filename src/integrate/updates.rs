@@ -1,4 +1,4 @@
-//! The vector updates that explicit schemes are made of.
+//! The vector updates of explicit schemes.
 
 use super::StageWork;
 use crate::model::forces::{Forces, Role};
@@ -22,7 +22,7 @@ pub(super) fn accumulate(out: &mut [f64], h: f64, b: &[f64]) {
     }
 }
 
-/// How a stage changes states, before it is multiplied by a step: dx/dt = u, dv/dt = M^-1 f.
+/// Time derivative of the state in a stage: dx/dt = u, dv/dt = M^-1 f.
 #[derive(Clone, Copy)]
 pub(super) struct Slopes<'a> {
     pub u: &'a [f64],
@@ -44,7 +44,7 @@ pub(super) fn follow<S: System + ?Sized>(
     });
 }
 
-/// The same where u is v as it was.
+/// The same with u = v before the update.
 pub(super) fn follow_on<S: System + ?Sized>(
     system: &S,
     to: (&mut [f64], &mut [f64]),

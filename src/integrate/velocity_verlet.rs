@@ -10,7 +10,7 @@
 //! ```
 //! Eq. 39 is implicit in v when there is damping; a* at the predicted velocity makes it explicit and keeps order 2.
 //! Carrying a* over to the next step instead of a_{n+1} would save an evaluation but lose stability (w h < 1.64 instead
-//! of 1.84 at damping ratio 0.1). Both stand at x_{n+1}, so that springs and weight are found once for the two. Without
+//! of 1.84 at damping ratio 0.1). Both are at x_{n+1}, so springs and weight are evaluated once for the two. Without
 //! velocity-dependent forces a* = a_{n+1}. Limit w h < 2 undamped.
 
 use super::kick_drift::KickDrift;

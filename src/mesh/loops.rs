@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub struct BoundaryLoop {
     /// nodes in the order they follow each other, each once
     pub nodes: Vec<u32>,
-    /// whether the last node connects to the first; false only where it ends at an edge of three or more triangles
+    /// whether the last node connects to the first; false only its end at an edge of three or more triangles
     pub closed: bool,
     /// whether it encloses the other loops of its component: it has the largest extent
     pub outer: bool,

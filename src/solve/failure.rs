@@ -5,7 +5,7 @@ use super::LinearError;
 /// Why Newton's iteration failed.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum NewtonFailure {
-    /// The tolerance was not reached in the allowed iterations.
+    /// The tolerance was not reached within the allowed iterations.
     #[error(
         "Newton's iteration did not converge in {iterations} iterations: residual {residual:.3e} N against a tolerance of {tolerance:.3e} N"
     )]
@@ -14,7 +14,7 @@ pub enum NewtonFailure {
         iterations: u32,
         /// [N] last residual
         residual: f64,
-        /// [N] what it had to reach
+        /// [N] its tolerance
         tolerance: f64,
         /// unknown with the largest residual
         worst: usize,
@@ -28,12 +28,12 @@ pub enum NewtonFailure {
         iterations: u32,
         /// [N] last residual
         residual: f64,
-        /// [N] what it had to reach
+        /// [N] its tolerance
         tolerance: f64,
         /// unknown with the largest residual
         worst: usize,
     },
-    /// The residual at the start is not a number.
+    /// The residual at the start is not finite.
     #[error("the residual is not finite at the start of the step")]
     NotFinite {
         /// an unknown whose residual is not finite
@@ -59,7 +59,7 @@ pub enum NewtonFailure {
     Linear {
         /// iterations made
         iterations: u32,
-        /// what was wrong
+        /// the reason
         error: LinearError,
         /// unknown with the largest residual
         worst: usize,
@@ -78,7 +78,7 @@ impl NewtonFailure {
         }
     }
 
-    /// The unknown to look at.
+    /// The unknown with the largest residual.
     pub fn worst(&self) -> usize {
         match self {
             NewtonFailure::MaxIterations { worst, .. }

@@ -1,4 +1,4 @@
-//! How exactly a linear system need be solved within Newton's iteration.
+//! The accuracy of linear solves within Newton's iteration.
 
 use super::{Accuracy, REUSED_RELATIVE};
 

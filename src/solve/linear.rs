@@ -78,7 +78,7 @@ impl Accuracy {
         self.relative >= REUSED_RELATIVE && !self.checked
     }
 
-    /// Of a solve with a reused matrix.
+    /// The accuracy of a solve with a reused matrix.
     pub fn of_reused() -> Self {
         Accuracy::to(REUSED_RELATIVE)
     }
@@ -97,7 +97,7 @@ pub struct ExpectedUse {
 }
 
 impl Default for ExpectedUse {
-    /// Before any matrix was used.
+    /// The expected use before any matrix was used.
     fn default() -> Self {
         ExpectedUse { reuse: 6.0, cg_iterations: 0.0 }
     }
@@ -179,7 +179,7 @@ pub struct SolverWork {
     pub iterations: u64,
 }
 
-/// What a factorisation shows about W.
+/// The definiteness of W, as far as a factorisation shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
     /// W is positive definite

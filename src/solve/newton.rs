@@ -234,7 +234,7 @@ impl Newton {
         (self.spec.relative * criteria.scales.increment.max(norm(z))).max(criteria.scales.increment_floor)
     }
 
-    /// Judges `z` by the correction in `self.dz`.
+    /// Checks `z` by the correction in `self.dz`.
     pub(super) fn settled(
         &self,
         z: &[f64],

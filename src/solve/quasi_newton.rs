@@ -16,7 +16,7 @@ use super::newton::{
 use super::norms::{dot, norm};
 use super::{ExpectedUse, LinearError, forcing, search};
 
-/// SecantPairs kept.
+/// Secant pairs kept.
 const PAIRS: usize = 8;
 /// Iterations after which the rate of convergence is judged.
 const WINDOW: usize = 4;
@@ -30,7 +30,7 @@ const LONGEST_REST: u32 = 64;
 /// definite.
 const CURVED: f64 = 1e-8;
 
-/// What the use of a frozen factor has shown.
+/// Statistics of the use of a frozen factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FactorHistory {
     /// whether there is a factor
@@ -265,7 +265,7 @@ impl Iteration<'_> {
                 }
                 Step::Hidden => return Ok(None),
                 Step::Stuck => {
-                    // No descent: the factor of another state may be the cause.
+                    // No descent direction: the factor of another state may be the cause.
                     factors += 1;
                     if rate_seen.iterations == 0 && fresh || factors > MOST_FACTORS || !self.refreeze(z)? {
                         return Ok(None);
@@ -282,7 +282,7 @@ impl Iteration<'_> {
                     self.record_step(rate_seen.iterations, fresh);
                     return Ok(Some(NewtonReport { iterations, residual: self.criteria.over_scale(residual) }));
                 }
-                // An old factor or secant pairs of rounded differences would prove nothing.
+                // An old factor, or secant pairs of rounded differences, would prove nothing.
                 Convergence::Rounding if settling.is_none() => {
                     if !self.refreeze(z)? {
                         return Ok(None);
@@ -309,10 +309,11 @@ impl Iteration<'_> {
         Ok(None)
     }
 
-    /// Whether the other solver would have been chosen, had the number of uses and of iterations a solve been known.
+    /// Whether the other solver would have been chosen with the present knowledge of the number of uses and of
+    /// iterations per solve.
     fn another_would_serve(&self) -> bool {
         let (seen, expected) = (self.frozen.expected_use(self.problem.factor_cost()), self.frozen.expected);
-        // Before it has served as long as expected, its total use is unknown.
+        // Before the expected number of uses is reached, its total use is unknown.
         let reuse = seen.reuse.max(expected.reuse);
         self.problem.prefers_other_solver(ExpectedUse { reuse, ..seen })
     }
@@ -396,7 +397,8 @@ impl Iteration<'_> {
 mod tests {
     use super::*;
 
-    /// A pair that bends the wrong way is not used, nor is what it was written over: H y = s for every pair that is.
+    /// A pair with y . s <= 0 is not used, and neither is the pair that it has overwritten: H y = s holds for every
+    /// pair in use.
     #[test]
     fn a_pair_that_bends_the_wrong_way_is_not_used() {
         let mut pairs = SecantPairs::new(3, 2);

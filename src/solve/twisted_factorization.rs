@@ -108,8 +108,7 @@ mod tests {
         }
     }
 
-    /// Halves of a size have nothing to do with each other, every node has its place, and the separator is as wide as
-    /// the net.
+    /// Two equal halves are not coupled, every node is in one subdomain, and the separator is as wide as the net.
     #[test]
     fn a_seam_parts_two_halves() {
         let (nodes, width) = (5000, 70);
@@ -129,7 +128,7 @@ mod tests {
         assert_eq!((first.local_index(nodes - 1), second.local_index(nodes - 1)), (None, Some(0)));
     }
 
-    /// Nets that do not meet need no separator between them.
+    /// Two unconnected nets need no separator.
     #[test]
     fn a_seam_may_be_empty() {
         let mut pattern = net(5000, 1);
@@ -140,7 +139,7 @@ mod tests {
         assert_eq!(cut(&pattern, &pattern.node_of_unknown()), subdomains(5000, 2500..2500));
     }
 
-    /// Few nodes, and wide nets, are left in one piece.
+    /// Small nets and wide nets are not divided.
     #[test]
     fn what_a_cut_does_not_serve_is_left_whole() {
         for (nodes, width) in [(LEAST - 1, 10), (5000, 4000), (5000, 900)] {

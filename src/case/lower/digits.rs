@@ -1,4 +1,4 @@
-//! Digits that coordinates leave to lengths: far from the origin a double has none left for a short spring.
+//! Rounding of coordinates: far from the origin a double has no digits left for the length of a short spring.
 
 use super::geometry::Geometry;
 use crate::case::diagnostics::Faults;
@@ -7,17 +7,17 @@ use crate::format_number::figures;
 use crate::model::spec::NetworkSpec;
 use crate::warning::WarningCode;
 
-/// [-] Rounding of a coordinate over the shortest spring from which on a scene cannot be computed: fewer than three
-/// digits of its length are left, and motions smaller than that are lost without a trace.
+/// [-] Rounding of a coordinate over the shortest spring, above which a scene cannot be computed: fewer than three
+/// digits of its length are left, and smaller motions are lost.
 const LOST: f64 = 1e-3;
 
-/// [-] The same from which on strains are doubtful.
+/// [-] The same, above which strains are inaccurate.
 const DOUBTFUL: f64 = 1e-8;
 
-/// [-] Share of a motion lost to rounding, step by step, from which on there is a warning.
+/// [-] Share of the motion lost to rounding in each step, above which there is a warning.
 const LOST_MOTION: f64 = 0.01;
 
-/// Checks the mesh's place against its springs, and against what a step [s] moves its nodes by.
+/// Checks the rounding of coordinates against the lengths of springs, and against the motion of nodes in a step [s].
 pub(super) fn network(
     at: &Pointer,
     spec: &NetworkSpec,
@@ -31,7 +31,7 @@ pub(super) fn network(
     }
 }
 
-/// Rounding against the shortest spring.
+/// Compares rounding with the shortest spring.
 fn lengths(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     let edges = spec.springs.iter().flat_map(|g| g.edges.iter().copied());
     let lengths = edges.filter_map(|e| Some((e, geometry.length.get(e as usize).copied()?)));
@@ -54,7 +54,7 @@ fn lengths(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut F
     }
 }
 
-/// Rounding against the first step of the fastest node: a sum of steps loses up to half a last digit in each.
+/// Compares rounding with the first step of the fastest node: each step loses up to half a last digit.
 fn motion(at: &Pointer, spec: &NetworkSpec, step: f64, faults: &mut Faults<'_>) {
     let speeds = spec
         .velocity

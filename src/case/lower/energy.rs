@@ -1,4 +1,4 @@
-//! The energy a scene starts with: where it is no number, nothing that follows can be.
+//! The energy of the initial state, which must be finite.
 
 use nalgebra::Vector3;
 
@@ -10,7 +10,7 @@ use crate::model::spec::{NetworkSpec, PendulumSpec};
 
 const ALLOWED: &str = "a start whose energy is within the range of a double";
 
-/// Notes a fault for a kinetic or elastic energy at the start that overflows.
+/// Adds a fault for a kinetic or elastic energy at the start that overflows.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     let speeds = spec.velocity.iter().map(|v| Vector3::from(*v));
     let kinetic = speeds.zip(&spec.mass).map(|(v, m)| 0.5 * m * v.norm_squared());
@@ -43,7 +43,7 @@ pub(super) fn pendulum(at: &Pointer, spec: &PendulumSpec, faults: &mut Faults<'_
     }
 }
 
-/// The first term at which a sum of energies [J] is no number any more.
+/// The first term at which a sum of energies [J] is not finite.
 fn first_overflow(energies: impl Iterator<Item = f64>) -> Option<usize> {
     let mut sum = 0.0;
     energies.into_iter().position(|e| {

@@ -1,4 +1,4 @@
-//! The mesh with what the other sections ask of it: lengths, areas, selections, sound triangles.
+//! The mesh with the data that the other sections need: lengths, areas, selections, valid triangles.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::warning::WarningCode;
 /// A mesh and its topology.
 #[derive(Debug)]
 pub(crate) struct Geometry {
-    /// where it came from, to know it again
+    /// its source, to compare it with that of another case
     source: MeshSource,
     /// what the reader of a mesh file changed
     notes: Vec<String>,
@@ -46,8 +46,7 @@ impl Geometry {
         self.mesh.nodes.len()
     }
 
-    /// [m] Length of an edge at the start; `displacement` [m] holds one vector a node, or nothing where no node is
-    /// displaced.
+    /// [m] Length of an edge at the start; `displacement` [m] is `[n_nodes][3]`, or empty if no node is displaced.
     pub fn start_length(&self, edge: u32, displacement: &[[f64; 3]]) -> Option<f64> {
         if displacement.is_empty() {
             return self.length.get(edge as usize).copied();
@@ -76,7 +75,7 @@ pub(super) fn geometry(
     }
     let before = faults.count();
     let listed = at.key("explicit").key("nodes");
-    // Without the nodes nothing can be said of springs and triangles that name them.
+    // Without the nodes, springs and triangles cannot be checked.
     if matches!(source, MeshSource::Explicit(_)) && !faults.readable(&listed) {
         return None;
     }
@@ -103,7 +102,7 @@ fn tell_notes(at: &Pointer, geometry: &Geometry, faults: &mut Faults<'_>) {
     }
 }
 
-/// A mesh that cannot be had, put at the key that asks for it.
+/// Adds the fault of a mesh that cannot be made, at the key that requests it.
 fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faults<'_>) {
     let key = match source {
         MeshSource::Annulus(_) => "annulus",
@@ -124,7 +123,7 @@ fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faul
     }
 }
 
-/// What a section needs of the triangles.
+/// The properties of triangles that a section needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TriangleUse {
     /// their areas
@@ -133,8 +132,8 @@ pub(super) enum TriangleUse {
     Normals,
 }
 
-/// Notes a fault unless there are triangles that serve `user` (a section, in words). Degenerate triangles were refused
-/// with the mesh; orientation matters only where normals are used.
+/// Adds a fault unless there are triangles as `user` (a section, in words) needs them. Degenerate triangles were
+/// refused with the mesh; orientation matters only where normals are used.
 pub(super) fn triangles(
     at: &Pointer,
     user: &str,

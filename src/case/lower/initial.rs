@@ -7,18 +7,18 @@ use crate::case::schema::{Initial, Vectors};
 use crate::format_number::first_few;
 use crate::model::spec::SpringGroup;
 
-/// What the initial state is checked against.
+/// The network with which the initial state is checked.
 #[derive(Debug)]
 pub(super) struct Network<'a> {
     /// the mesh
     pub geometry: &'a Geometry,
-    /// which of x, y, z is fixed, one a node
+    /// which of x, y, z is fixed, `[n_nodes][3]`
     pub fixed: &'a [[bool; 3]],
     /// springs, whose ends must not meet
     pub springs: &'a [SpringGroup],
 }
 
-/// Initial vectors of every node; empty = zero.
+/// Initial vectors of every node, `[n_nodes][3]`; empty = zero.
 #[derive(Debug, Default)]
 pub(super) struct InitialState {
     /// [m]
@@ -51,7 +51,7 @@ pub(super) fn initial(
     start
 }
 
-/// One vector a node: a uniform one on the free degrees of freedom only.
+/// One vector per node, `[n_nodes][3]`; a uniform one acts on the free degrees of freedom only.
 fn each(at: &Pointer, vectors: &Vectors, fixed: &[[bool; 3]], faults: &mut Faults<'_>) -> Vec<[f64; 3]> {
     match vectors {
         Vectors::Same(v) => fixed.iter().map(|f| std::array::from_fn(|i| if f[i] { 0.0 } else { v[i] })).collect(),
@@ -76,9 +76,9 @@ fn check_held(at: &Pointer, velocity: &[[f64; 3]], fixed: &[[bool; 3]], faults: 
     }
 }
 
-/// A displacement must not put both ends of a spring in one place, where the spring has no direction.
+/// A displacement must not move both ends of a spring to the same position, where the spring has no direction.
 fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>, faults: &mut Faults<'_>) {
-    // Empty where it was refused already: the mesh as given is no fault of the displacement.
+    // Empty if it was refused already: then the mesh as given is checked, which is no fault of the displacement.
     if displacement.is_empty() {
         return;
     }

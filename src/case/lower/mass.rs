@@ -24,7 +24,7 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
     }
     match &section.nodal {
         None => {}
-        // A faulty mass is noted and not added.
+        // A faulty mass is reported and not added.
         Some(PerNode::Same(m)) if !not_negative(&at.key("nodal"), *m, faults) => {}
         Some(PerNode::Same(m)) => mass.iter_mut().for_each(|sum| *sum += m),
         Some(PerNode::Each(list)) => each(&at.key("nodal"), list, &mut mass, faults),

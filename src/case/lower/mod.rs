@@ -1,5 +1,5 @@
-//! From the structs of the file to the plain data of a run. Every section is checked where it is built, so that what
-//! a check allows is next to what relies on it. Faults are collected, not returned.
+//! From the structs of the file to the plain data of a run. Each section is checked where it is built, so that a check
+//! is next to the code that relies on it. Faults are collected, not returned.
 
 mod air;
 mod digits;
@@ -31,7 +31,7 @@ use crate::preflight;
 use geometry::Geometry;
 use numbers::{not_negative, positive};
 
-/// What was built, and the geometry for the next build of a study.
+/// The data of a run, and the geometry for the next case of a study.
 pub(crate) type LoweredCase = (Problem, Option<Arc<Geometry>>);
 
 /// Checks and builds a case. `None` means that there are faults; there may be faults without it.
@@ -48,7 +48,7 @@ pub(crate) fn build(
     time::study(file.study.as_ref(), faults);
     let at = root.key("system");
     let (system, geometry) = match &file.system {
-        // A stand-in: which system was meant is not known.
+        // A stand-in, because the intended system is not known.
         _ if faults.unread(&at) => (None, None),
         System::Pendulum(pendulum) => {
             check_pendulum(&at.key("pendulum"), pendulum, faults);
@@ -89,7 +89,7 @@ pub(crate) fn build(
     Some((problem, geometry))
 }
 
-/// A name that can stand in a file name, a table and a title.
+/// A name that is usable in a file name, a table and a title.
 fn name(at: &Pointer, name: &str, faults: &mut Faults<'_>) {
     let length = name.chars().count();
     if name.trim().is_empty() || length > 200 || name.chars().any(char::is_control) {

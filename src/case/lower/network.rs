@@ -80,7 +80,7 @@ pub(super) fn network(
     Some(spec)
 }
 
-/// Which of x, y, z is held, one a node. Supports add up.
+/// Which of x, y, z is held, `[n_nodes][3]`. Several supports of a node add up.
 fn supports(at: &Pointer, list: &[Support], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Vec<[bool; 3]> {
     let mut fixed = vec![[false; 3]; geometry.map_or(0, Geometry::nodes)];
     for (i, support) in list.iter().enumerate() {
@@ -122,7 +122,7 @@ fn rayleigh(at: &Pointer, section: Option<&Damping>, faults: &mut Faults<'_>) ->
     (mass && stiffness && !none).then_some(rayleigh)
 }
 
-/// Every node that can move needs a mass whose inverse is a number.
+/// Every node that can move needs a mass with a finite inverse.
 fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Faults<'_>) {
     let free = |i: u32| fixed.get(i as usize).is_some_and(|f| f.contains(&false));
     let numbered = mass.iter().zip(0_u32..);
@@ -136,7 +136,7 @@ fn check_masses(at: &Pointer, mass: &[f64], fixed: &[[bool; 3]], faults: &mut Fa
     }
 }
 
-/// Free nodes without a spring fly away: seldom meant, but a falling mass is one.
+/// Free nodes without a spring: seldom intended, except for a falling mass.
 fn warn_loose(edges: &[u32], fixed: &[[bool; 3]], geometry: &Geometry, faults: &mut Faults<'_>) {
     let mut loose: Vec<bool> = fixed.iter().map(|f| f.contains(&false)).collect();
     for node in edges.iter().filter_map(|e| geometry.mesh.edges.get(*e as usize)).flatten() {

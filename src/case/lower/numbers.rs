@@ -4,7 +4,7 @@ use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::model::spec::Series;
 
-/// Notes a fault unless `x` is above 0 and finite; says whether it is good, which a stand-in is not.
+/// Adds a fault unless `x` is above 0 and finite. Returns whether it is valid; a stand-in is not.
 pub(super) fn positive(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     let good = x > 0.0 && x.is_finite();
     if !good {
@@ -13,7 +13,7 @@ pub(super) fn positive(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     good && faults.readable(at)
 }
 
-/// Notes a fault unless `x` is 0 or more and finite.
+/// Adds a fault unless `x` is 0 or more and finite.
 pub(super) fn not_negative(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     let good = x >= 0.0 && x.is_finite();
     if !good {
@@ -22,7 +22,7 @@ pub(super) fn not_negative(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> boo
     good && faults.readable(at)
 }
 
-/// Notes a fault unless 0 < x < 1.
+/// Adds a fault unless 0 < x < 1.
 pub(super) fn fraction(at: &Pointer, x: f64, faults: &mut Faults<'_>) -> bool {
     let good = x > 0.0 && x < 1.0;
     if !good {
@@ -42,7 +42,7 @@ pub(super) fn series<T>(
         faults.add(at, "at least one row");
         return None;
     }
-    // A time that could not be read has no order.
+    // A time that could not be read cannot be compared.
     if !faults.readable(at) {
         return None;
     }

@@ -10,10 +10,10 @@ use crate::case::schema::{Every, Field, Output, Probe};
 use crate::case::spec::{OutputSpec, ProbeSpec, RowEvery, TimeSpec};
 use crate::vtk::VtuFormat;
 
-/// [-] Rows of `history.csv` that the default interval keeps within, with the first and the last state.
+/// [-] Largest number of rows of `history.csv` with the default interval, including the first and the last state.
 const HISTORY_ROWS: u64 = 10_000;
 
-/// [-] Most frames: their file names have six digits.
+/// [-] Largest number of frames: their file names have six digits.
 const MOST_FRAMES: f64 = 999_999.0;
 
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.

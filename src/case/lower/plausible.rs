@@ -1,4 +1,4 @@
-//! Doubtful input: what runs, but is seldom meant. Every warning is a sentence with its numbers.
+//! Doubtful input, which can run but is seldom intended. Every warning is a sentence with its numbers.
 
 use nalgebra::Vector3;
 
@@ -11,13 +11,13 @@ use crate::model::spec::{AirSpec, NetworkSpec, PendulumSpec};
 use crate::preflight::air::{FreeStream, excess_pressure};
 use crate::warning::WarningCode;
 
-/// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here know nothing of compression.
+/// [m/s] Speed of sound in air at 15 degrees Celsius: the laws of the air here do not model compression.
 const SOUND: f64 = 340.0;
 
-/// [-] Strain, in size, beyond which mesh and rest lengths are likely to be of different units.
+/// [-] Magnitude of the strain above which mesh and rest lengths probably have different units.
 const STRAIN: f64 = 0.5;
 
-/// [kg/m^2] Areal densities from the lightest canopy cloth (PIA-C-44378: 0.038) to heavy canvas, with some room.
+/// [kg/m^2] Areal densities from the lightest canopy cloth (PIA-C-44378: 0.038) to heavy canvas, with a margin.
 const CLOTH: [f64; 2] = [0.03, 0.6];
 
 /// [kg/m^3] Air at sea level and 15 degrees Celsius.
@@ -26,7 +26,7 @@ const SEA_LEVEL: f64 = 1.225;
 /// [-] Grams in a kilogram.
 const GRAMS: f64 = 1e3;
 
-/// Warns about a network that runs but is seldom meant.
+/// Warns about a network that can run but is seldom intended.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
     if let Some(air) = &spec.air {
         let fastest = air.wind.value.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
@@ -40,7 +40,7 @@ pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, fau
     areal_density(at, spec, geometry, faults);
 }
 
-/// Warns about a pressure of the air on cloth across the fastest wind, beyond what a free stream has.
+/// Warns about an air pressure on cloth across the fastest wind that is larger than that of a free stream.
 pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults: &mut Faults<'_>) {
     let Some(AirSpec { linear, quadratic, wind }) = &spec.air else { return };
     let (density, coefficient) = match law {

@@ -1,4 +1,4 @@
-//! Selections of nodes, edges and triangles: from words to ascending numbers. A selection of nothing is a fault.
+//! Selections of nodes, edges and triangles: from words to ascending numbers. An empty selection is a fault.
 
 use nalgebra::Vector3;
 
@@ -16,12 +16,13 @@ pub(super) enum NodeSet<'a> {
     Mesh(&'a Geometry),
     /// the bob of a pendulum
     Bob,
-    /// the mesh is faulty: nothing can be said
+    /// unknown, because the mesh is faulty
     Unknown,
 }
 
 impl NodeSet<'_> {
-    /// The selected nodes, ascending; `None` with a fault if there are none, without one if the mesh is unknown.
+    /// The selected nodes, ascending; `None` with a fault if there are none, and without a fault if the mesh is
+    /// unknown.
     pub fn select(self, at: &Pointer, selection: &NodeSelection, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
         match self {
             Self::Mesh(geometry) => nodes(at, selection, geometry, faults),
@@ -90,14 +91,14 @@ pub(super) fn nodes(
     Some(found)
 }
 
-/// Where the nodes are, for a box or sphere that missed them.
+/// The extent of the nodes, for a box or sphere that contains none.
 fn extent(nodes: &[[f64; 3]]) -> String {
     let Some(first) = nodes.first().map(|p| Vector3::from(*p)) else { return String::new() };
     let (low, high) = nodes.iter().map(|p| Vector3::from(*p)).fold((first, first), |(l, h), p| (l.inf(&p), h.sup(&p)));
     format!("; they lie between {:?} and {:?}", low.as_slice(), high.as_slice())
 }
 
-/// Which edges a rule selects, one flag an edge.
+/// Which edges a rule selects, `[n_edges]`.
 pub(super) fn edges(
     at: &Pointer,
     selection: &EdgeSelection,
@@ -161,14 +162,14 @@ pub(super) fn triangles(
     }
 }
 
-/// What ids number.
+/// The kind of object that ids number.
 #[derive(Clone, Copy)]
 struct Range {
     what: &'static str,
     count: usize,
 }
 
-/// A list of ids: in range, sorted, each once.
+/// Checks a list of ids: in range, sorted, each once.
 fn ids(at: &Pointer, list: &[u32], range: Range, faults: &mut Faults<'_>) -> Option<Vec<u32>> {
     let Range { what, count } = range;
     if list.is_empty() {

@@ -1,4 +1,4 @@
-//! Spring rules: which edge follows which rule, and what comes of it.
+//! Spring rules: which edge follows which rule, and the springs that result.
 
 use super::geometry::Geometry;
 use super::mass;
@@ -28,14 +28,14 @@ pub(super) fn springs(
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
         let values = values(&at, rule, faults);
-        // Which edges an unreadable rule takes is not known, and so neither what it leaves to the next.
+        // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
         let Some(edges) = claim(&at, rule, geometry, &mut taken, faults) else { continue };
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
             add_mass(density, &edges, geometry, mass);
         }
-        // Before the values are asked for, so that faults of both are reported at once.
+        // Before the values, so that faults of both are reported at once.
         let rest_length = rest_lengths(&at, rule, &edges, geometry, faults);
         if let (Some(values), Some(rest_length)) = (values, rest_length)
             && !edges.is_empty()
@@ -77,7 +77,7 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
 }
 
-/// The edges that follow this rule: the selected ones that no earlier rule took.
+/// The edges that follow this rule: the selected ones that follow no earlier rule.
 fn claim(
     at: &Pointer,
     rule: &SpringRule,
@@ -106,9 +106,9 @@ struct RuleEdges<'a> {
     rule: &'a SpringRule,
     values: RuleValues,
     edges: Vec<u32>,
-    /// [m] one an edge
+    /// [m] one per edge
     rest_length: Vec<f64>,
-    /// how the run goes through time, if it is known
+    /// the steps of the run, if known
     step: Option<Step>,
 }
 

@@ -74,7 +74,7 @@ pub(super) fn rest_lengths(
 }
 
 impl Stiffness {
-    /// [N/m] Stiffness of every edge; a value that is no usable number is a fault that names the edges.
+    /// [N/m] Stiffness of every edge; a value that is not usable is a fault that names the edges.
     pub fn of_edges(
         self,
         at: &Pointer,
@@ -139,7 +139,7 @@ pub(super) fn dashpot_number(at: &Pointer, dashpot: Dashpot, faults: &mut Faults
     not_negative(&at.key(kind).key(key), value, faults)
 }
 
-/// Dashpots of a rule whose number is good, with a coefficient for every edge.
+/// Dashpots of a rule whose number is valid, with a coefficient for every edge.
 pub(super) fn dashpot(
     at: &Pointer,
     dashpot: Dashpot,
@@ -157,7 +157,7 @@ pub(super) fn dashpot(
         DashpotRule::Time(tau) => stiffness.iter().map(|k| k * tau).collect(),
         DashpotRule::PerStrain(c) => rest.iter().map(|l0| c / l0).collect(),
         DashpotRule::Step => {
-            // Without times there is a fault at /time already.
+            // If the times are missing, there is a fault at /time already.
             let Step::Fixed(h) = (*step)? else {
                 let hint = "it has c = k h; give \"step\" in place of time.tolerance, or the dashpot's own time: {\"time\": 1e-3}";
                 faults.add_hint(&at, "not a \"step\" dashpot with adaptive steps", hint);
@@ -177,13 +177,13 @@ pub(super) fn dashpot(
     Some(DashpotSpec { kind, coefficient, from_step: rule == DashpotRule::Step })
 }
 
-/// What a dashpot's coefficient is made from.
+/// The data for the coefficients of dashpots.
 #[derive(Debug)]
 pub(super) struct Springs<'a> {
-    /// [N/m] one an edge
+    /// [N/m] one per edge
     pub stiffness: &'a [f64],
-    /// [m] one an edge
+    /// [m] one per edge
     pub rest: &'a [f64],
-    /// how the run goes through time, if that is known and good
+    /// the steps of the run, if known and valid
     pub step: Option<Step>,
 }

@@ -10,7 +10,7 @@ use crate::warning::WarningCode;
 const STEPS: f64 = 2.0;
 /// [-] A pulse below this share of the table's range is noise.
 const NOISE: f64 = 1e-3;
-/// [-] A row this share of a step from the end of a step is at it.
+/// [-] A row closer to the end of a step than this share of the step counts as at the end.
 const AT_END: f64 = 1e-6;
 
 /// Times of a run in fixed steps.
@@ -22,7 +22,8 @@ pub(super) struct StepTimes {
     pub end: f64,
 }
 
-/// Warns, once a table, of the first pulse of a load or of the wind that is shorter than two steps and not met by them.
+/// Warns once per table: about the first pulse of a load or of the wind that is shorter than two steps and does not
+/// begin and end with steps.
 pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepTimes, faults: &mut Faults<'_>) {
     let loads = network.loads.iter().enumerate();
     for (i, table) in loads.filter_map(|(i, load)| Some((i, load.table.as_ref()?))) {
@@ -40,7 +41,7 @@ pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepT
 #[derive(Clone, Copy, Default)]
 struct ShortPulses {
     count: usize,
-    /// [s] time of the first and how long it lasts
+    /// [s] start and duration of the first
     first: [f64; 2],
 }
 
@@ -50,7 +51,7 @@ fn pulses(rows: impl Iterator<Item = [f64; 2]> + Clone, StepTimes { h, end }: St
     let [low, high] = rows.clone().fold([f64::INFINITY, f64::NEG_INFINITY], extremes);
     let at_end = |t: f64| (t / h - (t / h).round()).abs() <= AT_END;
     let mut found = ShortPulses::default();
-    // The last stretch that is not level: its start and rise, and whether all rows since lie at the ends of steps.
+    // The last part that is not constant: its start and rise, and whether all rows since are at the ends of steps.
     let mut before: Option<([f64; 2], bool)> = None;
     for ([t, value], [t_next, next]) in rows.clone().zip(rows.skip(1)) {
         let rise = next - value;

@@ -1,5 +1,5 @@
-//! The time, solver and study sections. A study is checked with the rest, so that it does not fail after its first
-//! hour.
+//! The time, solver and study sections. The study section is checked with the rest, so that a study does not fail after
+//! its first hour.
 
 use super::numbers::{fraction, positive};
 use crate::case::diagnostics::{Faults, did_you_mean, one_of};
@@ -12,11 +12,11 @@ use crate::integrate::registry::{Family, MethodChoice, MethodError, methods};
 use crate::solve::newton::NewtonSpec;
 use crate::warning::WarningCode;
 
-/// [-] Most steps a run can have: beyond it a step is below the rounding of the end time.
+/// [-] Largest number of steps of a run: with more steps, a step is below the rounding of the end time.
 const MOST_STEPS: f64 = 1e15;
 
-/// [s] Shortest step and latest end: schemes work with squares of a step and their inverses, which must stay numbers
-/// with room for masses and accelerations beside them.
+/// [s] Shortest step and latest end: schemes use squares of a step and their inverses, whose products with masses and
+/// accelerations must be finite.
 const TIMES: [f64; 2] = [1e-120, 1e120];
 
 /// Method and times of a run.
@@ -47,7 +47,7 @@ pub(super) fn time(time: &Time, system: &System, faults: &mut Faults<'_>) -> Opt
     Some(Timing { method: method?, spec: TimeSpec { end: end?, step } })
 }
 
-/// A fixed step that goes with the end of the run.
+/// A fixed step, checked with the end of the run.
 fn fixed(at: &Pointer, step: f64, end: f64, faults: &mut Faults<'_>) -> Option<Step> {
     if end / step > MOST_STEPS {
         let least = format!("at least {:e}, which makes {MOST_STEPS:e} steps until the end", end / MOST_STEPS);
@@ -65,7 +65,7 @@ fn fixed(at: &Pointer, step: f64, end: f64, faults: &mut Faults<'_>) -> Option<S
     Some(Step::Fixed(step))
 }
 
-/// Notes a fault unless `t` [s] is a time that schemes can compute with.
+/// Adds a fault unless `t` [s] is a time that schemes can compute with.
 fn in_range(at: &Pointer, t: f64, faults: &mut Faults<'_>) -> bool {
     let [least, most] = TIMES;
     let good = (least..=most).contains(&t);

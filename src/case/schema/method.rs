@@ -1,5 +1,5 @@
-//! The method of integration: a name, or a name with parameters. Which there are is [`crate::integrate::registry`]'s
-//! business; the JSON Schema is made from its table.
+//! The method of integration: a name, or a name with parameters. The methods are those of
+//! [`crate::integrate::registry`]; the JSON Schema is made from its table.
 
 use std::collections::BTreeMap;
 
@@ -82,7 +82,7 @@ fn tuned(method: &MethodInfo) -> Value {
 
 fn parameter(p: &ParameterInfo) -> Value {
     let least = if p.min_included { "minimum" } else { "exclusiveMinimum" };
-    // Parameters of methods are ratios, hence the unit.
+    // Parameters of methods are ratios, so their unit is [-].
     let description = if p.doc.starts_with('[') { p.doc.to_owned() } else { format!("[-] {}", p.doc) };
     json!({"type": "number", "description": description, "default": p.default, least: p.min, "maximum": p.max})
 }

@@ -1,7 +1,7 @@
-//! The case file as serde reads it: one struct a section, keys as in the file, nothing checked but types and keys.
+//! The case file as serde reads it: one struct per section, with the keys of the file; only types and keys are checked.
 //!
-//! Ranges stand here twice, as attributes for the JSON Schema and in [`crate::case`]'s checks for the messages; a test
-//! holds the two together. Numbers are SI; the doc of a number begins with its unit.
+//! Ranges are given twice, here as attributes for the JSON Schema, and in the checks of [`crate::case`] for the
+//! messages; a test compares the two. Numbers are SI; the doc of a number begins with its unit.
 
 pub mod aero;
 pub mod loads;

@@ -1,4 +1,4 @@
-//! How long, by which method and in which steps, and what a study of that tries.
+//! End, method and steps of a run, and what a study of the case tries.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

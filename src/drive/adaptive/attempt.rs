@@ -1,4 +1,4 @@
-//! The three ways to make an attempt and estimate its error.
+//! The three ways to attempt a step and estimate its error.
 
 use super::estimate::{Deviation, Pair, doubled, embedded};
 use super::{Adaptive, EstimateInfo, PlannedStep};
@@ -7,7 +7,7 @@ use crate::integrate::{CarriedState, Counters, PairInfo, StepError, StepReport};
 use crate::model::point::Point;
 use crate::scene::Scene;
 
-/// Most growth of a step whose error was estimated from the steps before it, and from two halves.
+/// Largest growth of a step: with an error estimate from the steps before it, and from two half steps.
 const GROWTH: [f64; 2] = [2.0, 5.0];
 
 /// A step that was accepted.
@@ -49,7 +49,7 @@ impl AttemptContext<'_, '_> {
         Ok(StepReport { forces_at_end: true, ..report })
     }
 
-    /// From the middle of a step to its end, after which the first half stays accepted only if `judge` agrees.
+    /// Second half of a step. If `judge` refuses the step, the first half is taken back too.
     fn second_half(
         &mut self,
         middle: &Point,
@@ -116,7 +116,7 @@ impl Adaptive {
         from: &Point,
         to: &mut Point,
     ) -> Result<AdaptiveStep, DropReason> {
-        // Taken out and put back, because judging needs the rest of `self`.
+        // Moved out and back, because `judge` needs the rest of `self`.
         let mut pair = self.pair.take().unwrap_or_else(|| Box::new([from.clone(), from.clone()]));
         let [whole, second] = &mut *pair;
         let middle = from.state.t + 0.5 * trial.h;

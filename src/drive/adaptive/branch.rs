@@ -1,31 +1,31 @@
 //! Forces that change their law within a step: springs that go slack or taut.
 //!
-//! An estimate that trusts in smooth forces does not see such a change, or takes it for less than it is: a step may
-//! pass over the whole of a catch. The scene says what impulse hangs on the changes within a step
-//! ([`Scene::branch_changes`]). Where that is no small part of the tolerance, the step is made again to end where the
-//! largest of them happens, or so short that it does not matter, whichever is longer: where hundreds of springs change
-//! all the time, steps do not go from change to change.
+//! An error estimate for smooth forces misses or underestimates such a change: a spring may go taut and slack again
+//! within one step. The scene gives the impulse that depends on the changes within a step ([`Scene::branch_changes`]).
+//! Where it is large compared with the tolerance, the step is made again. It then ends at the largest change, or is so
+//! short that the change does not matter, whichever is longer. So a net with hundreds of changes does not need a step
+//! for each.
 //!
-//! A step of h in a run of T may leave a share `sqrt(h/T)` to the changes within it: they come at random, so their
-//! errors add up as their squares do.
+//! In a step of h in a run of T, changes may cause a share `sqrt(h/T)` of the allowed error: they come at random, so
+//! the squares of their errors add up.
 
 use super::attempt::{AttemptContext, DropReason};
 use super::estimate::Deviation;
 use super::{Adaptive, PlannedStep};
 use crate::model::point::Point;
 
-/// [-] of the step, the most that is left of one that ends where a force changes its law.
+/// [-] Largest share of the step that remains when it is cut to end where a force changes its law.
 const MOST: f64 = 0.999;
-/// [-] of the tolerance that changes within a run could make if no scheme saw anything of them. Its stages see most,
-/// but where a change is not seen at all the error is several times larger: at 5 a net whose springs go slack and taut
-/// all the time is left with errors of the tolerance, but a single catch with 20 times that.
+/// [-] Error that the changes of a run may cause, over the tolerance, if no stage of the scheme saw them. The stages
+/// see most changes; the error of an unseen change is several times larger. With 5, a net whose springs go slack and
+/// taut all the time has errors of the size of the tolerance, but a single spring that goes taut has 20 times as much.
 const SHARE: f64 = 1.0;
-/// An impulse falls with the square of the step, and what is allowed with its root.
+/// An impulse falls with the square of the step, and the allowed impulse with its root.
 const EXPONENT: f64 = -1.0 / 1.5;
 const SAFETY: f64 = 0.9;
 
 impl Adaptive {
-    /// Drops a step that was tried from one point to another where more changes within it than may.
+    /// Drops an attempted step with more change of forces than is allowed.
     pub(super) fn check_branches(
         &mut self,
         bench: &mut AttemptContext<'_, '_>,
@@ -44,7 +44,7 @@ impl Adaptive {
         if off > 1.0 && bench.stepper.filter_error(&mut self.kick, bench.counters).is_ok() {
             off = self.missed(trial.h);
         }
-        // What is not a number is the affair of the error's estimate.
+        // The error estimate handles values that are not finite.
         if !(off > 1.0 && off.is_finite()) {
             return Ok(());
         }
@@ -55,7 +55,7 @@ impl Adaptive {
         Err(DropReason::Error(Deviation { ratio: off, dof: worst.map_or(0, |(dof, _)| dof) }))
     }
 
-    /// [-] What the kick makes of what a step of `h` [s] may.
+    /// [-] The impulse over what is allowed in a step of `h` [s].
     fn missed(&self, h: f64) -> f64 {
         let (motion, run) = (self.state.motion, self.spec.end);
         let kick = self.kick.iter().map(|v| v * v).sum::<f64>().sqrt();

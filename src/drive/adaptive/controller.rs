@@ -1,11 +1,11 @@
-//! From the error of a step to the size of the next.
+//! The size of the next step, from the error of this one.
 //!
 //! With E = error of the step per unit of time over what the tolerance allows per unit of time, which is proportional
 //! to h^p for a scheme of order p, the next step is that of a proportional-integral controller (Gustafsson 1991, ACM
 //! TOMS 17; Hairer & Wanner 1996, section IV.2, "A PI step size control", whose exponents these are):
 //! ```text
-//! h_{n+1} = 0.9 h_n E_n^(-0.7/p) E_{n-1}^(0.4/p)          after a step that is kept (E_n <= 1)
-//! h       = 0.9 h E^(-1/p)                                for the next attempt after one that is not
+//! h_{n+1} = 0.9 h_n E_n^(-0.7/p) E_{n-1}^(0.4/p)          after an accepted step (E_n <= 1)
+//! h       = 0.9 h E^(-1/p)                                for the next attempt after a dropped one
 //! ```
 
 use serde::{Deserialize, Serialize};
@@ -14,20 +14,20 @@ const SAFETY: f64 = 0.9;
 /// Exponents of the present and the previous error, times the order.
 const PRESENT: f64 = 0.7;
 const PREVIOUS: f64 = 0.4;
-/// Errors below this only say that the step may grow.
+/// Errors below this value all mean the same: the step may grow.
 const NO_ERROR: f64 = 1e-10;
-/// The least previous error that counts (Hairer, Norsett & Wanner 1993, `dopri5`): growth from an error of nothing to a
-/// small one is no reason to shrink.
+/// Lower bound of the previous error in the formula (Hairer, Norsett & Wanner 1993, `dopri5`): growth from zero to a
+/// small error is no reason to shrink the step.
 const LEAST_PREVIOUS: f64 = 1e-4;
-/// Most a step shrinks at once.
+/// Largest reduction of a step at once.
 const MOST_SHRINK: f64 = 0.1;
-/// A step that could not be solved says nothing of how much smaller it should have been.
+/// Reduction after a step that could not be solved, which gives no error to compute it from.
 const UNSOLVED: f64 = 0.25;
 
 /// The proportional-integral controller; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
-    /// [s] the step it asks for
+    /// [s] the next step
     h: f64,
     /// [-] E of the last accepted step
     previous: f64,
@@ -38,23 +38,23 @@ pub struct Controller {
 /// An attempt's error and what it was made with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatedAttempt {
-    /// [s] its step; less than what was asked for where a time had to be met
+    /// [s] its step; shorter than the controller's where it was cut to end at a given time
     pub h: f64,
     /// [-] E
     pub error: f64,
     /// [-] order of the scheme
     pub order: u32,
-    /// [-] the most a step may grow
+    /// [-] largest growth of a step
     pub most_growth: f64,
 }
 
 impl Controller {
-    /// Begins with a step of `h` [s].
+    /// A controller whose first step is `h` [s].
     pub fn new(h: f64) -> Self {
         Controller { h, previous: 1.0, dropped: 0 }
     }
 
-    /// [s] the step it asks for
+    /// [s] the next step
     pub fn step(&self) -> f64 {
         self.h
     }
@@ -64,46 +64,47 @@ impl Controller {
         self.dropped
     }
 
-    /// After a step that is kept.
+    /// Computes the next step after an accepted one.
     pub fn accept(&mut self, RatedAttempt { h, error, order, most_growth }: RatedAttempt) {
         let (now, p) = (error.max(NO_ERROR), f64::from(order));
         let factor = SAFETY * now.powf(-PRESENT / p) * self.previous.powf(PREVIOUS / p);
-        // What was too large a moment ago still is.
+        // A size that has just been dropped would be too large again.
         let most = if self.dropped > 0 { 1.0 } else { most_growth };
         let next = h * factor.clamp(MOST_SHRINK, most);
-        // A step cut to meet a time does not hold back those after it.
+        // A step that was cut to end at a given time does not limit the next one.
         self.h = if h < self.h && factor >= 1.0 { self.h.max(next) } else { next };
         (self.previous, self.dropped) = (now.max(LEAST_PREVIOUS), 0);
     }
 
-    /// Where forces are not smooth: what the last steps have shown is forgotten, but for their size where it is above
-    /// `least` [s].
+    /// Where forces are not smooth: clears the history, but keeps the size of the last steps if it is above `least`
+    /// [s].
     pub fn restart(&mut self, least: f64) {
         *self = Controller::new(self.h.max(least));
     }
 
-    /// After a step that ended where the next begins anew: being cut to that time, it says nothing of the next.
+    /// After a step that ended where forces are not smooth: it was cut to that time, so its size and error are not used
+    /// for the next.
     pub fn end_smooth_interval(&mut self) {
         (self.previous, self.dropped) = (1.0, 0);
     }
 
-    /// The next attempt is to be one of `h` [s], because of where a force changes its law and not because of an error.
+    /// Sets the next attempt to `h` [s] because a force changes its law, not because of an error.
     pub fn cut(&mut self, h: f64) {
         self.h = h;
     }
 
-    /// After a step whose error was too large, or not a number.
+    /// Reduces the step after one whose error was too large or not a number.
     pub fn too_large(&mut self, RatedAttempt { h, error, order, .. }: RatedAttempt) {
         let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / f64::from(order)) } else { MOST_SHRINK };
         self.drop_to(h * factor.clamp(MOST_SHRINK, SAFETY));
     }
 
-    /// After a step of `h` [s] that could not be solved.
+    /// Reduces the step after one of `h` [s] that could not be solved.
     pub fn unsolved(&mut self, h: f64) {
         self.drop_to(h * UNSOLVED);
     }
 
-    /// After a step of `h` [s] that was kept by its error, but is wrong for another reason.
+    /// Reduces the step after one of `h` [s] whose error was small enough, but which is wrong for another reason.
     pub fn refuse(&mut self, h: f64) {
         self.drop_to(h * MOST_SHRINK);
     }

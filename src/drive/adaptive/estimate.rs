@@ -1,25 +1,25 @@
 //! The local error of a step, for any scheme.
 //!
 //! [`Quadrature`], for orders 1 and 2: the true accelerations a = M^-1 f at the step's ends and at the end of the step
-//! before define a parabola; what integrating it gives is right to h^4 in v and h^5 in x, so the scheme's difference
-//! from it is the leading term of its own local error, whatever the scheme (the idea of Milne's device: Hairer, Norsett
-//! & Wanner 1993, III.1). With g the step before, and d2 the second divided difference of a:
+//! before define a parabola. Its integrals have errors of h^4 in v and h^5 in x, so their difference from the scheme's
+//! result is the leading term of the scheme's local error (the idea of Milne's device: Hairer, Norsett & Wanner 1993,
+//! III.1). With g the step before, and d2 the second divided difference of a:
 //! ```text
 //! e_x = x_{n+1} - x_n - h v_n - h^2/6 (2 a_n + a_{n+1}) + h^4/12 d2
 //! e_v = v_{n+1} - v_n - h/2 (a_n + a_{n+1})             + h^3/6  d2
 //! d2  = [(a_{n+1} - a_n)/h - (a_n - a_{n-1})/g] / (h + g)
 //! ```
 //! It costs no force pass. For Newmark's displacement it is the estimate h^2 (beta - 1/6) (a_{n+1} - a_n) of
-//! Zienkiewicz & Xie (1991, Earthquake Eng. Struct. Dyn. 20, 871-887) to leading order, and unlike that sees the
-//! velocity's error too, which is as large, and does not vanish for beta = 1/6.
+//! Zienkiewicz & Xie (1991, Earthquake Eng. Struct. Dyn. 20, 871-887) to leading order, but it includes the error of
+//! the velocity too, which is as large, and it does not vanish for beta = 1/6.
 //!
-//! [`embedded`], for schemes that bring their own estimate ([`crate::integrate::PairInfo`]), whatever came before. The
-//! run goes on with the finer of the two solutions (local extrapolation), whose own error is the estimate's times about
-//! C w h, with a constant C of the pair and the w of what moves. So it is the estimate of a step, not that of a unit of
-//! time, that is in proportion to what the errors come to at the end: error per step with extrapolation (XEPS: Shampine
-//! 1977, Math. Comp. 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
+//! [`embedded`], for schemes with an embedded pair ([`crate::integrate::PairInfo`]); it needs no earlier step. The run
+//! continues with the more accurate of the two solutions (local extrapolation). Its error is about C w h times the
+//! estimate, with a constant C of the pair and the frequency w of the motion. So the error at the end is proportional
+//! to the estimate per step, not per unit of time: error per step with extrapolation (XEPS: Shampine 1977, Math. Comp.
+//! 31, 517-536; Hairer, Norsett & Wanner 1993, section II.4).
 //!
-//! [`doubled`], for higher orders and for steps without a step before: one step against two halves, divided by
+//! [`doubled`], for higher orders and for first steps: the difference between one step and two half steps, divided by
 //! 2^p - 1 (Hairer, Norsett & Wanner 1993, section II.4).
 
 use serde::{Deserialize, Serialize};
@@ -40,36 +40,36 @@ pub struct LocalError {
 }
 
 impl LocalError {
-    /// Room for `n` degrees of freedom.
+    /// Buffers for `n` degrees of freedom.
     pub fn new(n: usize) -> Self {
         LocalError { x: vec![0.0; n], v: vec![0.0; n] }
     }
 }
 
-/// What the motion has come to so far: errors are compared with it. Norms are Euclidean, over all degrees of freedom.
-/// Part of a checkpoint.
+/// Size of the motion so far, with which errors are compared. Norms are Euclidean, over all degrees of freedom. Part of
+/// a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionScale {
-    /// [m] largest displacement from where it was at t = 0
+    /// [m] largest displacement from the state at t = 0
     x: f64,
     /// [m/s] largest velocity
     v: f64,
-    /// [m^2/s^6] squares of the accelerations' first derivative, the newest steps counting most
+    /// [m^2/s^6] squares of the accelerations' first derivative, summed with the largest weights for the newest steps
     slow: f64,
-    /// [m^2/s^8] squares of their second derivative, in the same way
+    /// [m^2/s^8] squares of their second derivative, summed in the same way
     fast: f64,
 }
 
-/// Roundings of a coordinate that an estimate may consist of: it is a difference of a few of them.
+/// Rounding errors of a coordinate in an estimate, which is a difference of a few coordinates.
 const ROUNDINGS: f64 = 4.0;
 
-/// What a sum over the last steps keeps of those before in each.
+/// Factor on the earlier terms of a sum over the last steps, in each step.
 const KEPT: f64 = 0.9;
 
-/// How far a step is off, and where most.
+/// Error of a step, and the degree of freedom where it is largest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// [-] error over what a whole run may make; infinite where the error is not a number
+    /// [-] error over the allowed error of a whole run; infinite where the error is not a number
     pub ratio: f64,
     /// degree of freedom with the largest error
     pub dof: usize,
@@ -96,8 +96,8 @@ impl MotionScale {
         MotionScale { slow: KEPT * self.slow + derivatives.slow, fast: KEPT * self.fast + derivatives.fast, ..self }
     }
 
-    /// With the state `at`, of a run that began at positions `start`. Only of a step that is kept: one that blows up is
-    /// not to be compared with its own size.
+    /// With the state `at` of a run that began at positions `start`. For accepted steps only: a diverging step must not
+    /// be compared with its own size.
     #[must_use]
     pub fn with_state(self, start: &[f64], at: StateRef<'_>) -> Self {
         let x = at.x.iter().zip(start).map(|(x, x0)| (x - x0).powi(2)).sum::<f64>().sqrt();
@@ -105,34 +105,35 @@ impl MotionScale {
         MotionScale { x: self.x.max(x), v: self.v.max(v), ..self }
     }
 
-    /// [-] w h of what a step of `h` [s] gets wrong, at most 1: beyond that an estimate is no small part of the motion.
+    /// [-] w h of the motion to which the error of a step of `h` [s] belongs, at most 1: above 1 an estimate is not
+    /// small compared with the motion.
     pub fn phase_increment(&self, h: f64) -> f64 {
         let period = self.period(h);
         if period > 0.0 { h / period } else { 1.0 }
     }
 
-    /// [s] within which an error of velocity grows to one of position: 1/w for an oscillation. For a net the w of what
-    /// moves fastest counts, because that is what a step gets wrong. Never less than the step of `h` [s]: the next one
-    /// makes that of it in any case, also of a scene that has not moved yet.
+    /// [s] Time in which an error of velocity becomes an error of position: 1/w for an oscillation. For a net it is the
+    /// w of its fastest motion, because the error of a step belongs to it. It is at least the step of `h` [s], because
+    /// the next step turns a velocity error into h times a position error, also in a scene that has not moved yet.
     fn period(&self, h: f64) -> f64 {
         let whole = if self.v > 0.0 { self.x / self.v } else { 0.0 };
         let bend = (self.slow / self.fast).sqrt();
         if bend.is_finite() { bend.min(whole).max(h) } else { whole.max(h) }
     }
 
-    /// [m] Euclidean norm of the error that a run may make; `free` is the number of free degrees of freedom.
+    /// [m] Euclidean norm of the allowed error of a run; `free` is the number of free degrees of freedom.
     pub fn allowed(&self, tolerance: Tolerance, free: f64) -> f64 {
         tolerance.absolute * free.sqrt() + tolerance.relative * self.x
     }
 
-    /// [s] within which the whole motion turns an error of velocity into one of position; at least `h` [s].
+    /// [s] Time in which the whole motion turns an error of velocity into one of position; at least `h` [s].
     pub fn whole_period(&self, h: f64) -> f64 {
         if self.v > 0.0 { (self.x / self.v).max(h) } else { h }
     }
 
     /// The error of a step of `h` [s] to the state `end` over the tolerance; `free` is the number of free degrees of
-    /// freedom. What rounding of that state makes of an estimate is left out, as long as it is below the tolerance: it
-    /// does not fall with the step, and shared out over time it would hold short steps short for ever.
+    /// freedom. The rounding error of that state is subtracted from the estimate as long as it is below the tolerance:
+    /// it does not fall with the step, and per unit of time it would keep short steps short for ever.
     pub fn deviation(
         &self,
         h: f64,
@@ -162,7 +163,7 @@ impl MotionScale {
     }
 }
 
-/// What of an estimate is above the rounding of the number that it is an estimate for; not a number where it is none.
+/// The part of an estimate that exceeds the rounding error of the estimated number; NaN for NaN.
 fn above_rounding(estimate: f64, rounding: f64) -> f64 {
     if estimate.abs() <= rounding { 0.0 } else { estimate.abs() - rounding }
 }
@@ -170,24 +171,24 @@ fn above_rounding(estimate: f64, rounding: f64) -> f64 {
 /// Accelerations at the end of the step before the last; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quadrature {
-    /// [s] size of the last step; 0 when there is none to look back on
+    /// [s] size of the last step; 0 when there is none
     gap: f64,
     /// [m/s^2] accelerations at its start
     a: Vec<f64>,
 }
 
 impl Quadrature {
-    /// Whether there is a step to look back on.
+    /// Whether a last step is known.
     pub fn is_ready(&self) -> bool {
         self.gap > 0.0
     }
 
-    /// Forgets the step before: forces are not smooth across the present time.
+    /// Clears the last step, because forces are not smooth across the present time.
     pub fn forget(&mut self) {
         self.gap = 0.0;
     }
 
-    /// After an accepted step of `h` [s] that began at `from`.
+    /// Stores an accepted step of `h` [s] that began at `from`.
     pub fn remember(&mut self, h: f64, from: &Point, inverse_mass: &[f64]) {
         self.gap = h;
         self.a.resize(inverse_mass.len(), 0.0);
@@ -218,8 +219,8 @@ impl Quadrature {
     }
 }
 
-/// The estimate of the scheme's own pair for the step attempted last, from `attempt.from` to `to`. Its parts in x and v
-/// are one step of the same oscillations, so they give the time scale as two derivatives of the acceleration do.
+/// The estimate of the scheme's embedded pair for the last attempt, from `attempt.from` to `to`. Its parts in x and v
+/// belong to the same oscillations, so they give the time scale, as two derivatives of the acceleration do.
 pub fn embedded(
     stepper: &mut Stepper<'_>,
     attempt: Attempt<'_>,
@@ -234,7 +235,7 @@ pub fn embedded(
     derivatives
 }
 
-/// A whole step beside two halves of it.
+/// A whole step and its two halves.
 pub struct Pair<'a> {
     /// [s] size of the whole step
     pub h: f64,

@@ -5,7 +5,7 @@ use super::progress::STEPS;
 use crate::drive::failure::{Failure, FailureContext};
 
 impl FailureContext<'_> {
-    /// The error of the step that was tried stays above the tolerance down to the smallest step, `floor` [s].
+    /// The error of a step stays above the tolerance down to the smallest step, `floor` [s].
     pub(in crate::drive) fn at_the_floor(&self, worst: Deviation, floor: f64) -> Failure {
         let suspect = self.scene.suspect(self.from.state.as_ref(), worst.dof);
         let size = self.from.state.x.get(worst.dof).map_or(0.0, |x| x.abs());
@@ -27,7 +27,7 @@ impl FailureContext<'_> {
         self.report(suspect, cause, advice.to_owned())
     }
 
-    /// The last [`STEPS`] steps went on by `gone` [s].
+    /// The last [`STEPS`] steps advanced the run by `gone` [s].
     pub(in crate::drive) fn without_progress(&self, gone: f64) -> Failure {
         let cause = format!(
             "the run makes no progress: from t = {:.9e} s, its last {STEPS} steps advanced it by {gone:.1e} s, of {:.1e} s in all. The time tolerance needs steps of {:.1e} s",

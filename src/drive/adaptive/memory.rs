@@ -1,9 +1,9 @@
 //! How long a scene remembers an error.
 //!
 //! Damping makes an error of velocity e decay at the rate lambda/2, where lambda is the Rayleigh quotient (e.C e)/(e.M
-//! e). If all errors of a run of duration T decayed at that rate, what is left of them at its end would be 2/(lambda T)
-//! of their sum. But the quotient is dominated by what decays fast, and does not show what decays slowly, so only the
-//! square root of that gain is counted on.
+//! e). If all errors of a run of duration T decayed at that rate, their sum at its end would be smaller by a factor
+//! 2/(lambda T). But the quotient is dominated by motions that decay fast, and does not show those that decay slowly,
+//! so only the square root of that factor is used.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::scene::Scene;
 
-/// Accepted steps from one quotient to the next; each costs a product with C.
+/// Accepted steps between two quotients; each quotient costs a product with C.
 const INTERVAL: u32 = 16;
 
 /// The rate at which errors are forgotten; part of a checkpoint.
@@ -24,12 +24,12 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// [-] By how much the errors of a run of `end` [s] may be larger, in their sum, than their result.
+    /// [-] Sum of the local errors of a run of `end` [s] over the error at its end.
     pub fn forgetting(&self, end: f64) -> f64 {
         (0.5 * self.rate * end).max(1.0).sqrt()
     }
 
-    /// After an accepted step that ended at `at` with the local error `e` [m/s]; `product` has the room for C e.
+    /// After an accepted step that ended at `at` with the local error `e` [m/s]; `product` is the buffer for C e.
     pub fn refresh(&mut self, scene: &dyn Scene, at: StateRef<'_>, e: &[f64], product: &mut [f64]) {
         self.age = (self.age + 1) % INTERVAL;
         if self.age != 1 || !scene.velocity_dependent() {

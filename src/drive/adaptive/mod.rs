@@ -1,24 +1,24 @@
 //! Steps as large as a tolerance allows, for every scheme.
 //!
 //! The error is controlled per unit of time: a step of h [s] in a run of T may make h/T of the tolerance, so that
-//! errors which only add up come to the tolerance at the end, whatever the steps were. The estimates are in
-//! [`estimate`], the choice of the next step in [`controller`]. An attempt that is too far off, not finite or cannot be
-//! solved is dropped, which restores everything; a step below the floor ends the run with a diagnosis.
+//! errors that add up reach the tolerance at the end, for any sizes of steps. The estimates are in [`estimate`], the
+//! choice of the next step in [`controller`]. An attempt is dropped if its error is too large, if it is not finite, or
+//! if it cannot be solved; the state before it is restored. A step below the floor ends the run with a diagnosis.
 //!
-//! The tolerance is on the root mean square over the free degrees of freedom. What errors really come to is not known
-//! in a run; local errors are shared out so that on swinging pendulums and cloths the result lies within a factor of
-//! ten of the tolerance (most within three; `tests/claims/tolerance.rs`): their norms add up to about three times what
-//! they do themselves, and damping forgets them ([`memory`]). Motion that multiplies errors, such as buckling, is
-//! beyond any of this.
+//! The tolerance is on the root mean square over the free degrees of freedom. The true error of a run is not known
+//! while it runs. The allowed local errors are chosen so that on swinging pendulums and cloths the result is within a
+//! factor of ten of the tolerance (mostly within three; `tests/claims/tolerance.rs`). The sum of their norms is about
+//! three times the norm of their sum, and damping reduces them ([`memory`]). Motion that amplifies errors, such as
+//! buckling, is not covered.
 //!
 //! Where a force or its slope jumps (a spring that goes slack), the error per unit of time does not fall with the step.
-//! After three attempts such a step is kept once it makes a hundredth of the tolerance in itself; all of these together
-//! may make half of it.
+//! After three attempts such a step is accepted if its own error is at most a hundredth of the tolerance. All such
+//! steps together may use half of the tolerance.
 //!
-//! Steps end at the corners of load and wind tables and at the end of the run (those of schemes with an estimate of
-//! their own at frames, too). They end where a spring goes slack or taut as well, if what that changes within the step
-//! is no small part of the tolerance (`branch`). After either the run begins anew (`restart`). A run that does not
-//! go on any more ends with a diagnosis.
+//! Steps end at the corners of load and wind tables and at the end of the run (and at frames, for schemes with an
+//! embedded pair). They also end where a spring goes slack or taut, if its effect within the step is not small compared
+//! with the tolerance (`branch`). After such a time the step size is chosen anew (`restart`). A run that makes no
+//! progress ends with a diagnosis.
 
 mod attempt;
 mod branch;
@@ -44,26 +44,26 @@ use crate::scene::Scene;
 
 /// First step, as a share of the run.
 const FIRST: f64 = 1e-3;
-/// Largest step, as a share of the run: no scheme sees what happens within a step.
+/// Largest step, as a share of the run: schemes do not see changes within a step.
 const LARGEST: f64 = 0.1;
-/// Smallest step, as a share of the run, but for rounding of the time.
+/// Smallest step, as a share of the run, unless rounding of the time needs a larger one.
 const SMALLEST: f64 = 1e-13;
-/// The norms of all local errors, added up, over what the errors come to: they change direction, and partly cancel.
-/// About what was measured on swinging pendulums and cloths (`tests/claims/tolerance.rs`).
+/// Sum of the norms of all local errors over the norm of their sum: they change direction, and partly cancel. Measured
+/// on swinging pendulums and cloths (`tests/claims/tolerance.rs`).
 const CANCELLED: f64 = 3.0;
-/// [-] of the tolerance that a step across a jump may make.
+/// [-] Share of the tolerance that a step across a jump may use.
 const SHARE: f64 = 0.01;
-/// [-] of the tolerance that any step may make: what is left of short steps is rounding, and a longer one is the way
-/// out.
+/// [-] Share of the tolerance that any step may use: the error of very short steps is rounding, and only a longer step
+/// helps.
 const TRIFLE: f64 = 1e-6;
 /// Attempts after which a step counts as one across a jump.
 const PATIENCE: u32 = 3;
-/// [-] of the tolerance that all of these steps and trifles may make together.
+/// [-] Share of the tolerance that all such steps may use together.
 const ALL_JUMPS: f64 = 0.5;
 /// Order up to which the parabola through three accelerations estimates the error.
 const ORDER_OF_PARABOLA: u32 = 2;
 
-/// What carries over from step to step; part of a checkpoint.
+/// What is kept from step to step; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AdaptiveState {
     controller: Controller,
@@ -74,7 +74,7 @@ pub struct AdaptiveState {
     jumps: f64,
     /// [s] where a step is to end because a force changes its law there
     event: Option<f64>,
-    /// whether the next step begins anew
+    /// whether the next step is the first after a time at which forces are not smooth
     anew: bool,
     progress: Progress,
     /// attempts that were dropped
@@ -82,7 +82,7 @@ pub struct AdaptiveState {
 }
 
 impl AdaptiveState {
-    /// Whether the next step begins anew: the scheme is to drop what it carries.
+    /// Whether the next step is a restart: the scheme must then drop what it carries.
     pub fn restarts(&self) -> bool {
         self.anew
     }
@@ -99,11 +99,11 @@ pub struct AdaptiveSpec {
     pub tolerance: Tolerance,
     /// [-] order of the scheme with its parameters
     pub order: u32,
-    /// whether the scheme's errors all pull one way, so that none of them cancel or are forgotten
+    /// whether all errors of the scheme have the same sign, so that they neither cancel nor decay
     pub coherent: bool,
 }
 
-/// One attempt.
+/// A step to attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedStep {
     /// [s] step
@@ -114,7 +114,7 @@ pub struct PlannedStep {
     at_corner: bool,
 }
 
-/// What is known of an attempt's error besides the error.
+/// Information on an error estimate.
 #[derive(Clone, Copy, Debug)]
 struct EstimateInfo {
     derivatives: AccelerationDerivatives,
@@ -136,11 +136,11 @@ pub struct Adaptive {
     error: LocalError,
     /// C e, where there is damping
     product: Vec<f64>,
-    /// [N s], then [m/s], what changes of forces' laws do within a step, where there are such forces
+    /// [N s], then [m/s], the impulses of changes of force laws within a step, where there are such forces
     kick: Vec<f64>,
-    /// the motion without the step that was kept last
+    /// the motion before the last accepted step
     motion_before: MotionScale,
-    /// what the scheme carried where the last halves began
+    /// what the scheme carried at the start of the last two half steps
     carried: CarriedState,
     /// end of the whole step and of its second half, made when first needed
     pair: Option<Box<[Point; 2]>>,
@@ -156,7 +156,7 @@ impl Adaptive {
         Self::restore(scene, spec, state)
     }
 
-    /// A run that goes on.
+    /// A run that continues from a saved state.
     pub fn restore(scene: &dyn Scene, spec: AdaptiveSpec, state: AdaptiveState) -> Self {
         let mut corners = scene.corners();
         corners.retain(|t| *t > 0.0 && *t < spec.end);
@@ -170,12 +170,12 @@ impl Adaptive {
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
     }
 
-    /// What carries over to the next step.
+    /// What is kept for the next step.
     pub fn state(&self) -> &AdaptiveState {
         &self.state
     }
 
-    /// [s] below which no step is tried from time `t` [s]
+    /// [s] Smallest step to try from time `t` [s].
     pub fn floor(&self, t: f64) -> f64 {
         (SMALLEST * self.spec.end).max(64.0 * f64::EPSILON * t)
     }
@@ -189,14 +189,14 @@ impl Adaptive {
             let passed = (t / every).floor();
             [1.0, 2.0].map(|more| (passed + more) * every).into_iter().find(|frame| !met(*frame))
         });
-        // A frame at a corner is that corner, whatever rounding says.
+        // A frame at a corner counts as that corner, in spite of rounding.
         let frame = frame.filter(|frame| corner - frame > 4.0 * f64::EPSILON * corner);
         let (at_corner, corner) = (frame.is_none(), frame.unwrap_or(corner));
         let (rest, asked) = (corner - t, self.state.controller.step().min(LARGEST * self.spec.end));
         if asked >= rest * (1.0 - 1e-9) {
             return Some(PlannedStep { h: rest, t: corner, at_corner });
         }
-        // Two equal steps to the corner rather than a large and a tiny one.
+        // Two equal steps to the corner instead of a large and a tiny one.
         let t_next = t + if 2.0 * asked > rest { 0.5 * rest } else { asked };
         Some(PlannedStep { h: t_next - t, t: t_next, at_corner: false })
     }
@@ -209,7 +209,8 @@ impl Adaptive {
     /// Tries a step from one point to another.
     ///
     /// # Errors
-    /// Why it is dropped; the scheme is then where it was, and the next step that is asked for is smaller.
+    /// The reason for which it is dropped. The scheme is then in its earlier state, and the next step to try is
+    /// smaller.
     pub fn attempt(
         &mut self,
         mut bench: AttemptContext<'_, '_>,
@@ -237,23 +238,24 @@ impl Adaptive {
         tried
     }
 
-    /// The next step knows nothing of those before.
+    /// Clears what the next step would use of the steps before.
     fn forget_history(&mut self) {
         self.state.before.forget();
         (self.state.event, self.state.anew) = (None, true);
     }
 
-    /// After a step that was kept and ended at `t` [s]: how little [s] the last steps went on, if that is no progress.
+    /// After an accepted step that ended at `t` [s]: the time [s] of the last steps, if it is too short to count as
+    /// progress.
     pub fn stalls(&mut self, t: f64) -> Option<f64> {
         let at_row = self.corners.binary_search_by(|corner| corner.total_cmp(&t)).is_ok();
         self.state.progress.stalls(t, at_row, self.spec.end)
     }
 
-    /// Takes back a step of `h` [s] that was kept by its error, but cannot be right: the next one is to be a tenth of
-    /// it. Whether it was the first of two halves decides whether the scheme has gone on already.
+    /// Takes back a step of `h` [s] whose error was small enough, but whose state is not credible. The next step is a
+    /// tenth of it. If it was the first of two halves, the scheme has already accepted it.
     ///
     /// # Errors
-    /// When what the scheme carried does not fit, which it does.
+    /// When the scheme cannot restore what it carried, which does not happen.
     pub fn take_back(&mut self, h: f64, first_half: Option<&mut Stepper<'_>>) -> Result<(), StepError> {
         self.state.rejected += 1;
         self.state.before.forget();
@@ -263,7 +265,7 @@ impl Adaptive {
         first_half.map_or(Ok(()), |stepper| stepper.restore(&self.carried))
     }
 
-    /// Whether the step with the error that has just been estimated is kept, and what the next one is to be.
+    /// Decides from the error estimate whether the step is accepted, and sets the size of the next.
     fn judge(&mut self, trial: PlannedStep, guess: EstimateInfo, end: &Point) -> Result<(), DropReason> {
         let AdaptiveState { controller, motion, before, jumps, memory, .. } = &mut self.state;
         let EstimateInfo { derivatives, most_growth, pair } = guess;
@@ -271,8 +273,8 @@ impl Adaptive {
         let AdaptiveSpec { end: run, tolerance, order, coherent, .. } = self.spec;
         let off = moved.deviation(trial.h, &self.error, end.state.as_ref(), tolerance, self.free);
         let share = if coherent { 1.0 } else { CANCELLED * memory.forgetting(run) };
-        // Across a jump the finer solution is no better than the estimate, so shares of the tolerance are those of the
-        // estimate.
+        // Across a jump the extrapolated solution is no better than the estimate, so the shares of the tolerance are
+        // those of the estimate.
         let own = off.ratio * pair.map_or(1.0, |pair| pair.leading * moved.phase_increment(trial.h));
         let per_time = own * (run / trial.h) / share;
         let judged = RatedAttempt { h: trial.h, error: per_time, order, most_growth };

@@ -1,8 +1,8 @@
-//! Whether a run goes on. Steps above the floor may still be so many that it would never end.
+//! Whether a run makes progress. Even with steps above the floor it might need too many of them to end.
 
 use serde::{Deserialize, Serialize};
 
-/// Steps within which a run has to go on by [`LEAST`].
+/// Number of steps within which a run must advance by [`LEAST`].
 pub(super) const STEPS: u32 = 10_000;
 /// [-] of the run: at this rate it would take 1e12 steps.
 const LEAST: f64 = 1e-8;
@@ -19,7 +19,7 @@ pub(super) struct Progress {
 impl Progress {
     /// After an accepted step that ended at `t` [s] of a run of `run` [s]: the time [s] that the last [`STEPS`] took,
     /// if it is too little. The count begins again where a step ends at the row of a table: tables are finite, so such
-    /// steps do not go on for ever.
+    /// steps come to an end.
     pub fn stalls(&mut self, t: f64, at_row: bool, run: f64) -> Option<f64> {
         self.steps += 1;
         if self.steps < STEPS && !at_row {
@@ -35,7 +35,7 @@ impl Progress {
 mod tests {
     use super::*;
 
-    /// The number of the step after which steps of `h` [s] stall in a run of 1 s.
+    /// The number of steps of `h` [s] after which a run of 1 s counts as stalled.
     fn stalls_after(h: f64, rows: bool) -> Option<u32> {
         let mut progress = Progress::default();
         (1..=3 * STEPS).find(|&i| progress.stalls(f64::from(i) * h, rows && i % 1000 == 0, 1.0).is_some())

@@ -1,25 +1,24 @@
-//! A new beginning where forces are not smooth in time: at the corner of a table, and where a spring has gone slack or
-//! taut.
+//! Restart where forces are not smooth in time: at the corner of a table, and where a spring has gone slack or taut.
 //!
-//! The scheme drops what it carries, and the step is at least the one that follows from what acts now, however short
-//! those before it were. As for the starting step of Hairer, Norsett & Wanner (1993, section II.4), a short explicit
-//! step shows how fast accelerations change:
+//! The scheme drops what it carries. The step follows from the forces that act now, even if those before it were very
+//! short. As for the starting step of Hairer, Norsett & Wanner (1993, section II.4), a short explicit step shows how
+//! fast accelerations change:
 //! ```text
 //! j = |a(t + s, x + s v + s^2/2 a, v + s a) - a| / s
 //! h = sqrt(2 tol / (T j)),  of order 1  h = 2 tol / (T |a|)
 //! ```
-//! so that an error of j h^3/6 (order 1: a h^2/2) is about what a step of h in a run of T may make of the error tol.
-//! The first step's error is estimated by halving it, so a beginning that is too large shrinks.
+//! so that an error of j h^3/6 (order 1: a h^2/2) is about the share of the allowed error tol for a step of h in a run
+//! of T. The error of the first step is estimated from two half steps, so a first step that is too large is reduced.
 
 use super::attempt::AttemptContext;
 use super::{Adaptive, FIRST, LARGEST};
 use crate::model::point::Point;
 
-/// [-] What the probing step may move of the tolerance.
+/// [-] Motion in the trial step, as a share of the tolerance.
 const PROBE: f64 = 0.01;
 
 impl Adaptive {
-    /// Before an attempt from `from`, where the run begins anew there; `room` is overwritten then.
+    /// Called before an attempt from `from`. If the run restarts there, `room` is overwritten.
     pub fn begin(&mut self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) {
         if !std::mem::take(&mut self.state.anew) {
             return;
@@ -29,7 +28,7 @@ impl Adaptive {
         self.state.controller.restart(least);
     }
 
-    /// [s] h; 0 where it is not a number, or nothing acts.
+    /// [s] h; 0 where it is not a number, or no force acts.
     fn starting_step(&self, bench: &mut AttemptContext<'_, '_>, from: &Point, room: &mut Point) -> f64 {
         let inverse_mass = bench.scene.inverse_mass();
         let (run, allowed) = (self.spec.end, self.state.motion.allowed(self.spec.tolerance, self.free));

@@ -1,10 +1,10 @@
-//! What holds the parts of a net.
+//! The supports of the parts of a net.
 
 use super::DiagnosisInput;
 use crate::mesh::components::components;
 
 impl DiagnosisInput<'_> {
-    /// Says so when nothing holds the part of the net that a degree of freedom belongs to.
+    /// Text for a degree of freedom whose part of the net has no support.
     pub(super) fn unheld(&self, dof: usize) -> Option<String> {
         let n = self.scene.reference().len();
         if 3 * n != self.scene.n_dof() {

@@ -1,4 +1,4 @@
-//! Numbers that no scene has, which a wrong unit makes.
+//! Impossible numbers, which come from a wrong unit.
 
 use super::DiagnosisInput;
 use crate::format_number::figures;
@@ -6,11 +6,11 @@ use crate::model::state::State;
 
 /// [m/s] speed of light
 const LIGHT: f64 = 299_792_458.0;
-/// Steps that nobody means to make.
+/// Number of steps that no user intends.
 const ENDLESS: f64 = 1e12;
 
 impl DiagnosisInput<'_> {
-    /// Numbers that no scene has: what is absurd, and what to check.
+    /// Impossible numbers of a scene: what they are, and what to check.
     pub(super) fn units(&self, start: &State, steps: f64) -> Option<(String, &'static str)> {
         let mut f = vec![0.0; self.scene.n_dof()];
         self.scene.load(start.as_ref(), &mut f);

@@ -1,14 +1,15 @@
-//! What can be said of a step that Newton could not solve.
+//! The diagnosis of a step that Newton's iteration could not solve.
 
 use super::DiagnosisInput;
 use crate::analysis::buckling;
 use crate::format_number::figures;
 
-/// [-] of the largest tension, and a strain: what rounding of positions makes.
+/// [-] Effect of rounded positions, as a share of the largest tension, and as a strain.
 const ROUNDING: f64 = 1e-12;
 
 impl DiagnosisInput<'_> {
-    /// Words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest residual.
+    /// The cause in words, and a step [s] that might be solved; `worst` is the degree of freedom with the largest
+    /// residual.
     pub(in crate::drive) fn unsolved(&self, worst: usize) -> (String, f64) {
         let (mut words, mut step) = (Vec::new(), 0.5 * self.h);
         if let Some(leaves) = buckling::fastest(self.scene, self.last.as_ref(), self.stop) {
@@ -30,7 +31,7 @@ impl DiagnosisInput<'_> {
         (words.join("; "), step)
     }
 
-    /// Whether a spring pushes in the last good state.
+    /// Whether a spring is in compression in the last good state.
     fn compressed(&self) -> bool {
         let springs = self.scene.edges().len();
         let (mut tension, mut strain) = (vec![0.0; springs], vec![0.0; springs]);

@@ -1,4 +1,4 @@
-//! What becomes of a step that was made: it is accounted for, looked at, and shown.
+//! What follows after a step was made: it is added to the account, checked by the watch, and shown.
 
 use super::super::clock::Tick;
 use super::super::failure::{DivergedState, FailureContext};
@@ -10,15 +10,15 @@ use super::{BLOW_UP, Run, RunError};
 use crate::integrate::StepReport;
 use crate::integrate::stepper::Stepper;
 
-/// What of a kept step is taken: all of it or its second half, which the scheme still has to accept; or its first half,
-/// which it has.
+/// Which part of a step is accepted: the whole step or its second half, which the scheme must still accept; or its
+/// first half, which the scheme has accepted already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StepPart {
     First,
     Last,
 }
 
-/// Whether the state is the new one, or an adaptive step was taken back because it cannot be right.
+/// Whether the state is the new one, or an adaptive step was taken back because it is not credible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Accepted {
     Over,
@@ -26,7 +26,7 @@ pub(super) enum Accepted {
 }
 
 impl Run<'_> {
-    /// Takes the step that ended in `to`: accounts for it and shows it; then the points have changed places.
+    /// Accepts the step that ended in `to`: adds it to the account, shows it, and swaps the two points.
     pub(super) fn accept_step(
         &mut self,
         stepper: &mut Stepper<'_>,
@@ -92,7 +92,7 @@ impl Run<'_> {
         Ok(Ok(Accepted::Over))
     }
 
-    /// Takes a step of a fixed size that was attempted.
+    /// Accepts an attempted step of fixed size.
     pub(crate) fn accept_fixed(
         &mut self,
         stepper: &mut Stepper<'_>,
@@ -101,7 +101,7 @@ impl Run<'_> {
         Ok(self.accept_step(stepper, StepPart::Last, report, &mut [])?.map(|_| ()))
     }
 
-    /// What the watch makes of a step; `left` says of a state that has left the scene whether it is finite.
+    /// The watch's report on a step; for a state that has left the scene, `left` says whether it is finite.
     fn examine(&mut self, tick: Tick, (after, by_stages): (&LedgerRow, bool), left: Option<bool>) -> WatchReport {
         if left == Some(false) {
             return WatchReport::Diverged(DivergenceKind::NotFinite);

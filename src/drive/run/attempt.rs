@@ -11,8 +11,7 @@ use crate::integrate::stepper::{Attempt, Stepper};
 use crate::integrate::{StepError, StepReport};
 
 impl Run<'_> {
-    /// Goes on to the next accepted state, which may take several attempts; not that far where the run is to end
-    /// before.
+    /// Advances to the next accepted state, which may take several attempts, unless the run must end before.
     pub(crate) fn advance(
         &mut self,
         stepper: &mut Stepper<'_>,
@@ -68,14 +67,14 @@ impl Run<'_> {
             }
         };
         if !report.forces_at_end {
-            // The ledger and observers want them; the scheme does not, so they are not counted.
+            // The ledger and observers need these forces, but the scheme does not, so they are not counted.
             self.scene.evaluate(self.state.to.state.as_ref(), &mut self.state.to.forces);
             self.state.account_passes += 1;
         }
         Ok(report)
     }
 
-    /// One attempt; `None` when it is dropped and a smaller one is left to try.
+    /// One attempt; `None` if it is dropped and a smaller step can be tried.
     fn adaptive_step(&mut self, stepper: &mut Stepper<'_>) -> Result<Option<AdaptiveStep>, Status> {
         let StepPolicy::Adaptive(policy) = &mut self.state.policy else { return Ok(None) };
         let mut bench =

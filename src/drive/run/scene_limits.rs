@@ -1,16 +1,16 @@
-//! How far nodes go in one step: beyond the scene's size none can be right.
+//! Limits on the motion of nodes in one step: motion beyond the scene's size is not credible.
 
 use crate::model::state::State;
 use crate::scene::Scene;
 
-/// What is known of a scene before its first step.
+/// Size and mass of a scene, known before its first step.
 #[derive(Clone, Copy)]
 pub(super) struct SceneLimits {
     /// [m] the scene's size; 0 where it has none
     size: f64,
     /// [1/kg] largest inverse mass
     lightest: f64,
-    /// whether a node is held; where none is, the scene as a whole may travel
+    /// whether a node is held; otherwise the scene as a whole may travel
     held: bool,
 }
 
@@ -28,7 +28,7 @@ impl SceneLimits {
 
     /// Whether no node moves farther than the scene's size in a step that ends with this kinetic energy [J].
     pub fn holds(&self, from: &State, to: &State, kinetic: f64) -> bool {
-        // No node is faster than with all of the energy; the positions are seldom asked.
+        // No node is faster than with all of the kinetic energy; so the positions are seldom needed.
         let fastest = (2.0 * kinetic * self.lightest).sqrt();
         if self.allows(fastest, to.t - from.t) {
             return true;

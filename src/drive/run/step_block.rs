@@ -1,9 +1,9 @@
-//! Blocks of steps: several steps in one go, where no observer wants the states on the way
-//! ([`crate::model::step_block`]).
+//! Blocks of steps: several steps at once, where no observer wants the states between ([`crate::model::step_block`]).
 //!
 //! Every step of a block enters the energy account and is watched as a single step is. Only the extent of the scene
-//! differs: it is known of the last state, and bounded in the states before. Where a step looks wrong, the whole block
-//! is dropped and its steps are made again one by one. A failure is then reported from the states of its own step.
+//! differs: it is computed for the last state, and bounded for the states before. Where a step is not credible, the
+//! whole block is dropped and its steps are made again one by one. A failure is then reported from the states of its
+//! own step.
 
 use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
 use super::super::watch::{WatchedStep, power_of};
@@ -23,8 +23,8 @@ pub(super) struct StepBlocks {
     dropped: u32,
 }
 
-/// After every further block dropped in a row, twice as many steps are made one by one: up to the length of the block
-/// times two to this power.
+/// After each further block that is dropped in a row, twice as many steps are made one by one: up to the length of the
+/// block times two to this power.
 const PATIENCE: u32 = 10;
 
 impl Run<'_> {
@@ -71,9 +71,9 @@ impl Run<'_> {
         Ok(done)
     }
 
-    /// The steps to make in one go: up to the first at whose end an observer wants a state, or before the first of
-    /// which one wants both ends. The last step of a run is never among them: it may be shorter, and a run can be
-    /// resumed before it. Says of each step what its summary is to hold.
+    /// The steps of the next block: up to the first at whose end an observer wants a state, or before the first of
+    /// which an observer wants both ends. The last step of a run is never in a block: it may be shorter, and a run can
+    /// be resumed before it. Sets what the summary of each step must hold.
     fn next_block(
         &self,
         observers: &[&mut dyn Observer],
@@ -102,14 +102,14 @@ impl Run<'_> {
         (coming, left)
     }
 
-    /// Books the steps of a block; `false` where one of them looks wrong.
+    /// Adds the steps of a block to the account; `false` if one of them is not credible.
     fn record_block(&mut self, coming: &[UpcomingStep], blocks: &mut StepBlocks) -> bool {
         let (mut before, mut way) = (self.state.row, 0.0);
         let mut power_before = power_of(self.scene, &self.state.from.forces.tallies);
         for ((step, summary), row) in coming.iter().zip(&blocks.summaries).zip(&mut blocks.rows) {
             let after = self.state.ledger.close_with(self.scene, summary);
-            // Before the last state nodes were no farther out than they can have come from; doubled, because speeds
-            // within a step may exceed those at its ends.
+            // Bounds the extent of the states before the last by the way that nodes can have moved; doubled, because
+            // speeds within a step may exceed those at its ends.
             way += 2.0 * step.h() * summary.max_speed();
             if !summary.nodes.finite || !after.is_finite() || self.has_left(summary.nodes.bounds.extent() + way) {
                 return false;

@@ -112,8 +112,8 @@ impl ForceTerm for Air {
         false
     }
 
-    /// The symmetric form is the part in the velocities, dp'/9 S N^T. The change of the pressure with the shape has no
-    /// symmetric part worth keeping.
+    /// The symmetric form is the velocity part, dp'/9 S N^T. The symmetric part of the change of pressure with shape is
+    /// not useful.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         let wind = Vector3::from(data.wind.at(at.t));

@@ -14,10 +14,10 @@ use crate::model::unit_vector::unit_vector;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// What a law says of a bar at one length.
+/// Values of a law for a bar at one length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BarForce {
-    /// [N] tension T: above 0 it pulls the ends together
+    /// [N] tension T, positive in tension
     pub tension: f64,
     /// [N/m] dT/dl, for implicit methods
     pub stiffness: f64,

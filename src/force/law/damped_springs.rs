@@ -89,7 +89,7 @@ impl DampedSprings {
     }
 }
 
-/// Spring law and axial dashpot as the kernels see them.
+/// Spring law and axial dashpot for the kernels.
 struct BarLaw<L, const ELASTIC: bool, const DAMPED: bool>(L);
 
 impl<L: TensionLaw, const ELASTIC: bool, const DAMPED: bool> AxialLaw for BarLaw<L, ELASTIC, DAMPED> {
@@ -130,7 +130,7 @@ impl BlockForces for DampedSprings {
     fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         let SpringData { nodes, rest_length, stiffness, .. } = &self.springs;
         let c = self.dashpots.as_ref().map_or(Coefficient::Uniform(0.0), |dashpots| dashpots.coefficient.clone());
-        // Rest lengths one each, even where all are the same: the largest stretch goes over them.
+        // One rest length per spring, even if all are equal: the loop for the largest stretch reads them.
         let numbers = [stiffness.clone(), Coefficient::Each(rest_length.clone()), c];
         let ends: Vec<[u16; 2]> = nodes[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
         if self.kind() == Some(DashpotKind::Relative) {
@@ -181,7 +181,7 @@ fn axial_state(
     AxialState { stretch, dv, rate, damping }
 }
 
-/// [N] What the dashpot along spring `i` adds to its elastic tension; `c` [N s/m] is its coefficient.
+/// [N] Force that the dashpot along spring `i` adds to its elastic tension; `c` [N s/m] is its coefficient.
 pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) -> f64 {
     axial_state(springs, elastic_state(springs, at.x, i), at.v, (i, c)).damping.force
 }
@@ -222,8 +222,8 @@ impl ForceTerm for DampedSprings {
         self.kind() != Some(DashpotKind::Axial)
     }
 
-    /// Of a spring B = (T/l)(I - n n^T) + (dT/dl) n n^T; the convex one has max(T, 0) in place of T. Of an axial
-    /// dashpot the symmetric one is c n n^T, the part in the velocities.
+    /// For a spring B = (T/l)(I - n n^T) + (dT/dl) n n^T; the convex form has max(T, 0) in place of T. For an axial
+    /// dashpot the symmetric form is c n n^T, the velocity part.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let springs = &self.springs;
         for (i, &nodes) in springs.nodes.iter().enumerate() {

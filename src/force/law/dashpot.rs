@@ -7,8 +7,8 @@
 //! ```
 //! **Axial** dashpots act along the spring and are clamped together with it (thesis Eq. 4, whose c is divided by l0:
 //! rule `per_strain`). Spring and dashpot are one element of tension `T = max(k e + c ldot, floor)`, so that a spring
-//! going slack does not make the force jump and an implicit step has a solution. The dashpot's part is what lies beyond
-//! the elastic one:
+//! going slack does not make the force jump and an implicit step has a solution. The dashpot's part is the difference
+//! from the elastic tension:
 //! ```text
 //! T_d = max(k (e - offset) + c ldot, floor) - T_elastic(e)      force on a = T_d n, on b = -T_d n
 //! power = -T_d ldot,     ldot = n . (vb - va)
@@ -20,7 +20,7 @@
 use crate::force::law::slack::{Tension, TensionLaw};
 use crate::model::quad::Real;
 
-/// What a dashpot along a spring adds to its tension.
+/// The force that a dashpot along a spring adds to its tension.
 #[derive(Clone, Copy, Debug)]
 pub struct Damping<R = f64> {
     /// [N] T_d

@@ -21,7 +21,7 @@ pub type FollowerPressure = FaceBatch<FollowerData>;
 /// Plain data of the batch.
 #[derive(Clone, Debug)]
 pub struct FollowerData {
-    /// vertices, right-handed about the side the pressure pushes to
+    /// vertices, right-handed about the direction of the pressure
     pub triangles: Arc<[[u32; 3]]>,
     /// [Pa] p
     pub pressure: f64,
@@ -71,7 +71,7 @@ impl ForceTerm for FollowerPressure {
         let p = data.pressure * factor(data.factor.as_ref(), at.t);
         for &nodes in data.triangles.iter() {
             let area = AreaVector::new(at.x, nodes);
-            // A symmetric part would be that of the surface's edge alone, of either sign: there is none.
+            // There is no symmetric form: it would come from the edge of the surface only, with either sign.
             let k = if form.symmetric { 0.0 } else { w.k };
             let row = [0, 1, 2].map(|j| area.derivative(j) * (-k * p / 3.0));
             sink.triangle(nodes, &[row; 3]);

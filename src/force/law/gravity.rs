@@ -1,7 +1,7 @@
 //! Weight: f = m g on every node (thesis Eq. 5), energy -m g . (x - x_start).
 //!
-//! The energy is counted from the displacement, so that an origin far away costs no digits. Fixed nodes have no
-//! weight here: their support carries it and nothing moves.
+//! The energy is computed from the displacement, so that a far origin loses no digits. Fixed nodes have no weight here:
+//! their support carries it.
 
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, Records};
 use crate::force::kernel::element_block::ElementBlock;
@@ -20,13 +20,12 @@ pub struct Gravity {
     g: Vector3<f64>,
     /// [kg] mass of every node, 0 where it is held in all directions
     mass: Vec<f64>,
-    /// [m] node positions from which the energy counts
+    /// [m] node positions of zero energy
     origin: Arc<[Vector3<f64>]>,
 }
 
 impl Gravity {
-    /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] from which the
-    /// energy counts.
+    /// Masses [kg] in the acceleration of free fall `g` [m/s^2]; `origin` are the node positions [m] of zero energy.
     pub fn new(g: Vector3<f64>, mass: impl Iterator<Item = f64>, origin: Arc<[Vector3<f64>]>) -> Self {
         Gravity { g, mass: mass.collect(), origin }
     }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Forces that are given node by node.
 pub const FORCES: TermInfo = TermInfo::of("forces", Role::External);
 
-/// Forces that a pressure leaves on the nodes of its triangles.
+/// Forces of a pressure on the nodes of its triangles.
 const DEAD_PRESSURE: TermInfo = TermInfo { name: "dead pressure", on_triangles: true, ..FORCES };
 
 /// Given forces on some nodes.
@@ -33,7 +33,7 @@ pub struct NodalForces {
     pub factor: Option<Arc<Table<1>>>,
 }
 
-/// A pressure that keeps the area it starts with.
+/// A pressure on the initial areas.
 #[derive(Clone, Debug)]
 pub struct DeadPressure<'a> {
     /// the triangles

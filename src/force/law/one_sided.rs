@@ -1,10 +1,11 @@
-//! Springs with a slack law in Kang's filter, which has no part in those that are slack.
+//! Springs with a slack law in Kang's filter, which does not contain them while they are slack.
 //!
-//! A spring is in the filter of a step of h if it is taut at the step's start, or taut where nodes move on as they do,
-//! at x + h v. One that is slack at the start but not there pulls with k (e - offset) as if it were taut already, e the
-//! elongation at x, which together with the filter's h k (v_j - v_i) is the pull at the end of the step. So backward
-//! Euler would catch a mass that flies into its rope: the step makes no energy, at any h^2 k/m. Without the second rule
-//! the step would go past the threshold unbraked and make 1/2 k (h v)^2.
+//! A spring is in the filter of a step of h if it is taut at the step's start, or taut at x + h v, where the nodes
+//! would be with their present velocities. A spring that is slack at the start but not at x + h v gets the tension k (e
+//! - offset), as if it were taut already, with the elongation e at x. Together with the filter's h k (v_j - v_i) this
+//!   is the tension at the end of the step. A mass that flies into its rope is then caught as by backward Euler, and
+//!   the step makes no energy, at any h^2 k/m. Without the second rule the step would pass the threshold without
+//!   braking and make 1/2 k (h v)^2.
 
 use crate::force::kernel::neighbours::{Neighbours, WeightSlot};
 use crate::force::law::slack::{Clamped, clamped};
@@ -12,21 +13,21 @@ use crate::force::law::spring::{Coefficient, SpringData};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// [-] Rounding of a squared length, as a share of it.
+/// [-] Relative rounding error of a squared length.
 const TAUT: f64 = 8.0 * f64::EPSILON;
 
 /// All springs of a scene, some of which leave the filter while they are slack.
 #[derive(Debug)]
 pub struct OneSided {
-    /// those that may leave it, with their laws
+    /// the springs that may leave the filter, with their laws
     batches: Vec<(SpringData, Clamped)>,
-    /// places of their weights, batch by batch
+    /// slots of their weights, batch by batch
     slots: Vec<[WeightSlot; 2]>,
     /// whether they are in the filter
     inside: Vec<bool>,
-    /// all springs, by stiffness; 0 where one is left out
+    /// all springs with their stiffness, or 0 where a spring is not in the filter
     neighbours: Neighbours,
-    /// [N] what their pull differs from that of the force pass
+    /// [N] difference of their forces from those of the force pass
     correction: Vec<Vector3<f64>>,
     /// the nodes that have a correction
     corrected: Vec<u32>,
@@ -36,7 +37,7 @@ pub struct OneSided {
 pub type Member<'a> = (&'a SpringData, bool);
 
 impl OneSided {
-    /// Of `n` nodes; `None` where no spring can leave the filter.
+    /// For `n` nodes; `None` if no spring can leave the filter.
     pub fn new<'a>(n: usize, members: impl Iterator<Item = Member<'a>> + Clone) -> Option<Self> {
         let law = |(data, may): Member<'a>| clamped(data.slack).filter(|_| may);
         if !members.clone().any(|member| law(member).is_some()) {
@@ -61,7 +62,8 @@ impl OneSided {
     }
 
     /// Finds the springs that are in the filter of a step of `h` [s] from positions `x` [m] with velocities `v` [m/s],
-    /// and what their pull differs from that of a force pass at `x`. Returns whether they are others than before.
+    /// and the difference of their forces from those of a force pass at `x`. Returns whether the springs in the filter
+    /// have changed.
     pub fn select(&mut self, x: &[Vector3<f64>], v: &[Vector3<f64>], h: f64) -> bool {
         let Self { batches, slots, inside, neighbours, correction, corrected } = self;
         corrected.drain(..).for_each(|node| correction[node as usize] = Vector3::zeros());
@@ -72,7 +74,7 @@ impl OneSided {
                 let along = |of: &[Vector3<f64>]| of[b as usize] - of[a as usize];
                 let (d, limit) = (along(x), data.rest_length[i] + law.threshold);
                 let square = limit.max(0.0).powi(2);
-                // What is taut by rounding alone carries nothing.
+                // A spring that is taut by rounding only carries no force.
                 let taut = d.norm_squared() > square * (1.0 + TAUT);
                 let caught = !taut && (d + h * along(v)).norm_squared() > square;
                 if (taut || caught) != *inside {
@@ -108,7 +110,7 @@ impl OneSided {
         self.neighbours.differences(u, dofs, out);
     }
 
-    /// [N] What is to be added to the forces of a pass; `None` where nothing is.
+    /// [N] Correction of the forces of a pass; `None` if there is none.
     pub fn correction(&self) -> Option<&[f64]> {
         (!self.corrected.is_empty()).then(|| bytemuck::cast_slice(&self.correction))
     }

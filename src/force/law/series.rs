@@ -4,7 +4,7 @@ use crate::force::law::step_samples::sampled_by_steps;
 use crate::model::spec::Series;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// A table, and what takes its place in a run of fixed steps: see `step_samples`.
+/// A table, and its replacement in a run of fixed steps: see `step_samples`.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
     given: Series<[f64; N]>,
@@ -30,7 +30,7 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// What a run does to a table before it begins.
+/// The preparation of a table for a run.
 pub trait SampledTable: Send + Sync {
     /// Makes the table ready for a run of fixed steps of `h` [s] from t = 0, or for any other run.
     fn sample(&self, h: Option<f64>);
@@ -62,7 +62,7 @@ pub fn factor(table: Option<&Arc<Table<1>>>, t: f64) -> f64 {
     table.map_or(1.0, |table| table.at(t)[0])
 }
 
-/// A table of one number a row.
+/// A table with one number per row.
 pub fn scalar(series: &Series<f64>) -> Arc<Table<1>> {
     Table::new(Series { t: series.t.clone(), value: series.value.iter().map(|&v| [v]).collect() })
 }

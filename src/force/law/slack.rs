@@ -8,13 +8,13 @@ use crate::model::spec::Slack;
 pub struct Tension<R = f64> {
     /// [N] tension T
     pub force: R,
-    /// [N/m] dT/dl; at the threshold the taut branch's
+    /// [N/m] dT/dl; at the threshold, the slope of the taut branch
     pub slope: R,
     /// [J] stored energy, zero at rest
     pub energy: R,
 }
 
-/// A tension law, for one spring or several side by side. Monomorphised into the kernels, so that a plain spring pays
+/// A tension law, for one spring or several side by side. Monomorphised into the kernels, so that a plain spring needs
 /// no branch.
 pub trait TensionLaw: Copy + Send + Sync {
     /// Where the law clamps: T = k (max(e, threshold) - offset); `None` = nowhere.
@@ -63,7 +63,7 @@ impl TensionLaw for Clamped {
         let taut = c - k.all(self.offset);
         let force = k * taut;
         let slope = k.where_not_negative(e - threshold);
-        // Below the threshold the force is constant: its work is linear in the rest of the elongation.
+        // Below the threshold the force is constant, so its work is linear in the elongation.
         Tension { force, slope, energy: k.all(0.5) * force * taut + force * (e - c) }
     }
 }
@@ -74,7 +74,7 @@ pub fn clamped(slack: Slack) -> Option<Clamped> {
         Slack::None => None,
         Slack::TensionOnly => Some(Clamped { threshold: 0.0, offset: 0.0 }),
         Slack::DeadZone { eps } => Some(Clamped { threshold: eps, offset: eps }),
-        // Not -eps: of eps = 0 that is a zero with a sign, which four springs at once would show.
+        // Not -eps: for eps = 0 it would be -0, which would change bits in the kernel for four springs.
         Slack::CompressionLimit { eps } => Some(Clamped { threshold: 0.0 - eps, offset: 0.0 }),
     }
 }

@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub struct SpringData {
     /// end nodes a, b
     pub nodes: Arc<[[u32; 2]]>,
-    /// [m] rest length l0, one a spring
+    /// [m] rest length l0 of every spring
     pub rest_length: Arc<[f64]>,
     /// [N/m] stiffness k
     pub stiffness: Coefficient,
@@ -42,11 +42,11 @@ impl SpringData {
         Stretch { n, length, elongation: length - self.rest_length[i] }
     }
 
-    /// Elastic tension and strain of every spring at positions `x` [m], each at its own of `to.places`, of which there
-    /// are as many as springs; what has no spring keeps what it holds.
+    /// Writes elastic tension and strain of every spring at positions `x` [m] `[n_nodes]` to its index in `to.places`
+    /// `[n_springs]`; other entries keep their values.
     ///
     /// # Panics
-    /// When a place lies beyond `to.tension` or `to.strain`.
+    /// When an index is beyond the end of `to.tension` or `to.strain`.
     pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
         let data = self;
         match clamped(self.slack) {
@@ -70,7 +70,7 @@ impl SpringData {
         })
     }
 
-    /// Whether some spring points away at `to` [m] from where it pointed at `from` [m].
+    /// Whether some spring has turned by more than 90 degrees from positions `from` [m] to `to` [m].
     pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
         turns_over(self, from, to)
     }

@@ -1,32 +1,32 @@
-//! Tables in runs of fixed steps, whose samples miss what lies between them: a pulse within a step would not be seen at
-//! all, and one of a step's length is seen three times over by the four stages of RK4.
+//! Tables in runs of fixed steps, whose samples miss changes between them: a pulse within a step would be missed, and
+//! one of the length of a step would count three times in the four stages of RK4.
 //!
-//! Steps t_n = n h stay as they are. A table g that has a corner within steps is replaced by one that is linear within
-//! those, through values g_n at their ends which keep the integral of g, so that every scheme, wherever in a step it
-//! samples, passes on the whole impulse. With the deviation e of g from its chord over the step from t_n to t_{n+1} and
-//! s = (t - t_n)/h,
+//! The steps t_n = n h are not changed. A table g with corners within steps is replaced by one that is linear within
+//! these steps. Its values g_n at their ends keep the integral of g, so every scheme transfers the whole impulse,
+//! wherever in a step it samples. With the deviation e of g from its chord over the step from t_n to t_{n+1} and s = (t
+//! - t_n)/h,
 //! ```text
 //! d0 = integral of e ds,   d1 = integral of e s ds,     g_n = g(t_n) + d0 - d1,   g_{n+1} = g(t_{n+1}) + d1
 //! ```
-//! are the values that keep integral and first moment: what is added at t_n acts over the steps on both sides of it, h
-//! in all. Where one of the two would leave the range of g in the step (a jump would overshoot), the excess goes to the
-//! other, which keeps the integral alone; an impulse h J that comes up to a step early or late is an error of second
-//! order. Nothing acts before t = 0, where a value counts for half a step only: there all of d0 goes to t_1, and what
-//! would leave the range, twice, to t_0.
+//! are the values that keep integral and first moment: a change at t_n acts over the steps on both sides of it, h in
+//! total. Where one of the two would leave the range of g in the step (a jump would overshoot), the excess goes to the
+//! other. This keeps the integral only; an impulse h J that is up to a step early or late is an error of second order.
+//! At t = 0 a value counts for half a step only, because no force acts before: there all of d0 goes to t_1, and any
+//! excess over the range goes to t_0, twice.
 //!
-//! Steps without a corner inside, and away from such steps, see the table itself, bit for bit; schemes then have their
-//! full order.
+//! Steps without a corner inside, and not next to such steps, use the table itself, bit for bit; schemes then have
+//! their full order.
 
 use crate::force::law::series::interpolate;
 use crate::model::spec::Series;
 
-/// [-] Rounding of a time, as a share of it, and of a value after as many steps.
+/// [-] Relative rounding error of a time, and of a value after that many steps.
 const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
-/// Rows behind this many steps are never reached.
+/// Rows after this many steps are never reached.
 const LAST: f64 = 1e15;
 
-/// What replaces a table in steps of `h` [s] from t = 0; `None` if it has no corner within a step. Work: rows times the
-/// logarithm of their number.
+/// The replacement of a table in steps of `h` [s] from t = 0; `None` if it has no corner within a step. Work: rows
+/// times the logarithm of their number.
 pub fn sampled_by_steps<const N: usize>(given: &Series<[f64; N]>, h: f64) -> Option<Series<[f64; N]>> {
     let mut bent = Vec::new();
     let mut corrections: Vec<(u64, [f64; N])> = Vec::new();
@@ -60,8 +60,8 @@ fn time(n: u64, h: f64) -> f64 {
     n as f64 * h
 }
 
-/// The steps, counted from 0 and ascending, that have a row inside; both steps beside a row at an end, whatever
-/// rounding makes of it.
+/// The steps, counted from 0 and ascending, that have a row inside; for a row at the end of a step, both steps beside
+/// it, in spite of rounding.
 fn steps_with_rows(t: &[f64], h: f64) -> Vec<u64> {
     let mut steps = Vec::new();
     for at in t.iter().map(|t| t / h).filter(|at| *at > -ROUNDINGS && *at < LAST) {
@@ -78,8 +78,8 @@ fn steps_with_rows(t: &[f64], h: f64) -> Vec<u64> {
     steps
 }
 
-/// What is to be added to the values at the two ends of step `n`, for a table with rows (s, value) `inside`, s from 0
-/// to 1; NaN where it has no corner in the step.
+/// The corrections of the values at the two ends of step `n`, for a table with rows (s, value) `inside`, s from 0 to 1;
+/// NaN where it has no corner in the step.
 fn correction(n: u64, inside: impl Iterator<Item = (f64, f64)>, ends: [f64; 2]) -> [f64; 2] {
     let chord = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
     let [mut d0, mut d1] = [0.0; 2];
@@ -101,13 +101,14 @@ fn correction(n: u64, inside: impl Iterator<Item = (f64, f64)>, ends: [f64; 2]) 
         let excess = halo(ends[1] + d0);
         return [2.0 * excess, d0 - excess];
     }
-    // The sum stays d0, whatever is moved.
+    // The sum is always d0.
     let [early, late] = [halo(ends[0] + d0 - d1), halo(ends[1] + d1)];
     let moved = if early == 0.0 { late } else { -early };
     [d0 - d1 + moved, d1 - moved]
 }
 
-/// The table with rows at the ends of the steps `bent` and of those next to them in place of its own there.
+/// The table with its rows within the steps `bent`, and those next to them, replaced by rows at the ends of these
+/// steps.
 fn replaced<const N: usize>(
     given: &Series<[f64; N]>,
     h: f64,
@@ -124,7 +125,7 @@ fn replaced<const N: usize>(
         let value = interpolate(given, t);
         (t, std::array::from_fn(|i| value[i] + add[i]))
     };
-    // Between two ends that follow each other, those are the only rows.
+    // Between two neighbouring ends there are no other rows.
     let kept = |t: f64| {
         let after = nodes.partition_point(|&node| time(node, h) < t);
         let at = nodes.get(after).is_some_and(|&node| time(node, h) == t);
@@ -179,7 +180,7 @@ mod tests {
         // Area 0.1, centroid at 2.4.
         let g = values(&[[2.3, 0.0], [2.4, 1.0], [2.5, 0.0]], 1.0, 6);
         close(&g, &[0.0, 0.0, 0.06, 0.04, 0.0, 0.0]);
-        // Before the first end nothing acts: all of it goes to the next.
+        // Before the first end no force acts: all of it goes to the next.
         close(&values(&[[0.3, 0.0], [0.4, 1.0], [0.5, 0.0]], 1.0, 4), &[0.0, 0.1, 0.0, 0.0]);
     }
 

@@ -1,10 +1,10 @@
-//! The largest stretch l^2/l0^2 of springs, of which the largest strain is sqrt(l^2/l0^2) - 1: a quotient a spring and
-//! no root.
+//! The largest stretch l^2/l0^2 of springs, from which the largest strain is sqrt(l^2/l0^2) - 1: one division per
+//! spring and no root.
 
 use crate::force::kernel::local_buffer::{Records, record};
 use crate::model::quad::{self, Quad, Real, VectorUnit};
 
-/// Springs by their ends, and where these are.
+/// Springs by their end nodes, and the positions of the nodes.
 pub(in crate::force) struct SpringLengths<'a, E, P> {
     pub ends: &'a [[E; 2]],
     /// [m]
@@ -12,13 +12,13 @@ pub(in crate::force) struct SpringLengths<'a, E, P> {
     pub at: P,
 }
 
-/// Where nodes are; its function is `#[inline(always)]`.
+/// Positions of nodes; its function is `#[inline(always)]`.
 pub(in crate::force) trait Positions<E>: Copy {
-    /// [m] a node's coordinates, and a number that means nothing
+    /// [m] the coordinates of a node, and an unused number
     fn of(&self, node: E) -> [f64; 4];
 }
 
-/// Three numbers a node, of the whole scene.
+/// Positions of all nodes, `[n_dof]`.
 #[derive(Clone, Copy)]
 pub(in crate::force) struct WholeScene<'a>(pub &'a [f64]);
 
@@ -44,7 +44,7 @@ impl Positions<u16> for InLocalBuffer<'_> {
     }
 }
 
-/// [-] Largest l^2/l0^2, -inf without springs. The same bits wherever its springs are cut into pieces.
+/// [-] Largest l^2/l0^2, -inf without springs. The bits do not depend on how the springs are divided.
 pub(in crate::force) fn largest<E: Copy, P: Positions<E>>(springs: SpringLengths<'_, E, P>) -> f64 {
     quad::run(springs)
 }

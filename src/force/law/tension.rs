@@ -1,4 +1,4 @@
-//! What springs carry, for pictures: tension and strain of many springs, four at a time, each at its own place.
+//! Tension and strain of springs for output, four at a time, each written to its own index.
 
 use crate::force::kernel::coefficient::Coefficient;
 use crate::force::law::slack::TensionLaw;
@@ -7,10 +7,10 @@ use crate::force::law::stretch::{Positions, WholeScene};
 use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 use nalgebra::Vector3;
 
-/// Where the values of springs belong.
+/// The output arrays for the values of springs.
 #[derive(Debug)]
 pub struct SpringOutput<'a> {
-    /// place of every spring
+    /// index of every spring in the two arrays
     pub places: &'a [u32],
     /// [N] elastic tension T(l - l0)
     pub tension: &'a mut [f64],
@@ -18,7 +18,7 @@ pub struct SpringOutput<'a> {
     pub strain: &'a mut [f64],
 }
 
-/// Springs with their law where nodes are.
+/// Springs with their law, at positions of nodes.
 pub(in crate::force) struct TensionPass<'a, L> {
     pub data: &'a SpringData,
     pub law: L,
@@ -27,7 +27,7 @@ pub(in crate::force) struct TensionPass<'a, L> {
     pub to: SpringOutput<'a>,
 }
 
-/// Four springs; the last of a batch some of them several times.
+/// Four springs; in the last group of a batch, some are repeated.
 struct FourSprings {
     ends: [[u32; 2]; 4],
     /// [m]
@@ -65,7 +65,7 @@ impl<L: TensionLaw> Pass for TensionPass<'_, L> {
 }
 
 impl<L: TensionLaw> TensionPass<'_, L> {
-    /// The values of as many springs as have a place.
+    /// Writes the values of springs that have an index.
     #[inline(always)]
     fn four<U: VectorUnit>(&mut self, unit: U, springs: &FourSprings, places: &[u32]) {
         let at = WholeScene(bytemuck::cast_slice(self.x));

@@ -1,11 +1,10 @@
-//! Work space that is kept from one use to the next.
+//! Buffers that are kept from one use to the next.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Where it is kept, one for each of those who have used it at the same time. No lock is held while it is in use: a
-/// thread of a pool that waits for its share of a pass may begin another caller's pass meanwhile, which then has room
-/// of its own.
+/// A pool of such buffers, as many as were in use at the same time. No lock is held during use: a thread that waits for
+/// its share of a pass may begin another caller's pass meanwhile, which then gets a buffer of its own.
 #[derive(Debug, Default)]
 pub(in crate::force) struct BufferPool<T>(Mutex<Vec<T>>);
 
@@ -16,7 +15,7 @@ pub(in crate::force) struct Pooled<'a, T: Default> {
 }
 
 impl<T: Default> BufferPool<T> {
-    /// What was put back last; a new one, if all are in use.
+    /// The value that was returned last, or a new one if all are in use.
     pub fn take(&self) -> Pooled<'_, T> {
         let what = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         Pooled { what: what.unwrap_or_default(), pool: self }

@@ -1,9 +1,9 @@
 //! Cuts a scene into blocks, so that a force pass works in the first caches.
 //!
-//! A node block is a run of nodes and the elements whose smallest node lies in it. What they touch beyond the node
-//! block's end is summed apart and added to those nodes when all node blocks that reach them are done: no two node
-//! blocks write to one place. A node block is one block, and more where its elements reach too many nodes for the local
-//! buffers of one.
+//! A node block is a contiguous range of nodes with the elements whose smallest node is in it. Forces on nodes beyond
+//! its end are summed apart, and added to those nodes when all node blocks that reach them are done: so no two node
+//! blocks write to one place. A node block is one block, or several where its elements reach too many nodes for the
+//! local buffers of one.
 
 use crate::force::kernel::batch::BlockForces;
 use crate::force::kernel::local_buffer::{PaddedVec3, RECORD, add_rows};
@@ -25,25 +25,25 @@ pub(in crate::force) struct Partition {
     blocks: Vec<BlockPlan>,
     /// every node block's first block, and the number of blocks
     first_block: Vec<usize>,
-    /// nodes beyond the ends of node blocks, block after block
+    /// halo nodes, beyond the ends of node blocks, block after block
     halo: Vec<u32>,
-    /// where the nodes end that some node blocks from the first on reach, by their number: of none, of one, ... of all
+    /// end of the nodes that the first k node blocks reach, for k = 0, 1, ... all
     reach: Vec<usize>,
 }
 
-/// What one block owns.
+/// The nodes of one block.
 #[derive(Debug)]
 pub(in crate::force) struct BlockPlan {
     pub own: Range<usize>,
-    /// whether it is its node block's first, whose nodes it stores
+    /// whether it is the first block of its node block, and so stores the node sums
     pub opens_node_block: bool,
-    /// its part of the list of nodes beyond
+    /// its part of the list of halo nodes
     pub halo: Range<usize>,
     /// records of all blocks before
     pub records_before: usize,
-    /// the first of them, where they follow each other
+    /// the first halo node, if they are contiguous
     pub run: Option<usize>,
-    /// from the first of them to the last; where there is none, from the node block's end to there
+    /// from the first halo node to the last; empty, at the end of the node block, if there is none
     pub reach: Range<usize>,
 }
 
@@ -54,16 +54,16 @@ impl BlockPlan {
     }
 }
 
-/// What some blocks give to the nodes beyond their node blocks.
+/// Sums of some blocks for their halo nodes.
 #[derive(Clone, Copy)]
 pub(in crate::force) struct Halo<'a> {
-    /// where they begin among those of all blocks
+    /// index of the first in the list of all halo sums
     pub first: usize,
     pub sums: &'a [PaddedVec3],
 }
 
-/// Nodes of a node block in a scene of so many: two node blocks, or four times some number (up to some 500, where one
-/// more or less matters little), give several threads equally much to do.
+/// Number of nodes of a node block. Two node blocks, or a multiple of four (up to some 500, above which one more or
+/// less matters little), give several threads equal work.
 fn node_block_size(nodes: usize) -> usize {
     let node_blocks = nodes.div_ceil(nodes.div_ceil(NODE_BLOCKS_WANTED).clamp(LEAST_NODES, MOST_NODES));
     match node_blocks {
@@ -119,18 +119,18 @@ impl Partition {
         self.first_block[node_blocks.start]..self.first_block[node_blocks.end]
     }
 
-    /// Where the nodes end that so many node blocks from the first on reach, their own among them.
+    /// End of the nodes that the first node blocks, this many, reach or own.
     pub(in crate::force) fn reach_of(&self, node_blocks: usize) -> usize {
         self.reach[node_blocks]
     }
 
-    /// The first node block that reaches beyond the beginning of another; how many there are, if none does.
+    /// The first node block that reaches beyond the beginning of another; the number of node blocks, if none does.
     pub(in crate::force) fn first_beyond(&self, node_block: usize) -> usize {
         let limit = self.nodes_of(node_block..node_block).start;
         self.reach[1..].partition_point(|&reach| reach <= limit)
     }
 
-    /// The first node block that none before another reaches.
+    /// The first node block that no node block before another one reaches.
     pub(in crate::force) fn first_unreached(&self, node_block: usize) -> usize {
         self.reach[node_block].div_ceil(self.node_block)
     }
@@ -139,12 +139,12 @@ impl Partition {
         &self.blocks
     }
 
-    /// The nodes beyond of all blocks.
+    /// The halo nodes of all blocks.
     pub(in crate::force) fn halo(&self) -> &[u32] {
         &self.halo
     }
 
-    /// Adds what blocks give to nodes beyond their node blocks to those that begin with `first`, block after block.
+    /// Adds the halo sums of blocks to the nodes from `first` on, block after block.
     pub(in crate::force) fn add_halo(
         &self,
         blocks: Range<usize>,
@@ -189,18 +189,18 @@ impl Partition {
         start(blocks.start)..start(blocks.end)
     }
 
-    /// The part of some blocks in the list of nodes beyond.
+    /// The part of some blocks in the list of halo nodes.
     pub(in crate::force) fn halo_of(&self, blocks: Range<usize>) -> Range<usize> {
         let start = |block: usize| self.blocks.get(block).map_or(self.halo.len(), |plan| plan.halo.start);
         start(blocks.start)..start(blocks.end)
     }
 }
 
-/// The way through all elements.
+/// State of the partition while it is built.
 struct PartitionBuilder {
     /// next element of every term
     next: Vec<usize>,
-    /// where a node beyond has its record in the block that is being cut
+    /// index of the record of a halo node in the present block
     place: Vec<Option<u16>>,
     records: usize,
 }

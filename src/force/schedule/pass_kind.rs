@@ -1,4 +1,4 @@
-//! What a pass does in a block: which terms it evaluates, and which sums it gives.
+//! The kind of a pass: which terms it evaluates, and which sums it computes.
 
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
@@ -6,19 +6,19 @@ use crate::force::schedule::sweep::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
 use crate::model::forces::Tally;
 
-/// Which sums a pass gives, and whether forces that depend on position only are stored or reused.
+/// Which sums a pass computes, and whether forces that depend on position only are stored or reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::force) enum PassKind {
     /// every sum
     Full,
-    /// the first sum alone, which gets all forces; what depends on position only is kept
+    /// only the first sum, of all forces; forces that depend on position only are kept
     TotalOnly,
     /// every sum; forces and energies that depend on position only were kept
     ReusePosition,
 }
 
 impl PassKind {
-    /// Whether the terms of a sum are gone over.
+    /// Whether the terms of a sum are evaluated.
     pub fn goes_over(self, sum: usize) -> bool {
         self != PassKind::ReusePosition || sum > 0
     }
@@ -34,15 +34,15 @@ pub(in crate::force) struct Sums<'a> {
     /// records that are used
     pub n: usize,
     pub sums: [&'a mut Records; SUMS],
-    /// which of them are there
+    /// which sums the scene has
     pub present: [bool; SUMS],
-    /// what own terms of the first sum give to it
+    /// forces of the terms of the first sum
     pub kept: &'a mut [PaddedVec3],
 }
 
 impl Sums<'_> {
-    /// Leaves in the local buffers what the terms add to the nodes of a block, and returns their energies and powers.
-    /// Where terms of the first sum are gone over, it holds zeros before.
+    /// Writes the sums of the terms for the nodes of a block to the local buffers, and their energies and powers to
+    /// `tallies`. If the terms of the first sum are evaluated, its buffer must hold zeros before.
     pub fn add<T: Terms + ?Sized>(
         &mut self,
         terms: &T,

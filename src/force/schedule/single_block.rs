@@ -45,7 +45,7 @@ impl Sweep {
         }
         let mut net =
             SceneInBlock { terms, mass, present, x, v, m, before, kicked, kept, sums, begun: Work::default() };
-        // Begins the first step, which ends none: these sums belong to no step.
+        // Begins the first step without ending one: these sums belong to no step.
         net.go_on(KickDriftScheme { end: None, ..scheme }, true);
         let steps = summaries.len();
         for (step, summary) in summaries.iter_mut().enumerate() {
@@ -65,9 +65,9 @@ impl Sweep {
 /// A scene in its local buffers.
 struct SceneInBlock<'a, T: ?Sized> {
     terms: &'a T,
-    /// [kg] one a node
+    /// [kg] `[n_nodes]`
     mass: &'a [f64],
-    /// which sums are there
+    /// which sums the scene has
     present: [bool; SUMS],
     /// [m]
     x: &'a mut Records,
@@ -75,20 +75,20 @@ struct SceneInBlock<'a, T: ?Sized> {
     v: &'a mut Records,
     /// [1/kg] by degree of freedom
     m: &'a mut Records,
-    /// [m] where the step began
+    /// [m] positions at the start of the step
     before: &'a mut Records,
     /// [m/s] kicked velocities
     kicked: &'a mut Records,
-    /// [N] of terms of position only
+    /// [N] forces of terms that depend on position only
     kept: &'a mut Records,
     /// [N] all forces, external ones, dissipative ones
     sums: [&'a mut Records; SUMS],
-    /// [J] what forces at the beginning of the step do
+    /// [J] work of the forces at the start of the step
     begun: Work,
 }
 
 impl<T: Terms + ?Sized> SceneInBlock<'_, T> {
-    /// The forces where a step ends; with corrected velocities, if it predicts.
+    /// The forces at the end of a step; with corrected velocities, if the scheme predicts them.
     fn find(&mut self, scheme: KickDriftScheme, summary: &mut StepSummary) {
         summary.tallies.resize(self.terms.tallies(), Tally::default());
         let n = self.mass.len();

@@ -1,14 +1,14 @@
 //! Force passes of one step, or of a block of steps, each a few node blocks behind the one before it (time skewing).
-//! What the scheme does to nodes before and after a pass is done in the same way through them.
+//! The updates of nodes before and after a pass are made in the same sweep.
 //!
-//! A node is moved before the first round whose elements reach it, and the scheme goes on with the nodes of a round's
-//! own node blocks as soon as their forces are complete. So a large scene is read from memory once a step, or once a
-//! block.
+//! A node is moved before the first round whose elements reach it. The scheme continues with the nodes of a round's own
+//! node blocks as soon as their forces are complete. So a large scene is read from memory once per step, or once per
+//! block of steps.
 //!
 //! The node blocks of every level ([`crate::force::schedule::wavefront`]) are done in rounds. A round can begin as soon
-//! as all nodes that its elements reach are complete in the level before, and were moved on, or their velocities
-//! corrected. Since elements belong to the node block of their smallest node, the level before does not need those
-//! nodes any more: all happens in place, and sums of a level overwrite those of the level before.
+//! as all nodes that its elements reach are complete in the level before, and were moved, or their velocities
+//! corrected. Since elements belong to the node block of their smallest node, the level before does not need these
+//! nodes any more. So all updates are in place, and the sums of a level overwrite those of the level before.
 
 use crate::force::NodeState;
 use crate::force::schedule::partition::{Halo, Partition};
@@ -26,7 +26,7 @@ use bytemuck::cast_slice;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Where a pass is to find nodes.
+/// The state of a range of nodes, to be moved.
 pub struct NodeStateMut<'a> {
     /// [s]
     pub t: f64,
@@ -39,7 +39,7 @@ pub struct NodeStateMut<'a> {
 }
 
 impl NodeStateMut<'_> {
-    /// Of the nodes that are here.
+    /// The state, read-only.
     fn state(&self) -> NodeState<'_> {
         NodeState { t: self.t, x: cast_slice(self.x), v: cast_slice(self.v) }
     }
@@ -51,7 +51,7 @@ impl NodeStateMut<'_> {
         NodeStateMut { t: self.t, first: nodes.start, x, v }
     }
 
-    /// The nodes before one, and the others.
+    /// Splits the nodes at one of them.
     fn split(self, at: usize) -> [Self; 2] {
         let NodeStateMut { t, first, x, v } = self;
         let ((x, x_after), (v, v_after)) = (x.split_at_mut(3 * (at - first)), v.split_at_mut(3 * (at - first)));
@@ -68,12 +68,12 @@ struct Steps<'a, T: ?Sized> {
     threads: &'a Threads,
 }
 
-/// What is done at a level.
+/// The force pass of a level.
 struct LevelPass {
     kind: PassKind,
     /// [s]
     t: f64,
-    /// whether the largest stretch is looked for
+    /// whether the largest stretch is computed
     stretch: bool,
 }
 
@@ -95,7 +95,7 @@ impl<T: Terms + ?Sized> Steps<'_, T> {
 struct CompletedBlocks<'a> {
     level: usize,
     kind: PassKind,
-    /// what gives something to these nodes
+    /// the blocks that add forces to these nodes
     blocks: Range<usize>,
     halo: [Halo<'a>; SUMS],
 }
@@ -112,7 +112,7 @@ impl BlockSpan<'_> {
         BlockSpan { part: self.part.within(partition, node_blocks), moving }
     }
 
-    /// The node blocks before one, and the others.
+    /// Splits the node blocks at one of them.
     fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
         let [before, after] = self.moving.split(partition.nodes_of(at..at).start);
         let [part, others] = self.part.split(partition, at);
@@ -121,7 +121,7 @@ impl BlockSpan<'_> {
 }
 
 impl Sweep {
-    /// How many steps a block may have that is worth while, with so many force passes each.
+    /// Largest useful number of steps in a block, with this many force passes per step.
     pub fn longest_block(&self, passes: usize) -> usize {
         if self.is_single_block() { LONGEST } else { LEVELS / passes }
     }
@@ -151,7 +151,7 @@ impl Sweep {
             };
             let mut workspace = self.workspace(needs, &out);
             self.steps((Steps { terms, boundary, summaries, threads }, moving), out, &mut workspace);
-            // Terms of the first sum are gone over once a step if they depend on position only, and then tell their
+            // Terms of the first sum are evaluated once per step if they depend on position only; that pass has their
             // energies.
             let tallies_at = if is_position_only { 0 } else { scheme.passes() - 1 };
             for (step, summary) in summaries.iter_mut().enumerate() {
@@ -170,7 +170,7 @@ impl Sweep {
         }
     }
 
-    /// A step for every level of `room`.
+    /// Makes all levels of the workspace.
     fn steps<T: Terms + ?Sized>(
         &self,
         (steps, moving): (Steps<'_, T>, NodeStateMut<'_>),
@@ -196,7 +196,7 @@ impl Sweep {
         });
     }
 
-    /// Every wavefront by one thread, or all by the only one.
+    /// Each wavefront on one thread, or all on the only thread.
     fn side_by_side<T: Terms + ?Sized>(&self, steps: &Steps<'_, T>, wavefronts: &mut [Wavefront], span: BlockSpan<'_>) {
         match wavefronts {
             [] => {}
@@ -209,7 +209,7 @@ impl Sweep {
         }
     }
 
-    /// A wavefront to its end, so many node blocks at once.
+    /// Makes a wavefront to its end, this many node blocks per round.
     fn rounds<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,
@@ -230,7 +230,7 @@ impl Sweep {
                 reads: reads(steps.terms, kind),
                 stretch,
                 kind,
-                // Energies of reused forces are counted already.
+                // The energies of reused forces are already included.
                 level: if kind == PassKind::ReusePosition { level - 1 } else { level },
                 at: NodeState { t, ..span.moving.state() },
                 first: span.moving.first,
@@ -249,7 +249,8 @@ impl Sweep {
         }
     }
 
-    /// Adds what came from other node blocks to the sums of nodes, and does what comes after, node block by node block.
+    /// Adds the halo sums of other node blocks to the sums of nodes, and makes the update after the pass, node block by
+    /// node block.
     fn complete<T: Terms + ?Sized>(
         &self,
         steps: &Steps<'_, T>,

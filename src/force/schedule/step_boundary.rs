@@ -1,7 +1,7 @@
-//! What a scheme does to nodes between the force passes of a block of steps.
+//! The updates of nodes between the force passes of a block of steps.
 //!
-//! Work is summed in halves: what the forces at the step's end do on its way, when it ends; what they do on the way of
-//! the next, when that begins.
+//! Work is summed in halves: the work of the forces at the end of a step over this step, when it ends; and their work
+//! over the next step, when that begins.
 
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::workspace::WorkspaceView;
@@ -14,19 +14,19 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// The steps' scheme, and what it needs of nodes.
+/// The scheme of the steps, and its data of nodes.
 #[derive(Clone, Copy)]
 pub struct StepBoundary<'a> {
-    /// what the steps are made of, and where the first begins
+    /// the scheme, and the point at which the first step begins
     pub block: KickDriftBlock<'a>,
-    /// [kg] one a node
+    /// [kg] `[n_nodes]`
     pub mass: &'a [f64],
     /// [1/kg] by degree of freedom, 0 at fixed ones
     pub inverse_mass: &'a [f64],
 }
 
 impl StepBoundary<'_> {
-    /// Moves nodes to where the first force pass finds them.
+    /// Moves nodes to the positions of the first force pass.
     pub(in crate::force) fn begin(&self, NodeStateMut { first, x, v, .. }: NodeStateMut<'_>, workers: &Workers) {
         let scheme = self.block.scheme;
         workers.both((x, v), |r, x, v| scheme.begin(self.start(3 * first + r.start..3 * first + r.end), x, v));
@@ -85,7 +85,7 @@ impl StepBoundary<'_> {
         let (ended, next) = scheme.end(nodes, another);
         sums[level] = NodeSums { work: begun.and(ended.work).halved(), ..ended };
         if another {
-            // Kept where the next step's first pass is, until that step ends.
+            // Kept at the level of the next step's first pass, until that step ends.
             sums[level + 1].work = next;
         }
     }

@@ -1,9 +1,9 @@
 //! Passes over the blocks of a scene, with the same bits for every number of threads.
 //!
-//! Node block by node block, mostly a block each, local buffers are filled, all terms add to them while they are in
-//! cache, and what the node block's own nodes get is stored: no sum is zeroed in memory or read back. What lies beyond
-//! the node block is kept apart and added when all node blocks (`step_block`: of a round) are done, in their order, as
-//! are energies and powers. So no sum depends on which thread did which node block.
+//! For each node block, mostly one block, the pass fills the local buffers, all terms add to them while they are in
+//! cache, and the sums of the node block's own nodes are stored: no sum is zeroed in memory or read back. Halo sums are
+//! kept apart, and are added in the order of the node blocks when all of them (in `step_block`: those of a round) are
+//! done. The same holds for energies and powers. So no sum depends on the thread that did a node block.
 
 use crate::force::NodeState;
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
@@ -25,20 +25,20 @@ use std::ops::Range;
 pub struct Term<'a> {
     /// the term
     pub forces: &'a dyn BlockForces,
-    /// where its parts go, to a sum each; `None` = the part is left out
+    /// the output of each of its parts; `None` = the part is left out
     pub parts: [Option<PartTarget>; PARTS],
 }
 
-/// Where a part of a force term goes.
+/// The output of a part of a force term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartTarget {
     /// the sum of its forces: 0, 1 or 2
     pub sum: usize,
-    /// place of its energy and power
+    /// index of its energy and power
     pub tally: usize,
 }
 
-/// The force terms that a pass adds up.
+/// The force terms of a pass.
 pub trait Terms: Sync {
     /// Number of terms.
     fn count(&self) -> usize;
@@ -49,43 +49,42 @@ pub trait Terms: Sync {
     /// A term.
     fn term(&self, i: usize) -> Term<'_>;
 
-    /// Whether all terms of the first sum depend on position only: their forces follow from positions alone, so that
-    /// other velocities change nothing.
+    /// Whether all terms of the first sum depend on position only, so that their forces do not change with velocities.
     fn is_position_only(&self) -> bool {
         false
     }
 
-    /// [-] Largest l^2/l0^2 of all springs of a block, if it is wanted; else and without springs -inf.
+    /// [-] Largest l^2/l0^2 of all springs of a block, if wanted; otherwise, and without springs, -inf.
     fn largest_stretch(&self, block: &ElementBlock<'_>, wanted: bool) -> f64 {
         let terms = if wanted { 0..self.count() } else { 0..0 };
         terms.map(|i| self.term(i).forces.largest_stretch(block)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
-/// The blocks of a scene and the room a pass needs.
+/// The blocks of a scene and the buffers of a pass.
 #[derive(Debug)]
 pub struct Sweep {
     pub(in crate::force) partition: Partition,
     workspace: BufferPool<Workspace>,
-    /// of a sum over node blocks
+    /// buffers of a sum over node blocks
     parts: BufferPool<Vec<f64>>,
 }
 
-/// What a pass reads, and with which threads.
+/// The specification of a pass.
 pub(in crate::force) struct PassSpec<'a, T: ?Sized> {
     pub terms: &'a T,
     pub reads: BufferReads,
-    /// whether the largest stretch is looked for
+    /// whether the largest stretch is computed
     pub stretch: bool,
     pub kind: PassKind,
     /// level of the energies and powers
     pub level: usize,
-    /// of nodes from one of them on, as many as elements reach
+    /// the state of nodes from a first one on, as many as elements reach
     pub at: NodeState<'a>,
     /// its number
     pub first: usize,
     pub threads: &'a Threads,
-    /// all of them, or the one that this is done by
+    /// all threads, or the present one
     pub workers: &'a Workers,
     pub partition: &'a Partition,
 }
@@ -100,8 +99,8 @@ impl Sweep {
         Sweep { partition, workspace: BufferPool::default(), parts: BufferPool::default() }
     }
 
-    /// Overwrites every sum with what its terms give [N]; the first gets those of the others too. A sum may be empty
-    /// only if no term adds to it. Tells every term's energy [J] or power [W] in `tallies`.
+    /// Overwrites every sum [N] with the forces of its terms; the first also gets those of the others. A sum may be
+    /// empty only if no term adds to it. Writes the energy [J] or power [W] of every term to `tallies`.
     pub fn pass<T: Terms + ?Sized>(
         &self,
         (terms, at): (&T, NodeState<'_>),
@@ -124,7 +123,7 @@ impl Sweep {
         workspace.add_up(0, tallies);
     }
 
-    /// A sum over the nodes, node block after node block.
+    /// Sums over the nodes, node block after node block.
     pub fn by_node_blocks(&self, threads: &Threads, of: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
         let node_blocks = self.partition.node_blocks();
         let of = |node_block: usize| of(self.partition.nodes_of(node_block..node_block + 1));
@@ -154,7 +153,7 @@ impl Sweep {
     }
 }
 
-/// What any of the terms reads that a pass goes over.
+/// The buffers that the terms of a pass read.
 pub(in crate::force) fn reads<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> BufferReads {
     let reads = (0..terms.count()).map(|i| terms.term(i)).filter_map(|Term { forces, parts }| {
         let parts = parts.map(|part| part.is_some_and(|part| kind.goes_over(part.sum)));
@@ -164,7 +163,7 @@ pub(in crate::force) fn reads<T: Terms + ?Sized>(terms: &T, kind: PassKind) -> B
 }
 
 impl<T: Terms + ?Sized> PassSpec<'_, T> {
-    /// Fills the places of some node blocks.
+    /// Computes the sums of some node blocks.
     pub(in crate::force) fn run(&self, part: WorkspaceView<'_>) {
         match self.workers.pool().filter(|_| part.node_blocks.len() > 1) {
             None => self.in_order(part),
@@ -205,7 +204,7 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             let level = i * levels + self.level;
             let tallies = &mut tallies[level * count..(level + 1) * count];
             let stretch = self.block((number, own_kept), local_buffers, &out, tallies);
-            // Springs whose forces were kept have been looked at.
+            // The stretch of springs whose forces were kept is already included.
             if self.kind != PassKind::ReusePosition {
                 stretches[level] = stretch;
             }
@@ -225,8 +224,8 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
         }
     }
 
-    /// Leaves in the local buffers what the terms add to the nodes of a block, in every sum that is not empty. Tells
-    /// its largest stretch, if that is looked for.
+    /// Writes the sums of the terms for the nodes of a block to the local buffers, for every sum that is not empty.
+    /// Returns its largest stretch, if wanted.
     fn block(
         &self,
         (number, kept): (usize, &mut [PaddedVec3]),

@@ -18,7 +18,7 @@ pub(in crate::force) struct LocalBuffers {
     pub single_block: SingleBlockBuffers,
 }
 
-/// What is kept of nodes that stay in their local buffers.
+/// Further buffers for nodes that stay in the local buffers.
 #[derive(Debug)]
 pub(in crate::force) struct SingleBlockBuffers {
     /// [1/kg] by degree of freedom
@@ -44,11 +44,11 @@ impl Default for LocalBuffers {
     }
 }
 
-/// How many threads a force pass may use, and their local buffers.
+/// The threads of force passes, and their local buffers.
 #[derive(Debug)]
 pub struct Threads {
     workers: Workers,
-    /// one a thread
+    /// one per thread
     local_buffers: Vec<Mutex<LocalBuffers>>,
 }
 
@@ -64,7 +64,7 @@ impl Threads {
         Threads { workers, local_buffers: (0..n).map(|_| Mutex::default()).collect() }
     }
 
-    /// One thread: no pool is made.
+    /// One thread, without a pool.
     pub fn one() -> Self {
         Threads::of(Workers::default())
     }
@@ -72,7 +72,7 @@ impl Threads {
     /// `n` threads (0 and 1 mean one).
     ///
     /// # Errors
-    /// When the operating system gives no threads.
+    /// When the operating system cannot start threads.
     pub fn new(n: usize) -> Result<Self, ThreadPoolBuildError> {
         Ok(Threads::of(Workers::new(n)?))
     }
@@ -80,7 +80,7 @@ impl Threads {
     /// The same with the calling thread as one of them, for scenes that are used on it: see [`Workers::with_caller`].
     ///
     /// # Errors
-    /// When the operating system gives no threads.
+    /// When the operating system cannot start threads.
     pub fn with_caller(n: usize) -> Result<Self, ThreadPoolBuildError> {
         Ok(Threads::of(Workers::with_caller(n)?))
     }
@@ -90,7 +90,7 @@ impl Threads {
         &self.workers
     }
 
-    /// How many there are.
+    /// Their number.
     pub(in crate::force) fn count(&self) -> usize {
         self.local_buffers.len()
     }

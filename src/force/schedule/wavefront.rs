@@ -1,10 +1,10 @@
-//! Ways through the node blocks of a scene, level after level.
+//! The order in which the node blocks of a scene go through the levels.
 //!
 //! A level is a force pass: that of the first step of a block, of the next one, or the second pass of the same step.
-//! One wavefront goes over all node blocks. Several threads have a wavefront each, over parts of the scene that share
-//! nothing, so that they need not meet before the block ends: a part begins every level further to the right and ends
-//! it further to the left than the one before, where the nodes that its elements reach are its own. What is left
-//! between two parts is a seam, which is gone over when both are done (trapezoids: Frigo & Strumpen 2005).
+//! One wavefront goes over all node blocks. Several threads have one wavefront each, over parts of the scene that share
+//! no data, so they need not wait for each other before the block ends. A part begins each level further to the right,
+//! and ends it further to the left, than the level before, so that its elements reach only its own nodes. The rest
+//! between two parts is a seam, which is done after both parts (trapezoids: Frigo & Strumpen 2005).
 //!
 //! ```text
 //! level 2      |  part  /     seam     \  part  |
@@ -16,37 +16,37 @@ use crate::force::schedule::partition::Partition;
 use crate::force::schedule::tuning::SEAMS;
 use std::ops::Range;
 
-/// How far one level of a wavefront has come.
+/// The state of one level of a wavefront.
 #[derive(Clone, Debug, Default)]
 pub(in crate::force) struct Level {
-    /// the node blocks that are left
+    /// the remaining node blocks
     pub node_blocks: Range<usize>,
-    /// node blocks whose nodes this wavefront completes and has not yet. A part leaves those at its left edge, which
-    /// elements of node blocks before it reach, to the seam
+    /// node blocks whose nodes this wavefront has still to complete. A part leaves those at its left edge, which
+    /// elements of earlier node blocks reach, to the seam
     pub open: Range<usize>,
-    /// up to this node the next level may reach
+    /// the next level may reach nodes up to this one
     pub complete: usize,
-    /// the first block that may still give something to the nodes that are left
+    /// the first block that may still add to the remaining nodes
     pub oldest: usize,
 }
 
-/// A way through some node blocks.
+/// A wavefront over some node blocks.
 #[derive(Clone, Debug, Default)]
 pub(in crate::force) struct Wavefront {
     /// all that it reads and writes
     pub node_blocks: Range<usize>,
-    /// nodes that are left to be moved before the first level
+    /// nodes still to be moved before the first level
     pub unmoved: Range<usize>,
     pub levels: Vec<Level>,
 }
 
-/// Some node blocks that come next in a level of a wavefront.
+/// The node blocks to do next in a level of a wavefront.
 pub(in crate::force) struct NextBlocks {
     pub level: usize,
     pub node_blocks: Range<usize>,
     /// node blocks whose nodes are complete after these
     pub completed: Range<usize>,
-    /// where the nodes end that their elements reach
+    /// end of the nodes that their elements reach
     pub reach: usize,
 }
 
@@ -55,12 +55,12 @@ pub(in crate::force) struct NextBlocks {
 pub(in crate::force) struct Wavefronts {
     parts: Vec<Wavefront>,
     others: Vec<Wavefront>,
-    /// how many of both are used; the others keep their room
+    /// number of both in use; the others keep their buffers
     used: [usize; 2],
 }
 
 impl Wavefront {
-    /// At the beginning of a way over all node blocks.
+    /// A wavefront over all node blocks, before its first round.
     fn begin(&mut self, partition: &Partition, levels: usize) {
         self.node_blocks = partition.node_blocks();
         self.unmoved = partition.nodes_of(partition.node_blocks());
@@ -71,7 +71,7 @@ impl Wavefront {
         );
     }
 
-    /// Makes this what is left between two parts, whose levels end and begin where they have to.
+    /// Makes this the seam between two parts, given the ends of their levels.
     fn between(&mut self, partition: &Partition, boundary: usize, (left, right): (&mut Wavefront, &mut Wavefront)) {
         let first = partition.nodes_of(boundary..boundary).start;
         (left.node_blocks.end, right.node_blocks.start) = (boundary, boundary);
@@ -89,7 +89,7 @@ impl Wavefront {
         self.unmoved = partition.reach_of(left.levels[0].node_blocks.end)..first;
     }
 
-    /// Of the levels that can go on the highest, so that it finds its nodes in cache, and its next node blocks.
+    /// The next node blocks to do: those of the highest level that can continue, whose nodes are still in cache.
     pub fn ahead(&self, partition: &Partition, node_blocks: usize) -> Option<NextBlocks> {
         (0..self.levels.len()).rev().find_map(|number| {
             let Level { node_blocks: left, open, .. } = &self.levels[number];
@@ -107,14 +107,14 @@ impl Wavefront {
         })
     }
 
-    /// The nodes that are to be moved before some node blocks are gone over; takes note of them.
+    /// The nodes to move before these node blocks are done; marks them as moved.
     pub fn move_for(&mut self, ahead: &NextBlocks) -> Range<usize> {
         let Range { start, end } = self.unmoved;
         self.unmoved.start = if ahead.level > 0 { start } else { ahead.reach.clamp(start, end) };
         start..self.unmoved.start
     }
 
-    /// Takes note of what was done; returns the blocks that give something to the nodes that are now complete.
+    /// Marks node blocks as done; returns the blocks that add to the nodes that are now complete.
     pub fn advance(&mut self, partition: &Partition, ahead: &NextBlocks) -> Range<usize> {
         let level = &mut self.levels[ahead.level];
         let first = partition.nodes_of(ahead.completed.clone()).start;
@@ -132,10 +132,10 @@ impl Wavefront {
 }
 
 impl Wavefronts {
-    /// Wavefronts for so many threads.
+    /// Wavefronts for this number of threads.
     pub fn plan(&mut self, partition: &Partition, levels: usize, threads: usize) {
         let parts = if divides(partition, levels, threads) { threads } else { 0 };
-        // Without parts one wavefront over everything.
+        // Without parts, one wavefront over all node blocks.
         self.used = [parts, parts.saturating_sub(1).max(1)];
         for (wavefronts, used) in [&mut self.parts, &mut self.others].into_iter().zip(self.used) {
             wavefronts.resize_with(used.max(wavefronts.len()), Wavefront::default);
@@ -149,13 +149,13 @@ impl Wavefronts {
         }
     }
 
-    /// Parts, if there are any, and what is to be gone over after them: their seams, or else the whole scene.
+    /// The parts, if there are any, and the wavefronts to do after them: their seams, or else the whole scene.
     pub fn all(&mut self) -> [&mut [Wavefront]; 2] {
         [&mut self.parts[..self.used[0]], &mut self.others[..self.used[1]]]
     }
 }
 
-/// Whether the scene has parts for so many threads, with seams that are not too wide.
+/// Whether the scene can be divided into parts for this number of threads, with seams that are not too wide.
 fn divides(partition: &Partition, levels: usize, parts: usize) -> bool {
     if levels < 2 || parts < 2 || parts > partition.node_blocks().len() {
         return false;
@@ -175,7 +175,7 @@ fn boundary(partition: &Partition, parts: usize, number: usize) -> usize {
     number * partition.node_blocks().len() / parts
 }
 
-/// The node blocks that are left by the parts on both sides of a boundary, level after level.
+/// The node blocks that the parts on both sides of a boundary leave to the seam, level after level.
 fn edges(partition: &Partition, boundary: usize) -> impl Iterator<Item = Range<usize>> {
     let next = |of: &Range<usize>| Some(partition.first_beyond(of.start)..partition.first_unreached(of.end));
     std::iter::successors(Some(partition.first_beyond(boundary)..boundary), next)

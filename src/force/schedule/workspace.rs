@@ -1,5 +1,5 @@
-//! The work space of force passes, and the parts of it, and of the sums over nodes, that one thread writes to for its
-//! node blocks.
+//! The workspace of force passes, and the parts of it and of the node sums to which one thread writes for its node
+//! blocks.
 
 use crate::force::kernel::local_buffer::PaddedVec3;
 use crate::force::schedule::partition::Partition;
@@ -10,10 +10,10 @@ use crate::model::step_block::NodeSums;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Kept from pass to pass.
+/// Buffers that are kept from pass to pass.
 #[derive(Debug, Default)]
 pub(in crate::force) struct Workspace {
-    /// what each sum gets beyond the node blocks' ends
+    /// halo sums of each sum
     halo: [Vec<PaddedVec3>; SUMS],
     /// of the pass
     terms: usize,
@@ -31,12 +31,12 @@ pub(in crate::force) struct Workspace {
     pub wavefronts: Wavefronts,
 }
 
-/// What passes need.
+/// The sizes that passes need.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::force) struct WorkspaceSize {
     pub terms: usize,
     pub levels: usize,
-    /// that may go over several levels side by side
+    /// threads that may work on several levels side by side
     pub threads: usize,
     /// whether forces of terms of position only are kept
     pub keeps: bool,
@@ -45,7 +45,7 @@ pub(in crate::force) struct WorkspaceSize {
 }
 
 impl WorkspaceSize {
-    /// Of a single pass.
+    /// The sizes of a single pass.
     pub fn of_a_pass(terms: usize) -> Self {
         WorkspaceSize { terms, levels: 1, threads: 1, keeps: false, aside: [false; ASIDE] }
     }
@@ -54,7 +54,7 @@ impl WorkspaceSize {
 /// Nodal vectors that are kept within a step: positions [m] at its start, kicked velocities [m/s].
 pub(in crate::force) const ASIDE: usize = 2;
 
-/// Some node blocks and where their sums go, those of all levels.
+/// Some node blocks and the buffers for their sums, of all levels.
 pub(in crate::force) struct WorkspaceView<'a> {
     pub node_blocks: Range<usize>,
     pub out: [&'a mut [Vector3<f64>]; SUMS],
@@ -62,14 +62,14 @@ pub(in crate::force) struct WorkspaceView<'a> {
     pub tallies: &'a mut [Tally],
     pub stretches: &'a mut [f64],
     pub nodes: &'a mut [NodeSums],
-    /// empty where nothing is kept
+    /// empty if nothing is kept
     pub kept: &'a mut [PaddedVec3],
     pub aside: [&'a mut [Vector3<f64>]; ASIDE],
     pub levels: usize,
 }
 
 impl Workspace {
-    /// Makes room for passes into sums of these sizes, with wavefronts at their beginning.
+    /// Sizes the buffers for passes into these sums, and resets the wavefronts.
     pub fn fit(&mut self, partition: &Partition, needs: WorkspaceSize, out: &[&mut [Vector3<f64>]; SUMS]) {
         let WorkspaceSize { terms, levels, threads, keeps, aside } = needs;
         for (halo, _) in self.halo.iter_mut().zip(out).filter(|(_, out)| !out.is_empty()) {
@@ -110,7 +110,7 @@ impl Workspace {
         }
     }
 
-    /// What the nodes are like in one of the levels, node block after node block.
+    /// The node sums of one of the levels, node block after node block.
     pub fn node_sums(&self, level: usize) -> NodeSums {
         let of_level = self.nodes.iter().skip(level).step_by(self.levels);
         of_level.fold(NodeSums::default(), |sums, next| sums.and(*next))
@@ -141,7 +141,7 @@ impl WorkspaceView<'_> {
         within
     }
 
-    /// The node blocks before one, and the others.
+    /// Splits the node blocks at one of them.
     pub fn split(self, partition: &Partition, at: usize) -> [Self; 2] {
         let WorkspaceView { node_blocks, out, halo, tallies, stretches, nodes, kept, aside, levels } = self;
         let (before, after) = (node_blocks.start..at, at..node_blocks.end);
@@ -170,7 +170,7 @@ impl WorkspaceView<'_> {
     }
 }
 
-/// What comes before a place and what comes after; nothing of what is empty.
+/// Splits a slice at an index; an empty slice gives two empty ones.
 fn halves<T, const N: usize>(slices: [&mut [T]; N], at: usize) -> ([&mut [T]; N], [&mut [T]; N]) {
     let mut halves = slices.map(|slice| slice.split_at_mut(at.min(slice.len())));
     (halves.each_mut().map(|(before, _)| std::mem::take(before)), halves.map(|(_, after)| after))

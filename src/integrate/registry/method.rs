@@ -1,4 +1,4 @@
-//! What an entry of the table says, and a method chosen from it with its parameters.
+//! An entry of the table, and a method chosen from it with its parameters.
 
 use super::methods;
 use crate::integrate::implicit::SolverSpec;
@@ -35,7 +35,7 @@ pub struct ParameterInfo {
     pub doc: &'static str,
 }
 
-/// What is known of a method before it runs.
+/// Properties of a method.
 #[derive(Debug)]
 pub struct MethodInfo {
     /// name in a case file
@@ -54,7 +54,7 @@ pub struct MethodInfo {
     pub stability: &'static str,
     /// what a step is on linear scenes
     pub linear: LinearStep,
-    /// paper or book with equation number
+    /// paper or book, with equation number
     pub source: &'static str,
     /// makes the scheme from its checked parameter values
     pub build: fn(&[f64], SolverSpec) -> Scheme,
@@ -75,7 +75,7 @@ pub enum MethodError {
     /// No such method.
     #[error("there is no method \"{name}\"; the methods are {known}")]
     Unknown {
-        /// what was asked for
+        /// the name given
         name: String,
         /// all names
         known: String,
@@ -85,7 +85,7 @@ pub enum MethodError {
     UnknownParameter {
         /// the method
         method: &'static str,
-        /// what was given
+        /// the value given
         name: String,
         /// its parameters
         known: String,
@@ -97,7 +97,7 @@ pub enum MethodError {
         method: &'static str,
         /// the parameter
         name: &'static str,
-        /// what was given
+        /// the value given
         value: f64,
         /// e.g. "[-0.3333, 0]"
         range: String,
@@ -117,7 +117,7 @@ impl ParameterInfo {
 }
 
 impl MethodChoice {
-    /// Looks up a method and checks its parameters; what is not given takes its default.
+    /// Looks up a method and checks its parameters; parameters that are not given have their defaults.
     ///
     /// # Errors
     /// An unknown name or parameter, or a value out of its range (never clamped).
@@ -129,7 +129,7 @@ impl MethodChoice {
         Self::of(info, given)
     }
 
-    /// A method of the program's own, which need not be in the table: `info` says how it is made. See
+    /// A method that a program supplies, which need not be in the table: `info` says how to make it. See
     /// `examples/own_scheme.rs`.
     ///
     /// # Errors
@@ -161,7 +161,7 @@ impl MethodChoice {
         Self::new(name, &BTreeMap::new())
     }
 
-    /// Every method with its defaults, but this one as it is.
+    /// All methods with their defaults, except this one with its own parameters.
     pub fn among_all(&self) -> impl Iterator<Item = MethodChoice> {
         let defaults = |info: &MethodInfo| info.parameters.iter().map(|p| p.default).collect();
         methods().iter().map(move |info| match info.name == self.info.name {

@@ -81,7 +81,7 @@ pub struct Nodes<'a, const W: usize> {
 pub struct Working<'a> {
     /// [N] external and dissipative forces at the step's end; empty where there are none
     pub forces: [&'a [f64]; 2],
-    /// [m] positions where the step began; those where it ends afterwards
+    /// [m] positions where the step began; those its end afterwards
     pub before: &'a mut [f64],
 }
 

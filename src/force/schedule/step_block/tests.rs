@@ -378,7 +378,7 @@ fn a_single_step_has_the_bits_of_its_equations() -> Result<(), ThreadPoolBuildEr
 
 /// The same where velocities are predicted, but for the order in which the first pass adds forces. Terms that depend on
 /// position alone are asked once a step, others twice; the second pass has every bit of one alone, so that a run can go
-/// on from where it ends.
+/// on from its end.
 #[test]
 fn a_second_pass_goes_over_what_velocities_change() -> Result<(), ThreadPoolBuildError> {
     let scheme = KickDriftScheme { predicts: true, ..KICKS };
