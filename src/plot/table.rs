@@ -1,7 +1,7 @@
 //! Comma-separated files of known columns, read by `csv`, with the line of every fault.
 
 use super::PlotError;
-use csv::{Position, ReaderBuilder, StringRecord};
+use csv::{ErrorKind, Position, ReaderBuilder, StringRecord};
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
@@ -35,13 +35,17 @@ pub(super) fn rows<T: DeserializeOwned>(path: &Path, text: &str, header: &str) -
         return Err(fault(row.position(), format!("{} values where {columns} are expected", row.len())));
     }
     let typed = |row: &StringRecord| {
-        row.deserialize(None).map_err(|error| {
-            // The kind alone: the line stands before it already.
-            let what = match error.kind() {
-                csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
-                _ => error.to_string(),
+        row.deserialize(None).map_err(|error: csv::Error| {
+            let field = match error.kind() {
+                ErrorKind::Deserialize { err, .. } => err.field(),
+                _ => None,
             };
-            fault(row.position(), format!("{what}, not what is expected there"))
+            let cell = |field: u64| (field + 1, row.get(field as usize).unwrap_or_default());
+            let what = match field.map(cell) {
+                Some((number, text)) => format!("value {number} is \"{text}\", not a number as expected there"),
+                None => error.to_string(),
+            };
+            fault(row.position(), what)
         })
     };
     rows.iter().map(typed).collect()
@@ -70,7 +74,7 @@ mod tests {
             ("", "a.csv: is empty"),
             ("t,name\n1,\"a\nb\"\n2,c,d\n", "a.csv, line 4: 3 values where 2"),
             ("t,name\n1,\"a\n", "a.csv, line 2: a quote"),
-            ("t,name\n1,a\nx,b\n", "a.csv, line 3: field 0: invalid digit"),
+            ("t,name\n1,a\nx,b\n", "a.csv, line 3: value 1 is \"x\", not a number"),
         ] {
             let error = read(text).expect_err(text);
             assert!(error.starts_with(fault), "{error}");
