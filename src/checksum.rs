@@ -1,19 +1,18 @@
-//! The CRC-32 (IEEE 802.3), little end first, behind everything that is stored in binary form: damage is noticed before
-//! anything is decoded.
+//! The CRC-32 (IEEE 802.3), little-endian, after all binary data that are stored: damage is found before decoding.
 
 use serde::{Deserialize, Serialize};
 
 /// [byte] length of the checksum
 pub const LENGTH: usize = 4;
 
-/// Why bytes cannot be trusted.
+/// Why bytes are not valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChecksumError {
     /// They are too few to hold a checksum.
     Missing,
     /// The checksum is not that of the bytes before it.
     Differs {
-        /// behind the bytes
+        /// stored after the bytes
         stored: u32,
         /// of the bytes
         computed: u32,
@@ -80,7 +79,7 @@ pub fn append(bytes: &mut Vec<u8>) {
 /// The bytes before the checksum.
 ///
 /// # Errors
-/// Bytes that are too few or damaged.
+/// Too few bytes, or damaged ones.
 pub fn verified(bytes: &[u8]) -> Result<&[u8], ChecksumError> {
     let (content, sum) = bytes.split_last_chunk::<LENGTH>().ok_or(ChecksumError::Missing)?;
     let (stored, computed) = (u32::from_le_bytes(*sum), crc32fast::hash(content));

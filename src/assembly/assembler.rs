@@ -25,7 +25,7 @@ pub struct Assembler {
     diagonal: Vec<u32>,
 }
 
-/// Where the nodes are and which of their degrees of freedom are free.
+/// Positions of the nodes, and which of their degrees of freedom are fixed.
 #[derive(Clone, Copy, Debug)]
 pub struct Nodes<'a> {
     /// [m] positions

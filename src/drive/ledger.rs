@@ -145,8 +145,8 @@ impl Ledger {
 mod tests {
     use super::*;
 
-    /// Where only rounding was exchanged, as by a pendulum that turns without gravity or a taut string that moves by
-    /// 1e-8 of its length, the unexplained part is compared with the energies that were rounded.
+    /// Where only rounding was exchanged, the unexplained part is compared with the energies that were rounded.
+    /// Examples are a pendulum that turns without gravity, and a taut string that moves by 1e-8 of its length.
     #[test]
     fn rounding_is_no_energy_error() {
         let turning = LedgerRow { kinetic: 4.5, ..LedgerRow::default() };

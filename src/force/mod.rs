@@ -33,15 +33,16 @@
 //!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
 //!    built (`scene/build.rs`, which also collects the times at which a table has a corner).
-//! 4. If it is new to the case file, its section goes to `case/schema` and `case/lower`, and to `case/fingerprint`,
-//!    which says what must be equal for a run to be resumed; the compiler requires the last.
-//! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random
-//!    states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single steps.
+//! 4. If it is new to the case file, its section goes to `case/schema`, `case/lower` and `case/fingerprint`. The last
+//!    says what must be equal for a run to be resumed; the compiler requires it.
+//! 5. Add it to the list in `tests/api/tangent/scenes.rs`. The tests compare both tangents with finite differences at
+//!    random states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single
+//!    steps.
 //!
 //! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars
 //! by [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).
 //!
-//! A term must emit the same elements in the same order at every state (a slack spring emits a zero block): the
+//! A term must emit the same elements in the same order at every state (a slack spring emits a zero block). The
 //! assembler needs this to know the slot of every block in advance.
 
 pub mod kernel;
@@ -101,8 +102,8 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
-    /// Adds the stiffness [N/m] of this term's springs to each of their nodes, at rest: for the rounding floor of a
-    /// residual, and for diagnoses. Terms without elastic energy have none.
+    /// Adds the stiffness [N/m] of this term's springs, at rest, to each of their nodes in `nodes` `[n_nodes]`: for the
+    /// rounding floor of a residual, and for diagnoses. Terms without elastic energy have none.
     fn add_stiffness(&self, nodes: &mut [f64]) {
         let _ = nodes;
     }

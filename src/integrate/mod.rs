@@ -12,7 +12,7 @@
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
 //!    `analysis/limit` check on oscillators what it says of the step.
 //! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
-//!    leading error term and `tests/api/counters.rs` its work; an explicit one has a line of known limits in
+//!    leading error term and `tests/api/counters.rs` its work. An explicit scheme also needs a line of known limits in
 //!    `analysis/limit` and, if it is a Runge-Kutta method, a polynomial in `tests/common/polynomials.rs`.
 //!    `tests/claims/order.rs` and `tolerance.rs` measure its order and its errors with tolerances. Each of them fails
 //!    with a message if the entry is missing; `tests/api/case/faults.rs` and the README's table name all methods.
@@ -124,8 +124,8 @@ pub struct Trend {
 /// How the estimate of an embedded pair compares with the error that the scheme itself makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairInfo {
-    /// [-] error of a step over its estimate and over w h, about, for oscillations of w [rad/s] in small steps of h
-    /// [s]: the run continues with the more accurate solution, whose error is one order smaller than the estimate
+    /// [-] approximate error of a step over its estimate and over w h, for oscillations of w [rad/s] in small steps of
+    /// h [s]. The run continues with the more accurate solution, whose error is one order smaller than the estimate
     pub leading: f64,
 }
 
@@ -218,10 +218,10 @@ pub trait Integrator<S: ?Sized>: Send {
         carried.take_into(&mut [])
     }
 
-    /// Damps an estimate of the local error of the step attempted last as the scheme damps the motion itself: e <- W^-1
-    /// cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit step rightly does not
-    /// resolve would count (w h)^2 times too much (Shampine & Baca 1984; Hairer & Wanner 1996, Eq. IV.8.19). Explicit
-    /// schemes leave e.
+    /// Damps an estimate `e` [m/s] `[n_dof]` of the local error of the step attempted last as the scheme damps the
+    /// motion itself: e <- W^-1 cm M e with that step's W = cm M + cc C + ck K. Without it, motion that an implicit
+    /// step rightly does not resolve would count (w h)^2 times too much (Shampine & Baca 1984; Hairer & Wanner 1996,
+    /// Eq. IV.8.19). Explicit schemes leave e.
     ///
     /// # Errors
     /// When the factorised W cannot be solved with.

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// [-] allowed range of `grading`
 pub const GRADING_RANGE: [f64; 2] = [0.2, 10.0];
-/// [-] most seams; more would need more loop nodes than any sensible canopy has
+/// [-] largest number of seams; more would need more loop nodes than a real canopy has
 pub const MAX_SEAMS: usize = 10_000;
-/// [-] most seams of a disc; more would make its angles at the centre sharper than 22 degrees
+/// [-] largest number of seams of a disc; with more, angles at its centre would be below 22 degrees
 pub const MAX_DISC_SEAMS: usize = 16;
 
 /// A flat ring around the origin, meshed with triangles that grow with the distance from its edges.
@@ -88,7 +88,7 @@ impl AnnulusParameters {
     pub fn check(&self, at: &str, faults: FaultSink<'_>) {
         check_length(at, "inner_radius", self.inner_radius, faults);
         check_length(at, "outer_radius", self.outer_radius, faults);
-        // A thinner ring would need more nodes than MAX_NODES to hold good triangles.
+        // A thinner ring would need more nodes than MAX_NODES for good triangles.
         if self.outer_radius.is_finite() && self.inner_radius > self.outer_radius * (1.0 - 1e-6) {
             let allowed = format!("below outer_radius = {}", self.outer_radius);
             let hint = "swap the radii or make the hole smaller".to_owned();
@@ -106,7 +106,7 @@ impl AnnulusParameters {
     /// Makes the mesh; the parameters must have passed [`AnnulusParameters::check`].
     ///
     /// # Errors
-    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    /// Inconsistent counts, a relaxation that does not converge, or angles that cannot be made acceptable.
     pub fn build(&self) -> Result<Mesh, MeshError> {
         distmesh::generate(&self.request(), self.seed)
     }
@@ -128,7 +128,7 @@ impl DiscParameters {
     /// Makes the mesh; the parameters must have passed [`DiscParameters::check`].
     ///
     /// # Errors
-    /// Counts that do not go together, a relaxation that finds no rest, or angles that cannot be made acceptable.
+    /// Inconsistent counts, a relaxation that does not converge, or angles that cannot be made acceptable.
     pub fn build(&self) -> Result<Mesh, MeshError> {
         distmesh::generate(&self.request(), self.seed)
     }

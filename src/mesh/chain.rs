@@ -38,7 +38,7 @@ impl ChainParameters {
         let segments = self.segments.min(MAX_NODES) as u32;
         let point = |i: u32| {
             let s = f64::from(i) / f64::from(segments);
-            // Weighted so that both ends are met to the last bit.
+            // Weighted so that both ends are exact to the last bit.
             std::array::from_fn(|c| (1.0 - s) * self.from[c] + s * self.to[c])
         };
         let nodes = (0..=segments).map(point).collect();

@@ -1,4 +1,4 @@
-//! What every mesh must satisfy before a simulation uses it.
+//! Conditions that every mesh must satisfy before a simulation uses it.
 
 use super::{Mesh, MeshError};
 use nalgebra::Vector3;
@@ -12,10 +12,10 @@ impl Mesh {
         Vector3::from(self.nodes[node as usize])
     }
 
-    /// Checks what no simulation can do without: numbers in range, finite positions, no edge or triangle twice or
-    /// degenerate.
+    /// Checks the conditions of every simulation: numbers in range, finite positions, no repeated or degenerate edge or
+    /// triangle.
     ///
-    /// Orientation and manifoldness are checked apart, by [`crate::mesh::Topology`], since not every scene needs them.
+    /// [`crate::mesh::Topology`] checks orientation and manifoldness, which not every scene needs.
     ///
     /// # Errors
     /// The first fault found, with its numbers.
@@ -88,7 +88,7 @@ impl Mesh {
                 (self.point(b) - self.point(a), self.point(c) - self.point(a), self.point(c) - self.point(b));
             let longest = u.norm().max(v.norm()).max(w.norm());
             let area = 0.5 * u.cross(&v).norm();
-            // Written so that an overflow to NaN or infinity is a fault too.
+            // In this form an overflow to NaN or infinity is a fault too.
             if !(area > LEAST_FLATNESS * longest * longest && area.is_finite()) {
                 return Err(MeshError::DegenerateTriangle { triangle, area, longest });
             }

@@ -3,10 +3,10 @@
 use nalgebra::Vector2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// Triangles, counter-clockwise, of the nodes' constrained Delaunay triangulation, those inside the hole left out.
+/// Triangles, counter-clockwise, of the constrained Delaunay triangulation of the nodes, without those in the hole.
 ///
-/// The first `hole` nodes are those of the inner loop, which is convex: a triangle among them alone lies in the hole,
-/// all others outside it. `None` if two nodes coincide, a coordinate is no number, or two constraints cross.
+/// The first `hole` nodes are those of the inner loop, which is convex: a triangle of such nodes only is in the hole,
+/// and all others are outside it. `None` if two nodes coincide, a coordinate is not finite, or two constraints cross.
 pub(super) fn triangulate(points: &[Vector2<f64>], constraints: &[[usize; 2]], hole: usize) -> Option<Vec<[u32; 3]>> {
     let vertices = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
     let mut conflict = false;

@@ -1,14 +1,13 @@
 //! Graded meshes by spring relaxation: P.-O. Persson & G. Strang, "A simple mesh generator in MATLAB", SIAM Review
 //! 46(2), 2004.
 //!
-//! Other than there, the boundary nodes are laid out first and stay, so that their number is met exactly, and the
-//! interior starts from an even spiral of the exact number of nodes. The relaxed mesh is then polished
-//! ([`super::polish`]).
+//! Unlike there, the boundary nodes are placed first and do not move, so that their number is exact. The interior
+//! starts from an even spiral with the exact number of nodes. The relaxed mesh is then polished ([`super::polish`]).
 //!
-//! Of a large mesh (more nodes than [`MANY`](super::layout::MANY)) the interior nodes are numbered along Hilbert's
-//! curve, it is relaxed for [`LARGE_ITERATIONS`] only, and triangulated once: from then on edges are flipped. To wait
-//! until the last of a million nodes rests would take a number of iterations that grows with the number of nodes, and
-//! change no angle that matters.
+//! The interior nodes of a large mesh (more nodes than [`MANY`](super::layout::MANY)) are numbered along Hilbert's
+//! curve. It is relaxed for [`LARGE_ITERATIONS`] only, and triangulated once; after that, edges are flipped. Full
+//! convergence would need a number of iterations that grows with the number of nodes, and would hardly change the
+//! angles.
 
 use super::delaunay::{sorted, triangulate};
 use super::flips::Flips;
@@ -19,34 +18,34 @@ use super::sdf::{SizeFunction, turned_off_seams};
 use super::{Mesh, MeshError, quality, topology};
 use nalgebra::Vector2;
 
-/// [-] how much longer than wanted the springs are, so that the nodes spread to the boundary (`Fscale`)
+/// [-] length of the springs over the wanted length, so that the nodes spread to the boundary (`Fscale`)
 const OVERLENGTH: f64 = 1.2;
 /// [-] step of the relaxation times the bars at a node (`deltat`, 0.2 there, where a node has about six)
 const STEP: f64 = 1.0;
 /// [-] share of the last movement that a step keeps
 const MOMENTUM: f64 = 0.9;
-/// [-] movement since the last triangulation, over the wanted edge length, that calls for a new one (`ttol`)
+/// [-] movement since the last triangulation, over the wanted edge length, above which a new one is made (`ttol`)
 const RETRIANGULATE: f64 = 0.1;
-/// [-] movement in a step, over the wanted edge length, below which the mesh rests (`dptol`)
+/// [-] movement in a step, over the wanted edge length, below which the mesh has converged (`dptol`)
 const REST: f64 = 1e-3;
-/// [-] distance to the boundary, over the wanted edge length, that interior nodes keep
+/// [-] least distance of interior nodes to the boundary, over the wanted edge length
 const CLEARANCE: f64 = 0.4;
 /// most iterations of an attempt
 const ITERATIONS: usize = 2000;
 /// iterations of a large mesh; the mean smallest angle of a triangle is then 54.6 degrees with 100,000 nodes (55.5 at
 /// rest) and 52 with a million, the smallest of all 36 and 34
 const LARGE_ITERATIONS: usize = 100;
-/// attempts, each from other pseudo-random numbers
+/// attempts, each with different pseudo-random numbers
 const ATTEMPTS: u64 = 5;
-/// [deg] smallest angle at which no further attempt is made
+/// [deg] smallest angle above which no further attempt is made
 const GOOD_ANGLE: f64 = 26.0;
-/// [deg] smallest angle with which a mesh is handed out
+/// [deg] least smallest angle of an accepted mesh
 const LEAST_ANGLE: f64 = 20.0;
 
-/// Makes the mesh that a request asks for.
+/// Makes the requested mesh.
 ///
 /// # Errors
-/// Counts that do not go together, a relaxation that finds no rest, or no attempt with acceptable angles.
+/// Inconsistent counts, a relaxation that does not converge, or no attempt with acceptable angles.
 pub(super) fn generate(request: &GradedRequest, seed: u64) -> Result<Mesh, MeshError> {
     let plan = request.plan()?;
     let mut best: Option<(f64, Layout, Vec<[u32; 3]>)> = None;
@@ -87,7 +86,7 @@ fn finish(angle: f64, start: &Layout, triangles: Vec<[u32; 3]>) -> Result<Mesh, 
     Ok(Mesh { nodes, edges, triangles, seams })
 }
 
-/// Triangulates and checks the count, which only holds if all constraints are there and nothing lies outside.
+/// Triangulates and checks the count, which is right only if all constraints are edges and no triangle is outside.
 pub(super) fn triangulate_plan(plan: &MeshPlan, start: &Layout) -> Result<Vec<[u32; 3]>, MeshError> {
     let triangles = triangulate(&start.points, &start.constraints, plan.loops[0]).unwrap_or_default();
     if triangles.len() == plan.triangles {
@@ -97,7 +96,7 @@ pub(super) fn triangulate_plan(plan: &MeshPlan, start: &Layout) -> Result<Vec<[u
     }
 }
 
-/// Triangulates nodes that have moved since `flips` was up to date: anew, or where that would take long by flips.
+/// Triangulates nodes that have moved since `flips` was updated: from the beginning, or for large meshes by flips.
 pub(super) fn follow_plan(plan: &MeshPlan, start: &Layout, flips: &mut Flips) -> Result<Vec<[u32; 3]>, MeshError> {
     if plan.is_large() && flips.follow(&start.points) {
         return Ok(sorted(flips.triangles().to_vec()));
@@ -105,7 +104,7 @@ pub(super) fn follow_plan(plan: &MeshPlan, start: &Layout, flips: &mut Flips) ->
     triangulate_plan(plan, start)
 }
 
-/// Moves the nodes until the springs are at rest (Persson & Strang 2004, section 3, steps 3 to 8); returns the
+/// Moves the nodes until the springs are in equilibrium (Persson & Strang 2004, section 3, steps 3 to 8); returns the
 /// triangulation so far.
 fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
     if plan.free == 0 && plan.seam_nodes == 0 {
@@ -137,7 +136,7 @@ fn relax(plan: &MeshPlan, start: &mut Layout) -> Result<Flips, MeshError> {
 }
 
 fn moved_far(size: &SizeFunction, points: &[Vector2<f64>], last: &[Vector2<f64>]) -> bool {
-    // Asked this way round, a point that is no number counts as far, and the triangulation will refuse it.
+    // In this form a point with NaN counts as far, and the triangulation will refuse it.
     let near =
         |(p, q): (&Vector2<f64>, &Vector2<f64>)| (p - q).norm_squared() < (RETRIANGULATE * size.at(p.norm())).powi(2);
     !points.iter().zip(last).all(near)
@@ -170,7 +169,7 @@ impl Bars {
         for (h, point) in self.size.iter_mut().zip(points) {
             *h = size.at(point.norm());
         }
-        // The size function is all but linear along a bar, so the mean of its ends stands for its middle.
+        // The size function is almost linear along a bar, so its value in the middle is taken as the mean of the ends.
         let wanted = |bar: &[u32; 2]| 0.5 * (self.size[bar[0] as usize] + self.size[bar[1] as usize]);
         let (mut sum_actual, mut sum_wanted) = (0.0, 0.0);
         for bar in &self.ends {
@@ -196,8 +195,8 @@ impl Bars {
 /// One step of gradient descent with momentum; returns the largest step without the momentum, over the wanted edge
 /// length.
 ///
-/// Each node's step is its force over its number of bars: no pattern of forces can then overshoot, however many bars
-/// meet.
+/// Each node's step is its force over its number of bars: then no pattern of forces can overshoot, for any number of
+/// bars at a node.
 fn step(
     plan: &MeshPlan,
     start: &mut Layout,
@@ -220,7 +219,7 @@ fn step(
         }
         let target = |by: Vector2<f64>| match start.freedom[node] {
             Freedom::Ray(direction) => {
-                // Kept off the centre, which on a disc is the seams' common end.
+                // Kept away from the centre, which on a disc is the common end of the seams.
                 let radius = (point + by).dot(&direction).max(plan.hub + CLEARANCE * h);
                 ring.pushed_inside(radius * direction, CLEARANCE * h)
             }

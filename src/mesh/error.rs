@@ -1,4 +1,4 @@
-//! Why a mesh cannot be made, read or used; every message says what to change.
+//! Why a mesh cannot be made, read or used; every message has advice.
 
 use std::path::PathBuf;
 
@@ -45,7 +45,7 @@ pub enum MeshError {
         /// nodes on the seams, loops not counted
         seam_nodes: usize,
     },
-    /// The relaxation did not come to rest.
+    /// The relaxation did not converge.
     #[error(
         "the mesh did not converge: after {iterations} iterations a node still moves {movement:.2e} of an edge length per step (allowed {tolerance:.1e}); try another `seed`, or a `grading` closer to 1"
     )]
@@ -54,7 +54,7 @@ pub enum MeshError {
         iterations: usize,
         /// [-] last largest movement over the wanted edge length there
         movement: f64,
-        /// [-] movement at which it counts as resting
+        /// [-] movement below which it counts as converged
         tolerance: f64,
     },
     /// The best mesh found has a sharper angle than a simulation should start from.
@@ -79,7 +79,7 @@ pub enum MeshError {
     Triangulation {
         /// triangles inside the domain
         found: usize,
-        /// what the Euler characteristic demands
+        /// number by the Euler characteristic
         expected: usize,
     },
     /// Node numbers of an edge or triangle are out of range.
@@ -89,12 +89,12 @@ pub enum MeshError {
         what: &'static str,
         /// which one
         index: usize,
-        /// node it names
+        /// the node
         node: u64,
         /// nodes in the mesh
         nodes: usize,
     },
-    /// An edge or triangle names a node twice.
+    /// An edge or triangle has a node twice.
     #[error("{what} {index} names node {node} twice; remove it or correct its nodes")]
     RepeatedNode {
         /// `edge` or `triangle`
@@ -183,7 +183,7 @@ pub enum MeshError {
     SeamOutOfRange {
         /// which seam entry
         index: usize,
-        /// edge it names
+        /// the edge
         edge: u32,
         /// edges in the mesh
         edges: usize,

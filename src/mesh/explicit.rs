@@ -5,7 +5,7 @@ use super::{Mesh, MeshError, topology};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Faults reported of one list before the rest is summed up in one line.
+/// Number of faults reported per list; one line gives the number of the rest.
 const MOST_REPORTED: usize = 20;
 
 /// Nodes, springs and triangles as lists.

@@ -1,11 +1,11 @@
-//! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than triangulating anew.
+//! A triangulation that follows moving nodes by edge flips (Lawson 1977), far cheaper than a new triangulation.
 
 use nalgebra::Vector2;
 
 /// No triangle beyond this side.
 const NONE: u32 = u32::MAX;
-/// [-] by how much the two angles opposite an edge must exceed 180 degrees (as the sine of the excess) before it is
-/// flipped; without it rounding could flip the edges of a square for ever
+/// [-] sine of the least excess over 180 degrees of the two angles opposite an edge that is flipped; without it,
+/// rounding could flip the edges of a square for ever
 const EXCESS: f64 = 1e-9;
 
 /// Triangles with their neighbours.
@@ -68,7 +68,7 @@ impl Flips {
             return false;
         }
         let mut stack: Vec<u32> = (0..self.triangles.len() as u32).rev().collect();
-        // Far more flips than a small movement can call for.
+        // Far more flips than a small movement needs.
         let mut left = 10 * self.triangles.len() + 100;
         while let Some(t) = stack.pop() {
             for side in 0..3 {
@@ -86,7 +86,7 @@ impl Flips {
         true
     }
 
-    /// Where in `of` the neighbour `t` lies.
+    /// The index of neighbour `t` in `of`.
     fn side_towards(&self, of: u32, t: u32) -> usize {
         self.beyond[of as usize].iter().position(|&n| n == t).unwrap_or(0)
     }

@@ -3,19 +3,19 @@
 
 use nalgebra::Vector2;
 
-/// Cells a side is divided into, as a power of two: finer than the edges of any mesh that fits into memory.
+/// Number of cells per side, as a power of two: finer than the edges of any mesh that fits into memory.
 const BITS: u32 = 16;
 
 /// The place of a point on the curve that fills the square [-half, half]^2 [m].
 pub(super) fn place(point: Vector2<f64>, half: f64) -> u32 {
     let cells = f64::from(1_u32 << BITS);
-    // The conversion clamps what lies outside, and takes what is no number for 0.
+    // The conversion clamps values outside, and turns NaN into 0.
     let cell = |c: f64| ((0.5 + 0.5 * c / half) * cells).min(cells - 1.0) as u32;
     let (mut x, mut y, mut along) = (cell(point.x), cell(point.y), 0);
     for bit in (0..BITS).rev() {
         let (right, upper) = (x >> bit & 1, y >> bit & 1);
         along = along << 2 | (3 * right) ^ upper;
-        // The quarters at the ends are turned, so that each begins where the one before ends.
+        // The first and last quarters are turned, so that each quarter begins where the one before ends.
         if upper == 0 {
             let last = (1 << bit) - 1;
             if right == 1 {

@@ -1,4 +1,4 @@
-//! How many nodes go where, and where they start: on the loops, along the seams, in the interior.
+//! The numbers and initial positions of nodes: on the loops, along the seams, in the interior.
 
 use super::MeshError;
 use super::annulus::GRADING_RANGE;
@@ -11,18 +11,18 @@ use std::f64::consts::{PI, TAU};
 
 /// [-] `grading` if neither it nor the boundary nodes are given
 const DEFAULT_GRADING: f64 = 1.5;
-/// [-] height of an equilateral triangle over its edge, halved: how far the cell of a boundary node reaches inside
+/// [-] height of an equilateral triangle over its edge, halved: depth of the cell of a boundary node
 const HALF_ROW: f64 = 0.433;
-/// [-] nodes on the smaller loop below which a circle is hardly one
+/// [-] least number of nodes on the smaller loop, for a circle of acceptable shape
 const ROUND_ENOUGH: usize = 8;
 
-/// Nodes above which a mesh counts as large and is made with less work a node.
+/// Number of nodes above which a mesh counts as large and is made with less work per node.
 pub(super) const MANY: usize = 20_000;
 
-/// Seams of a disc from which on the triangles around its centre are all between seams: six equilateral ones.
+/// Number of seams of a disc from which on all triangles around its centre are between seams: six equilateral ones.
 const SEAMS_WITH_HUB: usize = 6;
 
-/// What a graded mesh is asked for.
+/// The request for a graded mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GradedRequest {
     pub ring: Ring,
@@ -41,15 +41,15 @@ pub(super) enum Freedom {
     Free,
 }
 
-/// Numbers and sizes that fit together.
+/// Consistent counts and sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeshPlan {
     pub size: SizeFunction,
     /// nodes on the inner and on the outer loop
     pub loops: [usize; 2],
     pub seams: usize,
-    /// [m] on a disc with many seams, radius of the ring of fixed seam nodes around the centre that the interior
-    /// keeps out of; else 0
+    /// [m] on a disc with many seams, radius of the ring of fixed seam nodes around the centre without interior nodes;
+    /// else 0
     pub hub: f64,
     /// nodes on each seam, loops and centre not counted
     pub seam_nodes: usize,
@@ -59,7 +59,7 @@ pub(super) struct MeshPlan {
     pub triangles: usize,
 }
 
-/// Where the relaxation starts.
+/// The initial mesh of the relaxation.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     pub points: Vec<Vector2<f64>>,
@@ -74,7 +74,7 @@ impl GradedRequest {
     /// Finds sizes and counts.
     ///
     /// # Errors
-    /// Counts that do not go together.
+    /// Inconsistent counts.
     pub fn plan(&self) -> Result<MeshPlan, MeshError> {
         let boundary = match self.boundary_nodes {
             Some(count) => count.max(self.least_boundary()),
@@ -116,13 +116,13 @@ impl GradedRequest {
         (2 * self.nodes).saturating_sub(boundary + if self.ring.has_hole() { 0 } else { 2 })
     }
 
-    /// Every seam ends in a node of each loop, and a loop needs three nodes.
+    /// Every seam ends at a node of each loop, and a loop needs three nodes.
     fn least_boundary(&self) -> usize {
         let each = self.seams.max(3);
         if self.ring.has_hole() { 2 * each } else { each }
     }
 
-    /// Shares boundary nodes among the loops by length.
+    /// Divides boundary nodes among the loops by length.
     fn split(&self, boundary: usize) -> [usize; 2] {
         if !self.ring.has_hole() {
             return [0, boundary];
@@ -257,15 +257,14 @@ impl MeshPlan {
 
     /// Interior nodes with the density 1/h^2 of Persson & Strang (2004), section 3.
     ///
-    /// Where they draw nodes at random and drop some, a spiral that turns by the golden angle (Vogel 1979) with radii
-    /// from the integral of the density gives the exact number, and starts so evenly that few iterations are left to
-    /// do.
+    /// They choose nodes at random and drop some. Here a spiral that turns by the golden angle (Vogel 1979), with radii
+    /// from the integral of the density, gives the exact number, and is so even that few iterations are needed.
     fn add_interior(&self, random: &mut SplitMix64, start: &mut Layout) {
         let Ring { inner, outer } = self.size.ring;
         let base = self.hub.max(inner);
         let low = if base > 0.0 { base + HALF_ROW * self.size.at(base) } else { 0.0 };
         let high = outer - HALF_ROW * self.size.at(outer);
-        // In a ring thinner than a row of triangles the borders cross; then the interior is the middle.
+        // In a ring thinner than a row of triangles the limits cross; then the interior is the middle of the ring.
         let range = if low < high { [low, high] } else { [0.5 * (inner + outer); 2] };
         let table = RadialTable::new(range, |r| r / self.size.at(r).powi(2));
         let golden = PI * (3.0 - 5.0_f64.sqrt());
@@ -278,8 +277,7 @@ impl MeshPlan {
             start.freedom.push(Freedom::Free);
         }
         if self.is_large() {
-            // Nodes that follow each other on the spiral lie far apart; every later pass over the mesh would miss the
-            // cache.
+            // Consecutive nodes of the spiral are far apart, so every later pass over the mesh would miss the cache.
             let first = start.points.len() - self.free;
             start.points[first..].sort_by_cached_key(|&p| hilbert::place(p, outer));
         }

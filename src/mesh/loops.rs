@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub struct BoundaryLoop {
     /// nodes in the order they follow each other, each once
     pub nodes: Vec<u32>,
-    /// whether the last node connects to the first; false only its end at an edge of three or more triangles
+    /// whether the last node connects to the first; false only if it ends at an edge of three or more triangles
     pub closed: bool,
     /// whether it encloses the other loops of its component: it has the largest extent
     pub outer: bool,
@@ -41,7 +41,7 @@ fn follow(mesh: &Mesh, sides: &Sides, start: usize, seen: &mut [bool]) -> Bounda
     let mut nodes = vec![first, second];
     let closed = walk(mesh, sides, start, second, seen, &mut nodes);
     if closed {
-        // The walk came back to `first` and listed it again.
+        // The search returned to `first` and listed it again.
         nodes.pop();
     } else {
         let mut backwards = Vec::new();
@@ -78,7 +78,7 @@ fn walk(mesh: &Mesh, sides: &Sides, start: usize, node: u32, seen: &mut [bool], 
 
 /// The boundary edge at the other end of the fan of triangles that `edge` opens at `node`.
 ///
-/// Turning through the fan, not just looking for any boundary edge at the node, keeps loops apart that touch in one
+/// The turn through the fan, instead of a search for any boundary edge at the node, separates loops that touch at one
 /// node. `None` if the fan ends at an edge of three or more triangles.
 fn next_boundary(mesh: &Mesh, sides: &Sides, edge: usize, node: u32) -> Option<usize> {
     let mut edge = edge;

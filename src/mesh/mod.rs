@@ -1,7 +1,7 @@
 //! Meshes: nodes, edges (which carry the springs) and triangles (which carry the air and pressure).
 //!
-//! Everything here is in the *user's* numbering: what a case, a file or a message calls node 7 is
-//! `nodes[7]`. The engine renumbers for itself (`scene::numbering`).
+//! Everything here is in the *user's* numbering: node 7 of a case, a file or a message is `nodes[7]`. The engine has a
+//! numbering of its own (`scene::numbering`).
 
 pub(crate) mod adjacency;
 pub mod annulus;
@@ -39,8 +39,8 @@ pub struct Mesh {
     pub nodes: Vec<[f64; 3]>,
     /// Pairs of nodes, each listed once; every edge can carry a spring.
     pub edges: Vec<[u32; 2]>,
-    /// Triples of nodes; the right-hand normal is the side the pressure pushes to.
+    /// Triples of nodes; pressure acts along the right-hand normal.
     pub triangles: Vec<[u32; 3]>,
-    /// Indices into `edges` of the radial seam lines; empty unless asked for.
+    /// Indices into `edges` of the radial seam lines; empty unless requested.
     pub seams: Vec<u32>,
 }

@@ -1,9 +1,9 @@
 //! Local improvement of the sharpest triangles after the relaxation.
 //!
-//! Each node of a sharp triangle moves to where the smallest angle around it is largest, a search as in Freitag, Jones
-//! & Plassmann (1995), "An efficient parallel algorithm for mesh smoothing", then everything is triangulated anew (a
-//! large mesh by flips). Neither step lowers the mesh's smallest angle: the first by construction, the second because a
-//! (constrained) Delaunay triangulation maximises it.
+//! Each node of a sharp triangle moves to the position with the largest smallest angle around it, by a search as in
+//! Freitag, Jones & Plassmann (1995), "An efficient parallel algorithm for mesh smoothing". Then the mesh is
+//! triangulated again (a large mesh by flips). Neither step lowers the mesh's smallest angle: the first by
+//! construction, the second because a (constrained) Delaunay triangulation maximises it.
 
 use super::MeshError;
 use super::adjacency::Adjacency;
@@ -13,7 +13,7 @@ use super::layout::{Freedom, Layout, MeshPlan};
 use super::quality::smallest_angle_of;
 use nalgebra::Vector2;
 
-/// [deg] triangles with a smaller angle are worked on
+/// [deg] triangles with a smaller angle are improved
 const TARGET: f64 = 33.0;
 /// most rounds of moving and triangulating
 const ROUNDS: usize = 30;
@@ -78,7 +78,7 @@ fn improve(plan: &MeshPlan, start: &mut Layout, triangles: &[[u32; 3]], star: &[
             _ => reach *= 0.5,
         }
     }
-    // Gains that rounding could have made are not worth another round.
+    // Gains of the size of rounding do not justify another round.
     let gained = angle > first + 1e-3;
     if gained {
         start.points[node as usize] = best;

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 const BAR_DEGREES: usize = 10;
 const BARS: usize = 180 / BAR_DEGREES;
 
-/// How good a mesh is. Values of triangles are NaN if there are none, of edges if there are none.
+/// Quality of a mesh. Values of triangles are NaN without triangles, values of edges without edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// [deg] smallest angle of any triangle
@@ -43,7 +43,7 @@ impl Quality {
     /// Measures a mesh.
     ///
     /// # Errors
-    /// Whatever makes [`Topology::new`] refuse the mesh.
+    /// As [`Topology::new`].
     pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
         Ok(Self::with_topology(mesh, &Topology::new(mesh)?))
     }
@@ -67,7 +67,7 @@ impl Quality {
         };
         for &[a, b] in &mesh.edges {
             let length = (mesh.point(a) - mesh.point(b)).norm();
-            // min and max pass over the NaN that stands for "none yet".
+            // min and max ignore the NaN that stands for "none yet".
             (q.min_edge, q.max_edge) = (q.min_edge.min(length), q.max_edge.max(length));
             q.mean_edge += length / mesh.edges.len() as f64;
         }
@@ -117,7 +117,7 @@ impl Quality {
 fn angles(corners: [Vector3<f64>; 3]) -> [f64; 3] {
     std::array::from_fn(|i| {
         let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
-        // The arc tangent keeps its digits at small and large angles, the arc cosine does not.
+        // The arc tangent is accurate at small and large angles, the arc cosine is not.
         u.cross(&v).norm().atan2(u.dot(&v)).to_degrees()
     })
 }

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// [-] most nodes any source may ask for; beyond it a case is taken for a slip of the pen.
+/// [-] largest number of nodes of any source; a larger number counts as a mistake.
 pub const MAX_NODES: usize = 50_000_000;
 
 /// Where the mesh of a network comes from.
@@ -56,12 +56,12 @@ impl MeshSource {
     /// The result has passed [`Mesh::check`].
     ///
     /// # Errors
-    /// The first parameter out of range, a mesh that cannot be made as asked, or an unreadable file.
+    /// The first parameter out of range, a mesh that cannot be made as requested, or an unreadable file.
     pub fn build(&self, base: &Path) -> Result<Mesh, MeshError> {
         Ok(self.build_with_notes(base)?.mesh)
     }
 
-    /// The same with what a file's reader changed or left out, a sentence each.
+    /// The same, with one sentence for each change or omission of the file's reader.
     ///
     /// # Errors
     /// As [`MeshSource::build`].
@@ -79,7 +79,7 @@ impl MeshSource {
             Self::Rectangle(p) => p.build()?,
             Self::Chain(p) => p.build(),
             Self::Explicit(p) => p.build()?,
-            // Its reader has checked it.
+            // The reader of the file has checked it.
             Self::File(name) => return read::read_mesh(&base.join(name)),
         };
         mesh.check()?;

@@ -1,10 +1,10 @@
-//! Which triangles meet at which edge, and what follows from it: boundary loops, orientation, components.
+//! The triangles at every edge, and from these the boundary loops, orientation and components.
 
 use super::components::components;
 use super::loops::{self, BoundaryLoop};
 use super::{Mesh, MeshError};
 
-/// Where an edge lies in the sheet.
+/// The position of an edge in the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// no triangle: a suspension line or a chain's segment
@@ -72,7 +72,7 @@ pub fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[derive(Clone, Debug)]
 pub struct Topology {
     sides: Sides,
-    /// for every edge of the mesh the triangles' edge it is, or `NOT_A_SIDE`
+    /// for every edge of the mesh its number among the triangles' edges, or `NOT_A_SIDE`
     side_of_edge: Vec<u32>,
     loops: Vec<BoundaryLoop>,
     components: usize,
@@ -183,7 +183,7 @@ impl Topology {
 
     /// Checks that neighbours turn the same way, so that normals all point to the same side of the sheet.
     ///
-    /// At an edge of more than two triangles no such side exists; those edges are passed over.
+    /// Edges of more than two triangles are skipped, because no such side exists there.
     ///
     /// # Errors
     /// [`MeshError::Orientation`] with the first offending pair, in the order of the triangles.

@@ -7,11 +7,10 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes a mesh; the format follows from the name's extension. A file of that name is replaced only with `replace`.
+/// Writes a mesh; the format follows from the name's extension. An existing file is replaced only with `replace`.
 ///
 /// # Errors
-/// [`MeshError::Target`] for a name of no known kind or a file that is there, [`MeshError::File`] where the system
-/// refuses.
+/// [`MeshError::Target`] for an unknown extension or an existing file, [`MeshError::File`] for errors of the system.
 pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
     let refused = |reason: &'static str| MeshError::Target { path: path.to_owned(), reason };
@@ -34,10 +33,10 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshErr
     file.write_all(text.as_bytes()).map_err(|error| fault(format!("cannot be written: {error}")))
 }
 
-/// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams) that the reader honours.
+/// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams), which the reader uses.
 ///
 /// # Errors
-/// When a triangle or an edge names a node that is not there.
+/// When a triangle or an edge names a node that does not exist.
 pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
     let cells = Cells { points: mesh.nodes.len(), triangles: &mesh.triangles, edges: &mesh.edges };
     let mut seam = vec![0; mesh.triangles.len() + mesh.edges.len()];

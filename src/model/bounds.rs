@@ -1,9 +1,9 @@
-//! The box that nodes lie in.
+//! The bounding box of nodes.
 
 use super::quad::{self, Quad, Real, VectorUnit};
 use super::workers::Workers;
 
-/// The box that some nodes lie in. A coordinate that is not a number stays, wherever it comes from.
+/// The bounding box of some nodes. A NaN coordinate is kept, whatever its position in the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// [m] lowest coordinates
@@ -12,7 +12,7 @@ pub struct Bounds {
     pub high: [f64; 3],
 }
 
-/// Of no nodes.
+/// The value for no nodes.
 impl Default for Bounds {
     fn default() -> Self {
         Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
@@ -20,7 +20,7 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// With those of other nodes.
+    /// The box of these and other nodes.
     #[must_use]
     pub fn and(self, next: Bounds) -> Self {
         let pick = |a: f64, b: f64, better: bool| if better || a.is_nan() { a } else { b };
@@ -30,7 +30,7 @@ impl Bounds {
         }
     }
 
-    /// [m] half the longest side; -inf of no nodes
+    /// [m] half the longest side; -inf without nodes
     pub fn extent(&self) -> f64 {
         (0..3)
             .map(|i| 0.5 * (self.high[i] - self.low[i]))
@@ -38,12 +38,12 @@ impl Bounds {
     }
 }
 
-/// [m] half the longest side of the box that nodes lie in
+/// [m] Half the longest side of the bounding box of nodes.
 pub fn extent(x: &[[f64; 3]], workers: &Workers) -> f64 {
     workers.fold(x.len(), Bounds::default(), |r| bounds(&x[r]), Bounds::and).extent()
 }
 
-/// Coordinates that are no numbers may be left out.
+/// NaN coordinates may be left out.
 fn bounds(x: &[[f64; 3]]) -> Bounds {
     let (rows, rest) = x.as_chunks::<4>();
     let [low, high]: [[[f64; 3]; 4]; 2] = quad::run(Boxes(bytemuck::cast_slice(rows))).map(bytemuck::cast);

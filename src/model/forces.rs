@@ -1,11 +1,11 @@
-//! What one force pass yields: the nodal forces by role, and each term's energy or power.
+//! The result of a force pass: the nodal forces by role, and each term's energy or power.
 
-/// What a force term does in the energy ledger.
+/// The role of a force term in the energy ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Derives from a stored energy counted as `elastic`.
+    /// Its stored energy is counted as `elastic`.
     Elastic,
-    /// Derives from a potential counted as `gravity`.
+    /// Its potential is counted as `gravity`.
     Gravity,
     /// Its work is `external_work`: the air and the loads.
     External,
@@ -31,8 +31,8 @@ impl std::ops::AddAssign for Tally {
 
 /// Nodal forces [N] of one pass over all degrees of freedom, split as the ledger needs them.
 ///
-/// `total` is zero at fixed degrees of freedom; what acts there stands in `reactions`. The split vectors
-/// exist only where the scene has terms of that role.
+/// `total` is zero at fixed degrees of freedom; the forces there give `reactions`. The split vectors exist only where
+/// the scene has terms of that role.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
     /// [N] all forces; zero at fixed degrees of freedom
@@ -41,7 +41,7 @@ pub struct Forces {
     pub external: Vec<f64>,
     /// [N] forces of the dissipative terms; empty when the scene has none
     pub dissipative: Vec<f64>,
-    /// [N] what each fixed degree of freedom must hold back (minus the applied force), in the order of the fixed list
+    /// [N] reaction of each fixed degree of freedom (minus the applied force), in the order of the fixed list
     pub reactions: Vec<f64>,
     /// Energy or power of every term, in the order of [`crate::model::system::System::terms`].
     pub tallies: Vec<Tally>,

@@ -16,8 +16,8 @@ impl Lanes {
         }
     }
 
-    /// The sum. Not inlined: its order would otherwise choose that of the lanes in the loop before it, which costs a
-    /// quarter of the loop's speed.
+    /// The sum. Not inlined: its order of summation would otherwise determine the lanes in the loop before it, which
+    /// costs a quarter of the loop's speed.
     #[inline(never)]
     pub fn total(&self) -> f64 {
         let l = &self.0;

@@ -1,25 +1,25 @@
-//! How nodes move: kinetic energy and largest speed.
+//! Kinetic energy and largest speed of nodes.
 
 use super::quad::{self, Quad, VectorUnit};
 
-/// How nodes move.
+/// Kinetic energy and largest speed of nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// [J] sum of 1/2 m v^2
     pub kinetic: f64,
-    /// [m^2/s^2] largest v^2; one that is not a number is left out
+    /// [m^2/s^2] largest v^2; NaN is left out
     pub largest_square: f64,
 }
 
-/// Of nodes with velocities `v` [m/s], three a node, and masses [kg].
+/// The motion of nodes with velocities `v` [m/s] `[n_dof]` and masses [kg] `[n_nodes]`.
 pub fn motion(v: &[f64], mass: &[f64]) -> Motion {
     quad::run(MotionPass { v, mass })
 }
 
-/// Nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
+/// Number of nodes whose energies are summed before they are added to the others: sums of sums lose fewer digits.
 pub(in crate::model) const BLOCK: usize = 64;
 
-/// The motion of nodes that are added four by four, block after block.
+/// Sum of the motion of nodes, added four by four, block after block.
 pub(super) struct MotionSum<Q> {
     /// [J] twice the kinetic energy of whole blocks
     doubled: f64,
@@ -41,7 +41,7 @@ impl<Q: Quad> MotionSum<Q> {
         self.largest = squares.larger(self.largest);
     }
 
-    /// After the last four of every block of [`BLOCK`] nodes, and of all.
+    /// Called after the last four of every block of [`BLOCK`] nodes, and of all.
     #[inline(always)]
     pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
         let [a, b, c, d] = self.block.numbers();
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use crate::model::quad::{Pass, Portable};
 
-    /// Whatever the number of nodes, and on any machine the same bits.
+    /// The same bits for any number of nodes, on any machine.
     #[test]
     fn energy_and_speed_are_those_of_a_plain_loop() {
         for n in (0..10).chain([63, 64, 65, 1000]) {

@@ -1,18 +1,18 @@
-//! A system as a person sees it: nodes in space, in the user's numbering. Output is written against this.
+//! The observable quantities of a system: nodes in space, in the user's numbering. Output uses this interface.
 
 use super::state::StateRef;
 use super::system::System;
 use crate::model::forces::Forces;
 
-/// How a system looks. All slices are in the user's numbering and as long as the counts say.
+/// Observable quantities of a system. All slices are in the user's numbering.
 pub trait Observables: System {
     /// [m] node positions at t = 0 on the mesh as given (displacements count from here); bob position for a pendulum.
     fn reference(&self) -> &[[f64; 3]];
 
-    /// Triangles of the picture.
+    /// Triangles to show.
     fn triangles(&self) -> &[[u32; 3]];
 
-    /// Edges of the picture; edge `i` is spring `i` where it carries one.
+    /// Edges to show; edge `i` is spring `i` if it carries one.
     fn edges(&self) -> &[[u32; 2]];
 
     /// Node positions [m] and velocities [m/s] of a state.
@@ -24,11 +24,11 @@ pub trait Observables: System {
     /// Support reaction [N] on every node, zero at free degrees of freedom.
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]);
 
-    /// Tension [N] (elastic part) and strain [-] of every edge; NaN on an edge without spring.
+    /// Tension [N] (elastic part) and strain [-] of every edge, both `[n_edges]`; NaN on an edge without spring.
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]);
 
-    /// Adds to the elastic tension [N] of every edge the force of the dashpot along it, if it has one. What acts
-    /// between its ends in other directions too is no tension.
+    /// Adds to the elastic tension [N] of every edge `[n_edges]` the force of the dashpot along it, if it has one.
+    /// Forces between its ends that also have other directions are not included.
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
         let _ = (at, tension);
     }

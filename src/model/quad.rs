@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// What a kernel is compiled for; a proof that the machine has it.
+/// The vector unit that a kernel is compiled for; a value proves that the machine has it.
 pub trait VectorUnit: Copy {
     /// its register of four numbers
     type Quad: Quad;
@@ -20,15 +20,15 @@ pub trait VectorUnit: Copy {
     }
 }
 
-/// A number, or several side by side: what a force law is written on. Operations go number by number.
+/// A number, or several side by side: the type of numbers in force laws. Operations are element by element.
 pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
-    /// One number in all places.
+    /// One number in all elements.
     fn all(self, number: f64) -> Self;
 
     /// Square roots.
     fn sqrt(self) -> Self;
 
-    /// Without signs.
+    /// Absolute values.
     fn abs(self) -> Self;
 
     /// `self` where `sign` is above zero, else 0.
@@ -89,7 +89,7 @@ pub trait Quad: Real {
     /// First, second and third numbers of four records.
     fn columns(rows: [Self; 4]) -> [Self; 3];
 
-    /// Four records of three columns, and zeros.
+    /// Four records from three columns, with zeros as fourth numbers.
     fn rows(columns: [Self; 3]) -> [Self; 4];
 
     /// First, second and third numbers of four records, record after record.
@@ -99,7 +99,7 @@ pub trait Quad: Real {
     fn unpack(packed: [Self; 3]) -> [Self; 3];
 }
 
-/// A loop that can be compiled for every unit.
+/// A loop that can be compiled for every vector unit.
 pub trait Pass {
     /// what it returns
     type Output;
@@ -108,7 +108,7 @@ pub trait Pass {
     fn run<U: VectorUnit>(self, unit: U) -> Self::Output;
 }
 
-/// Runs a loop on the best unit this machine has.
+/// Runs a loop on the best unit of this machine.
 #[inline]
 pub fn run<P: Pass>(pass: P) -> P::Output {
     #[cfg(target_arch = "x86_64")]
@@ -118,7 +118,7 @@ pub fn run<P: Pass>(pass: P) -> P::Output {
     pass.run(Portable)
 }
 
-/// Any machine.
+/// The unit of any machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
@@ -131,7 +131,7 @@ impl VectorUnit for Portable {
     }
 }
 
-/// Four numbers and nothing more.
+/// Four numbers in an array.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain([f64; 4]);
 
@@ -271,7 +271,7 @@ mod tests {
         };
         for _ in 0..10_000 {
             let numbers = [[0.0; 4]; 4].map(|q| q.map(|_| next()));
-            // Which of two not-a-numbers comes out of a sum is not said anywhere.
+            // The sum of two NaN values may be either of them.
             let bits = |n: f64| if n.is_nan() { f64::NAN.to_bits() } else { n.to_bits() };
             let best: Vec<_> = run(Everything(numbers)).into_iter().map(|q| q.map(bits)).collect();
             let plain: Vec<_> = Everything(numbers).run(Portable).into_iter().map(|q| q.map(bits)).collect();

@@ -1,32 +1,32 @@
-//! A network as plain resolved data: no file, no selector, no default left. The case reader makes it,
-//! [`crate::scene`] turns it into something that can be integrated. All numbering is the user's.
+//! A network as plain resolved data: without files, selections or defaults. The case reader makes it, and
+//! [`crate::scene`] builds the scene from it. All numbers are the user's.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
 
-/// When a spring pulls and pushes. `e` is the elongation l - l0.
+/// The force law of a spring in tension and compression. `e` is the elongation l - l0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub enum Slack {
-    /// T = k e: works both ways.
+    /// T = k e: tension and compression.
     #[default]
     None,
-    /// T = k max(e, 0): never pushes.
+    /// T = k max(e, 0): no compression.
     TensionOnly,
-    /// T = k max(e - eps, 0): pulls once stretched beyond `eps`.
+    /// T = k max(e - eps, 0): tension above the elongation `eps`.
     DeadZone {
         /// [m] elongation below which the spring is slack, >= 0
         eps: f64,
     },
-    /// T = k max(e, -eps): the push is limited to k eps.
+    /// T = k max(e, -eps): the compression is at most k eps.
     CompressionLimit {
-        /// [m] shortening at which the push stops growing, >= 0
+        /// [m] shortening above which the compression is constant, >= 0
         eps: f64,
     },
 }
 
-/// Along what a dashpot acts.
+/// The direction in which a dashpot acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum DashpotKind {
     /// c ldot along the spring; clamped together with a slack spring.
@@ -40,7 +40,7 @@ pub enum DashpotKind {
 pub struct DashpotSpec {
     /// axial or relative
     pub kind: DashpotKind,
-    /// [N s/m] one coefficient a spring of the group, already resolved from its rule
+    /// [N s/m] coefficient of every spring of the group, already resolved from its rule
     pub coefficient: Vec<f64>,
     /// whether the rule was `"step"` (c = k dt), which Kang's filter contains already
     pub from_step: bool,
@@ -51,9 +51,9 @@ pub struct DashpotSpec {
 pub struct SpringGroup {
     /// edges of the mesh, ascending
     pub edges: Vec<u32>,
-    /// [N/m] one a spring
+    /// [N/m] stiffness of every spring
     pub stiffness: Vec<f64>,
-    /// [m] one a spring
+    /// [m] rest length of every spring
     pub rest_length: Vec<f64>,
     /// slack rule
     pub slack: Slack,
@@ -66,11 +66,11 @@ pub struct SpringGroup {
 pub struct Series<T> {
     /// [s] strictly increasing times; at least one
     pub t: Vec<f64>,
-    /// one value a time
+    /// one value per time
     pub value: Vec<T>,
 }
 
-/// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, pushing along the relative wind.
+/// The air: pressure jump dp = linear v_n + quadratic v_n |v_n| over the cloth, acting along the relative wind.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AirSpec {
     /// [Pa s/m] viscous coefficient (thickness times A_e, or times a)
@@ -130,14 +130,14 @@ pub struct RayleighSpec {
     pub stiffness: f64,
 }
 
-/// Everything a network scene contains.
+/// All data of a network scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NetworkSpec {
     /// positions as given, before `displacement`
     pub mesh: Mesh,
     /// [kg] lumped mass of every node
     pub mass: Vec<f64>,
-    /// which of x, y, z is fixed, one a node
+    /// which of x, y, z is fixed, `[n_nodes][3]`
     pub fixed: Vec<[bool; 3]>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,

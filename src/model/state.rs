@@ -1,4 +1,4 @@
-//! Time, positions and velocities: what a step starts from and ends with.
+//! Time, positions and velocities: the state at the start and the end of a step.
 //!
 //! Degrees of freedom are in the engine's own numbering, which keeps neighbours together (`scene/numbering`), not in
 //! that of the mesh. [`Scene::name_of`](crate::scene::Scene::name_of) names the node and axis of one,

@@ -1,9 +1,10 @@
-//! Blocks of steps: several steps in one go, of which only the last state is seen.
+//! Blocks of steps: several steps made at once, of which only the last state is visible.
 //!
-//! In a small scene the nodes of a block of steps are copied to local buffers once, not once a step. A large scene
-//! waits for memory: a node's next step needs only the forces around it, so the next step can begin behind the one
-//! before while nodes are in cache, and memory is crossed once a block ("time skewing": Wonnacott 2000; McCalpin &
-//! Wonnacott 1999). Every state within a block has a summary. Its bits are those of steps made one by one.
+//! In a small scene the nodes are copied to local buffers once per block of steps, not once per step. The speed of a
+//! large scene is limited by memory. A node's next step needs only the forces around it, so the next step can begin
+//! behind the one before while nodes are in cache. The nodes are then read from memory once per block ("time skewing":
+//! Wonnacott 2000; McCalpin & Wonnacott 1999). Every state within a block has a summary. Its bits are those of steps
+//! made one by one.
 
 mod kick_drift;
 mod work;
@@ -14,37 +15,37 @@ pub use work::work;
 use super::bounds::Bounds;
 use super::forces::Tally;
 
-/// Steps of a block at most: so many that the beginning and the end of a block cost next to nothing.
+/// Largest number of steps in a block: so many that the start and the end of a block cost almost nothing.
 pub const LONGEST: usize = 32;
 
-/// Summary of a step: what is known of the state at its end.
+/// Summary of a step: properties of the state at its end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepSummary {
-    /// [s] its time, at which forces are found; set by the caller
+    /// [s] its time, at which forces are evaluated; set by the caller
     pub t: f64,
-    /// whether `largest_stretch` is asked for; set by the caller
+    /// whether `largest_stretch` is wanted; set by the caller
     pub stretch_wanted: bool,
-    /// what its nodes are like
+    /// sums over its nodes
     pub nodes: NodeSums,
-    /// [-] largest l^2/l0^2 of all springs, -inf where there is none; only where it was asked for
+    /// [-] largest l^2/l0^2 of all springs, -inf where there is none; only if wanted
     pub largest_stretch: f64,
     /// energy or power of every term, in the order of [`crate::model::system::System::terms`]
     pub tallies: Vec<Tally>,
 }
 
-/// What some nodes of a state are like.
+/// Sums over some nodes of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeSums {
     /// [J] kinetic energy
     pub kinetic: f64,
     /// [m^2/s^2] the largest speed, squared
     pub largest_square: f64,
-    /// [m] bounding box; known of the last state of a block, else possibly that of no nodes
+    /// [m] bounding box; computed for the last state of a block, else possibly that of no nodes
     pub bounds: Bounds,
-    /// whether all forces are finite, those at fixed degrees of freedom too; told of a block's last state: in those
-    /// before what is not finite shows in the kinetic energy, of the next state at the latest
+    /// whether all forces are finite, those at fixed degrees of freedom too; computed for the last state of a block. In
+    /// the states before, a value that is not finite shows in the kinetic energy, at the latest in the next state
     pub finite: bool,
-    /// what was done in the step that ends here (within a block, what was done of it so far, doubled)
+    /// work in the step that ends here (within a block, the part so far, doubled)
     pub work: Work,
 }
 
@@ -58,27 +59,27 @@ pub struct Work {
 }
 
 impl Work {
-    /// Of external and dissipative forces [N] along the way between positions [m] of `W` numbers a node, three and
-    /// perhaps one that is 0. An empty slice of forces does no work.
+    /// The work of external and dissipative forces [N] between two positions [m], with `W` numbers per node: three, and
+    /// possibly a fourth that is 0. An empty slice of forces does no work.
     pub fn of<const W: usize>(forces: [&[f64]; 2], from: &[f64], x: &[f64]) -> Self {
         let [external, dissipative] = work::<W, 2>(forces, from, x);
         Work { external, dissipative }
     }
 
-    /// The work of two pieces, or in two halves.
+    /// The sum of two works.
     #[must_use]
     pub fn and(self, other: Work) -> Self {
         Work { external: self.external + other.external, dissipative: self.dissipative + other.dissipative }
     }
 
-    /// Half of it.
+    /// Half of the work.
     #[must_use]
     pub fn halved(self) -> Self {
         Work { external: 0.5 * self.external, dissipative: 0.5 * self.dissipative }
     }
 }
 
-/// Of no nodes.
+/// The value for no nodes.
 impl Default for NodeSums {
     fn default() -> Self {
         let (bounds, work) = (Bounds::default(), Work::default());
@@ -87,7 +88,7 @@ impl Default for NodeSums {
 }
 
 impl NodeSums {
-    /// With those of the nodes that follow.
+    /// The sums of these nodes and the following ones.
     #[must_use]
     pub fn and(self, next: NodeSums) -> Self {
         NodeSums {
@@ -106,14 +107,14 @@ impl StepSummary {
         self.nodes.largest_square.sqrt()
     }
 
-    /// [-] largest strain of all springs; 0 where there is none. Meaningful where it was asked for.
+    /// [-] largest strain of all springs; 0 without springs. Valid only if it was wanted.
     pub fn max_strain(&self) -> f64 {
         strain_of(self.largest_stretch)
     }
 }
 
-/// [-] strain of a spring by its l^2/l0^2, 0 for -inf: one root for all, which leaves 2e-16 of springs at their rest
-/// length.
+/// [-] strain of a spring by its l^2/l0^2, 0 for -inf: a single root for all springs; its rounding error at rest length
+/// is 2e-16.
 pub fn strain_of(stretch: f64) -> f64 {
     if stretch == f64::NEG_INFINITY { 0.0 } else { stretch.sqrt() - 1.0 }
 }

@@ -11,39 +11,39 @@ use super::step_block::{KickDriftScheme, StepStart, StepSummary};
 use super::workers::{ALONE, Workers};
 use std::ops::Range;
 
-/// What is known of a force term before it is evaluated: its name and role, as they appear in a failure report and the
-/// ledger, and what a diagnosis asks of it. All is asked here, so that nothing need know a force by its name.
+/// Properties of a force term: its name and role, as they appear in a failure report and the ledger, and the properties
+/// that diagnoses use. So no other code depends on the name of a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TermInfo {
     /// e.g. `springs`, `air`
     pub name: &'static str,
-    /// its place in the ledger
+    /// its role in the ledger
     pub role: Role,
     /// whether the force depends on velocity
     pub velocity_dependent: bool,
-    /// whether it is a follower load: one that turns with the surface it acts on, and so adds to the stiffness
+    /// whether it is a follower load, which turns with its surface and so adds to the stiffness
     pub follower: bool,
-    /// whether it acts on triangles, also where it is lumped to their nodes
+    /// whether it acts on triangles, even if it is lumped to their nodes
     pub on_triangles: bool,
 }
 
 impl TermInfo {
-    /// A term that depends on positions and time alone, is no follower load, and does not act on triangles.
+    /// A term that depends on positions and time only, is not a follower load, and does not act on triangles.
     pub const fn of(name: &'static str, role: Role) -> Self {
         TermInfo { name, role, velocity_dependent: false, follower: false, on_triangles: false }
     }
 }
 
-/// Steps of one size by a scheme that kicks and drifts.
+/// Steps of one size by a kick-drift scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDriftBlock<'a> {
-    /// what a step is made of
+    /// the scheme
     pub scheme: KickDriftScheme,
-    /// where the first begins
+    /// the start of the first step
     pub from: &'a Point,
 }
 
-/// What every scheme may use. Vectors run over all degrees of freedom, fixed ones included.
+/// The interface for all schemes. Vectors have all degrees of freedom, fixed ones included, `[n_dof]`.
 pub trait System: Send + Sync {
     /// Number of degrees of freedom, fixed ones included.
     fn n_dof(&self) -> usize;
@@ -57,19 +57,19 @@ pub trait System: Send + Sync {
     /// A result of the right size for [`System::evaluate`].
     fn new_forces(&self) -> Forces;
 
-    /// One force pass: overwrites `out` with f(t, x, v), its split and every term's energy or power.
+    /// One force pass: overwrites `out` with f(t, x, v), its parts by role, and every term's energy or power.
     fn evaluate(&self, at: StateRef<'_>, out: &mut Forces);
 
-    /// Steps of a block at most; fewer than two where steps are made one by one.
+    /// Largest number of steps in a block; below two if steps are made one by one.
     fn longest_block(&self) -> usize {
         0
     }
 
-    /// Makes a block of steps from a point on: moves `at` to the end of the last and overwrites `out` with the forces
-    /// there. `summaries` has an entry a step, of which it tells time and summary; it is empty for a single step, of
-    /// which nothing but `out` is told. The time at the end is in `at` before. Bits are those of steps made one by one.
+    /// Makes a block of steps: moves `at` to the end of the last step and overwrites `out` with the forces there.
+    /// `summaries` has one entry per step, with its time on entry, and its summary on return. It is empty for a single
+    /// step without a summary. On entry `at` has the time at the end. The bits are those of steps made one by one.
     ///
-    /// Systems whose [`System::longest_block`] is below two make the single step alone.
+    /// Systems whose [`System::longest_block`] is below two make single steps only.
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
         debug_assert!(summaries.is_empty(), "this system makes steps one by one");
         single_step(self, at, out, block);
@@ -78,7 +78,7 @@ pub trait System: Send + Sync {
     /// [1/kg] diagonal of M^-1 for every degree of freedom, 0 where it is fixed.
     fn inverse_mass(&self) -> &[f64];
 
-    /// `out = M a` (a lumped mass: one product a degree of freedom; zero at fixed ones).
+    /// `out = M a` (lumped mass: one product per degree of freedom; zero at fixed ones).
     fn mass_times(&self, a: &[f64], out: &mut [f64]);
 
     /// [J] kinetic energy of the velocities `v`.
@@ -89,15 +89,15 @@ pub trait System: Send + Sync {
         Vec::new()
     }
 
-    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss what
-    /// lies between them, or for any other run. What is evaluated from here on is of that run, so runs of one scene go
-    /// one after the other.
+    /// Makes load and wind tables ready for a run in fixed steps of `h` [s] from t = 0, whose samples would miss
+    /// changes between them, or for any other run. All later evaluations belong to that run, so two runs of one scene
+    /// cannot overlap.
     fn sample_tables(&self, h: Option<f64>) {
         let _ = h;
     }
 
-    /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes go from `x_n` to `x_n1` [m]: 1/2 (f_n +
-    /// f_n1) . (x_n1 - x_n); 0 of no forces.
+    /// [J] Work of forces [N] that change from `f_n` to `f_n1` while nodes move from `x_n` to `x_n1` [m]: 1/2 (f_n +
+    /// f_n1) . (x_n1 - x_n); 0 for empty slices.
     fn work(&self, [f_n, f_n1]: [&[f64]; 2], [x_n, x_n1]: [&[f64]; 2]) -> f64 {
         let way = x_n.iter().zip(x_n1).map(|(x_n, x_n1)| x_n1 - x_n);
         f_n.iter().zip(f_n1).zip(way).map(|((f_n, f_n1), d)| 0.5 * (f_n + f_n1) * d).sum()
@@ -112,7 +112,7 @@ pub trait System: Send + Sync {
     fn velocity_dependent(&self) -> bool;
 }
 
-/// Makes the single step of [`System::advance`] by whole force passes.
+/// Makes the single step of [`System::advance`] with complete force passes.
 pub(crate) fn single_step<S: System + ?Sized>(
     system: &S,
     at: &mut State,
@@ -139,13 +139,13 @@ pub struct Weights {
     pub k: f64,
 }
 
-/// Which of a scene's dissipative forces are the viscosity h sum_j k_ij (v_j - v_i) that Kang's filter has of its own.
+/// Which dissipative forces of a scene are the viscosity h sum_j k_ij (v_j - v_i) that Kang's filter already contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Viscosity {
     /// none of them
     #[default]
     None,
-    /// all, and every spring has its dashpot c = k times this many seconds
+    /// all of them; every spring has a dashpot with c = k times this many seconds
     All {
         /// [s] c/k
         seconds: f64,
@@ -154,14 +154,14 @@ pub enum Viscosity {
     Some,
 }
 
-/// Sums along the springs that are in Kang's filter of one step, where the filter leaves out springs that are slack.
-/// [`SpringGraph`] has the same of all springs.
+/// Sums over the springs in Kang's filter of one step, for a filter that leaves out slack springs. [`SpringGraph`] has
+/// the same sums over all springs.
 pub trait StepFilter: std::fmt::Debug + Send + Sync {
-    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut there, or where nodes
-    /// move on as they do. Returns whether they are others than those of the last step.
+    /// Finds the springs in the filter of a step of `h` [s] from a state: those that are taut there, or at x + h v.
+    /// Returns whether they differ from those of the last step.
     fn select(&mut self, from: StateRef<'_>, h: f64) -> bool;
 
-    /// [N/m] `out_i = sum_j k_ij`, of every node.
+    /// [N/m] `out_i = sum_j k_ij`, for every node `[n_nodes]`.
     fn stiffness_sums(&self, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij u_j`, as [`SpringGraph::neighbour_sums`].
@@ -170,24 +170,26 @@ pub trait StepFilter: std::fmt::Debug + Send + Sync {
     /// `out_i = sum_j k_ij (u_j - u_i)`, as [`SpringGraph::neighbour_differences`].
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// [N] What the pull of these springs differs from that of the force pass at the step's start; `None` where it is
-    /// the same.
+    /// [N] Difference of the forces of these springs from those of the force pass at the step's start; `None` if there
+    /// is none.
     fn correction(&self) -> Option<&[f64]>;
 }
 
-/// What Kang's scheme needs besides forces: the spring graph.
+/// The interface that Kang's scheme needs besides forces: the spring graph.
 pub trait SpringGraph: System {
-    /// [N/m] sum of the stiffnesses at every node, slack or not. Asked for once, before a range of any other sum.
+    /// [N/m] Sum of the stiffnesses at every node, slack or not `[n_nodes]`. Called once,
+    /// before any other sum.
     fn stiffness_sums(&self) -> Vec<f64>;
 
     /// [N] weight at every degree of freedom.
     fn weight(&self) -> Vec<f64>;
 
-    /// Which of the dissipative forces the filter already contains: relative `"step"` dashpots.
+    /// The dissipative forces that the filter already contains: relative `"step"` dashpots.
     fn viscosity(&self) -> Viscosity;
 
-    /// [N] `out =` the forces of the dashpots that the filter already contains, where they are some of the dissipative
-    /// forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives.
+    /// [N] `out =` the forces of the dashpots that the filter already contains, if they are some of the dissipative
+    /// forces ([`Viscosity::Some`]; else 0), for some degrees of freedom: a range that [`System::workers`] gives. `v`
+    /// is `[n_dof]`, `out` has the length of `dofs`.
     fn step_dashpots(&self, v: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
     /// `out_i = sum_j k_ij u_j`, likewise, in N/m times the unit of `u`, which has all degrees of freedom.
@@ -196,7 +198,7 @@ pub trait SpringGraph: System {
     /// `out_i = sum_j k_ij (u_j - u_i)`, likewise.
     fn neighbour_differences(&self, u: &[f64], dofs: Range<usize>, out: &mut [f64]);
 
-    /// The sums of a filter that leaves out slack springs; `None` where no spring can be slack, or all have a dashpot
-    /// that the filter contains.
+    /// The sums of a filter that leaves out slack springs; `None` if no spring can be slack, or all have a dashpot that
+    /// the filter contains.
     fn step_filter(&self) -> Option<Box<dyn StepFilter>>;
 }

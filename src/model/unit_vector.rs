@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-/// v / |v|; `None` if the length is 0, overflows or is no number.
+/// v / |v|; `None` if the length is 0, not finite, or overflows.
 #[inline]
 pub fn unit_vector<const D: usize>(v: SVector<f64, D>) -> Option<SVector<f64, D>> {
     let inverse = v.norm().recip();

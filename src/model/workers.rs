@@ -1,7 +1,7 @@
 //! Loops over all degrees of freedom on several threads, with the same bits for every number of them.
 //!
-//! A loop is cut into pieces whose size depends on the length alone. What a piece yields is added in the order of the
-//! pieces, on one thread too; so the bits agree.
+//! A loop is divided into pieces whose size depends on its length only. The results of the pieces are added in their
+//! order, on one thread too, so the bits agree.
 
 use super::lanes::{LANES, Lanes};
 use multiversion::multiversion;
@@ -11,9 +11,9 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Pieces at most.
+/// Largest number of pieces.
 const PIECES: usize = 64;
-/// Entries a piece at least: enough to outweigh its hand-over. A multiple of every block that loops work in.
+/// Least number of entries of a piece: enough to outweigh its hand-over. A multiple of every block size of the loops.
 const PIECE: usize = 3 * 2048;
 
 /// The threads that loops over a scene's nodes may use.
@@ -21,18 +21,18 @@ const PIECE: usize = 3 * 2048;
 pub struct Workers(Option<Arc<ThreadPool>>);
 
 thread_local! {
-    /// A pool that this thread is one of: it neither hands work over nor has to be woken when that is done.
+    /// A pool that includes this thread, which saves handing work over and waking it afterwards.
     static OWN: OnceCell<Arc<ThreadPool>> = const { OnceCell::new() };
 }
 
-/// The only thread there is.
+/// The calling thread only.
 pub static ALONE: Workers = Workers(None);
 
 impl Workers {
-    /// `n` threads; 0 and 1 mean the caller's own, and no pool is made.
+    /// `n` threads; 0 and 1 mean the calling thread, without a pool.
     ///
     /// # Errors
-    /// When the operating system gives no threads.
+    /// When the operating system cannot start threads.
     pub fn new(n: usize) -> Result<Self, ThreadPoolBuildError> {
         if n <= 1 {
             return Ok(Workers(None));
@@ -40,12 +40,13 @@ impl Workers {
         Ok(Workers(Some(Arc::new(ThreadPoolBuilder::new().num_threads(n).build()?))))
     }
 
-    /// The same with the calling thread as one of them, which saves a hand-over each time; to be used on that thread,
-    /// since on others there is one less. The pool stays as long as the thread, whose own parallel loops go to it too.
-    /// A thread can be one of a single pool: a second with another number is as [`Workers::new`] makes it.
+    /// The same with the calling thread as one of them, which saves a hand-over each time. It must be used on that
+    /// thread, since on others there is one thread less. The pool exists as long as the thread, and also runs the
+    /// thread's own parallel loops. A thread can belong to one such pool only: a second one with another number is made
+    /// by [`Workers::new`].
     ///
     /// # Errors
-    /// When the operating system gives no threads.
+    /// When the operating system cannot start threads.
     pub fn with_caller(n: usize) -> Result<Self, ThreadPoolBuildError> {
         if n <= 1 {
             return Ok(Workers(None));
@@ -66,7 +67,7 @@ impl Workers {
         self.0.as_deref()
     }
 
-    /// Calls `work` for pieces of `out` with their ranges; returns the sum of what it returns.
+    /// Calls `work` for pieces of `out` with their ranges; returns the sum of its results.
     pub fn each(&self, out: &mut [f64], work: impl Fn(Range<usize>, &mut [f64]) -> f64 + Sync) -> f64 {
         let size = piece(out.len());
         if out.len() <= size {
@@ -95,7 +96,7 @@ impl Workers {
         }
     }
 
-    /// What `part` makes of each piece of `0..n`, put together in their order.
+    /// The results of `part` for each piece of `0..n`, combined in their order.
     pub fn fold<T: Copy + Send + Sync>(
         &self,
         n: usize,
@@ -117,7 +118,7 @@ impl Workers {
         parts[..count].iter().fold(none, |a, b| join(a, *b))
     }
 
-    /// Sum of what `part` makes of each piece of `0..n`.
+    /// Sum of the results of `part` for each piece of `0..n`.
     pub fn sum(&self, n: usize, part: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
         self.fold(n, 0.0, part, |a, b| a + b)
     }
@@ -128,7 +129,7 @@ impl Workers {
     }
 }
 
-/// Nothing times zero is zero but what is finite.
+/// The product of a value and zero is zero only if the value is finite.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn times_zero(values: &[f64]) -> f64 {
     let mut sum = Lanes::default();

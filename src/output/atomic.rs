@@ -6,12 +6,12 @@ use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// How hard a replacement tries to survive a power cut.
+/// Whether a replacement survives a power cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Durability {
-    /// Atomic for readers; the system writes to the disk when it likes.
+    /// Atomic for readers; the system decides when to write to the disk.
     Visible,
-    /// Also flushed to the disk before the new name counts.
+    /// Also flushed to the disk before the rename.
     Synced,
 }
 
@@ -28,7 +28,7 @@ pub fn part_path(path: &Path) -> PathBuf {
 /// A temporary file beside `path` that no other process has: `.NAME.RANDOM.part`, for files that several processes may
 /// write at the same time, on several machines too.
 fn own_part_path(path: &Path) -> PathBuf {
-    // Seeded by the system for every process, and different at every call.
+    // Seeded by the system for each process, and different in every call.
     let random = RandomState::new().hash_one(std::process::id());
     let mut name = OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
@@ -36,10 +36,10 @@ fn own_part_path(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// As [`replace`], where several processes may write the same file at the same time: the last one stays.
+/// As [`replace`], for a file that several processes may write at the same time: the last one wins.
 ///
 /// # Errors
-/// Whatever the system answers; `path` then still holds what it held.
+/// Errors of the system; `path` then has its old content.
 pub fn replace_shared(path: &Path, content: &[u8], durability: Durability) -> io::Result<()> {
     replace_via(&own_part_path(path), path, durability, |file| file.write_all(content))
 }
@@ -47,7 +47,7 @@ pub fn replace_shared(path: &Path, content: &[u8], durability: Durability) -> io
 /// Writes `content` to `path` by way of [`part_path`] and a rename in the same folder.
 ///
 /// # Errors
-/// Whatever the system answers; `path` then still holds what it held.
+/// Errors of the system; `path` then has its old content.
 pub fn replace(path: &Path, content: &[u8], durability: Durability) -> io::Result<()> {
     replace_by(path, durability, |file| file.write_all(content))
 }
@@ -55,7 +55,7 @@ pub fn replace(path: &Path, content: &[u8], durability: Durability) -> io::Resul
 /// The same with content that `fill` writes piece by piece.
 ///
 /// # Errors
-/// Whatever the system or `fill` answers; `path` then still holds what it held.
+/// Errors of the system or of `fill`; `path` then has its old content.
 pub fn replace_by(
     path: &Path,
     durability: Durability,
@@ -73,7 +73,7 @@ fn replace_via(
     let file = create_new(part)?;
     let written = write_new(file, durability, fill).and_then(|()| fs::rename(part, path));
     if written.is_err() {
-        // The first error is the one to report; the part is removed if that is still possible.
+        // The first error is reported; the temporary file is removed if possible.
         let _ = fs::remove_file(part);
         return written;
     }
@@ -86,7 +86,7 @@ fn replace_via(
 fn create_new(part: &Path) -> io::Result<File> {
     let create = || OpenOptions::new().write(true).create_new(true).open(part);
     match create() {
-        // A leftover, possibly a link: removed rather than written through.
+        // A leftover, possibly a link, is removed instead of being written through.
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => fs::remove_file(part).and_then(|()| create()),
         created => created,
     }
@@ -100,7 +100,8 @@ fn write_new(mut file: File, durability: Durability, fill: impl FnOnce(&mut File
     Ok(())
 }
 
-/// Makes new names in a folder durable where folders can be synced; elsewhere the files are complete all the same.
+/// Makes new names in a folder durable where folders can be synced; elsewhere the files are complete, but their names
+/// may be lost in a power cut.
 pub fn sync_folder(folder: &Path) {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if let Ok(folder) = File::open(folder) {

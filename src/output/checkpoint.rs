@@ -1,14 +1,14 @@
-//! `checkpoint.bin`: a run between two steps and how far its results had come, in one file.
+//! `checkpoint.bin`: a run between two steps and the state of its result files, in one file.
 //!
 //! ```text
 //! magic, 8 bytes | format, u32 | payload's length, u64 | payload | CRC-32 of all before it, u32       (little end first)
 //! payload = program's version, then the Checkpoint, both as postcard writes them
 //! ```
 //! postcard's wire format: <https://postcard.jamesmunns.com/wire-format>. It has no names, so any change of a stored
-//! struct needs another [`FORMAT`]; the program's version is there because another program may compute other bits.
+//! struct needs another [`FORMAT`]. It contains the program's version, because another version may compute other bits.
 //!
-//! The checkpoint is written last, after the results it counts are on the disk. Whenever a run is killed, the files
-//! therefore begin with what the newest checkpoint says, and resuming cuts off the rest.
+//! The checkpoint is written last, after its results are on the disk. So whenever a run is killed, the files begin with
+//! the content that the newest checkpoint describes, and a resumed run cuts off the rest.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -24,37 +24,37 @@ use crate::checksum::{self, ChecksumError};
 use crate::drive::Snapshot;
 use crate::process::Cost;
 
-/// Number of the file's layout.
+/// Number of the file format.
 pub const FORMAT: u32 = 8;
-/// As in PNG: a byte above 127 and both kinds of line end show a transfer that took the file for text.
+/// As in PNG: a byte above 127 and both kinds of line end reveal a transfer as text.
 const MAGIC: [u8; 8] = *b"\x89CNPY\r\n\x1a";
-/// What comes before the payload: magic, format, length.
+/// Length of the header: magic, format, length.
 const HEAD: usize = 8 + 4 + 8;
-/// The program whose bits are stored.
+/// The version of the program.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 
-/// All that is stored.
+/// The content of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// the case it is of
+    /// the fingerprint of its case
     pub case: Fingerprint,
     /// the run
     pub snapshot: Snapshot,
-    /// what is to be recorded next
+    /// state of the recorder
     pub recorder: RecorderState,
-    /// how far the results have come
+    /// state of the result files
     pub files: FilesProgress,
-    /// what the run has cost so far
+    /// cost of the run so far
     pub spent: Cost,
 }
 
-/// Why a file is no checkpoint this program can use.
+/// Why a file is not a checkpoint that this program can use.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CheckpointFault {
-    /// Something else.
+    /// The file is not a checkpoint.
     #[error("this is not a checkpoint of canopy-fem")]
     Foreign,
-    /// Another layout.
+    /// Another format.
     #[error(
         "the checkpoint has format {found}, and this program reads format {FORMAT}: resume with the program that wrote it"
     )]
@@ -62,20 +62,20 @@ pub enum CheckpointFault {
         /// its number
         found: u32,
     },
-    /// Its end is missing.
+    /// The end of the file is missing.
     #[error("the checkpoint is cut short: {found} bytes of {needed}")]
     CutShort {
         /// [byte] its length
         found: u64,
-        /// [byte] what its head promises
+        /// [byte] its length by the header
         needed: u64,
     },
-    /// Bytes after its end.
+    /// There are bytes after its end.
     #[error("the checkpoint is damaged: {found} bytes where it should end after {needed}")]
     TooLong {
         /// [byte] its length
         found: u64,
-        /// [byte] what its head promises
+        /// [byte] its length by the header
         needed: u64,
     },
     /// The checksum is not that of the content.
@@ -83,10 +83,10 @@ pub enum CheckpointFault {
     Checksum {
         /// at the end of the file
         stored: u32,
-        /// of what is there
+        /// of the content
         computed: u32,
     },
-    /// Another program.
+    /// Another version of the program.
     #[error(
         "the checkpoint was written by version {found}, and this is version {PROGRAM}, which may compute other bits: resume \
          with the program that wrote it"
@@ -95,16 +95,16 @@ pub enum CheckpointFault {
         /// its version
         found: String,
     },
-    /// The payload does not hold what it should.
+    /// The payload cannot be decoded.
     #[error("the checkpoint cannot be decoded: {0}")]
     Content(#[from] postcard::Error),
 }
 
 impl Checkpoint {
-    /// The file's content, written into `out`, which keeps its memory.
+    /// Writes the content of the file into `out`, whose memory is reused.
     ///
     /// # Errors
-    /// When postcard refuses, which for these types it does not.
+    /// Errors of postcard, which do not occur for these types.
     pub fn encode(&self, out: &mut Vec<u8>) -> io::Result<()> {
         let refused = |e: postcard::Error| io::Error::new(io::ErrorKind::InvalidData, e);
         out.clear();
@@ -123,7 +123,7 @@ impl Checkpoint {
     /// Reads a file's content back.
     ///
     /// # Errors
-    /// Anything but a whole and sound checkpoint of this program.
+    /// Anything but a complete and undamaged checkpoint of this program.
     pub fn decode(bytes: &[u8]) -> Result<Self, CheckpointFault> {
         // The magic first: a short file of another kind is foreign, not cut short.
         let begins = bytes.iter().zip(&MAGIC).all(|(a, b)| a == b);

@@ -1,4 +1,4 @@
-//! Comma-separated files that are readable at any moment: only whole lines are handed to the system.
+//! Comma-separated files that are readable at any time: only complete lines are passed to the system.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -22,7 +22,7 @@ pub struct CsvFile {
     file: File,
     buffer: Vec<u8>,
     last_write: Instant,
-    /// what is with the system
+    /// the part passed to the system
     written: RunningChecksum,
 }
 
@@ -33,7 +33,7 @@ impl CsvFile {
     /// When another run holds its lock, or it cannot be written.
     pub fn create(path: &Path, header: &str) -> Result<Self, ObserveError> {
         let fault = |source| write_fault(path, source);
-        // Emptied only under the lock: where folders cannot be locked, another run may be writing it.
+        // Emptied only under the lock, because another run may be writing it where folders cannot be locked.
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).map_err(fault)?;
         if lock(&file) == Lock::Elsewhere {
             return Err(fault(io::Error::new(io::ErrorKind::ResourceBusy, "another run is writing it")));
@@ -45,7 +45,7 @@ impl CsvFile {
         Ok(made)
     }
 
-    /// Opens a file that begins with what `mark` says and cuts off the rest. It is locked as long as it is open.
+    /// Opens a file that begins with the content of `mark`, and cuts off the rest. It is locked as long as it is open.
     ///
     /// # Errors
     /// When another run holds its lock, or it cannot be opened or cut.
@@ -65,20 +65,20 @@ impl CsvFile {
         Self { path: path.to_owned(), file, buffer, last_write: Instant::now(), written }
     }
 
-    /// Appends one line; `fill` writes it without the line's end.
+    /// Appends one line; `fill` writes it without the line break.
     pub fn line(&mut self, fill: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<(), ObserveError> {
         fill(&mut self.buffer).map_err(|e| write_fault(&self.path, e))?;
         self.buffer.push(b'\n');
-        // Leave room for one more line, so that the buffer keeps its size.
+        // Leaves room for one more line, so that the buffer keeps its size.
         if self.buffer.len() + 512 > BLOCK { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what has waited longer than [`LONGEST_DELAY`].
+    /// Writes the lines if they have waited longer than [`LONGEST_DELAY`].
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
         if self.last_write.elapsed() >= LONGEST_DELAY { self.flush() } else { Ok(()) }
     }
 
-    /// Writes all lines that wait. If only a part finds room, the file ends with its last whole line.
+    /// Writes all waiting lines. If the disk is full, the file ends with its last complete line.
     pub fn flush(&mut self) -> Result<(), ObserveError> {
         if !self.buffer.is_empty() {
             if let Err(source) = self.file.write_all(&self.buffer) {
@@ -92,14 +92,14 @@ impl CsvFile {
         Ok(())
     }
 
-    /// Writes all lines that wait and makes them durable; returns what the file now holds.
+    /// Writes all waiting lines and makes them durable; returns the mark of the file.
     pub fn sync(&mut self) -> Result<FilePrefix, ObserveError> {
         self.flush()?;
         self.file.sync_data().map_err(|e| write_fault(&self.path, e))?;
         Ok(self.written.mark())
     }
 
-    /// After a write that stopped somewhere: cuts the line it stopped in; that one and those behind it wait again.
+    /// After an incomplete write: cuts off the incomplete line; this one and those after it wait again.
     fn keep_whole_lines(&mut self) {
         let length = self.file.metadata().map_or(0, |there| there.len());
         let arrived = usize::try_from(length.saturating_sub(self.written.bytes())).unwrap_or(0);
@@ -107,7 +107,7 @@ impl CsvFile {
         let whole = arrived.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
         self.written.add(arrived.get(..whole).unwrap_or_default());
         self.buffer.drain(..whole);
-        // The fault that led here is the one to report.
+        // The original error is reported.
         let end = self.written.bytes();
         let _ = self.file.set_len(end).and_then(|()| self.file.seek(SeekFrom::Start(end)));
     }

@@ -1,4 +1,4 @@
-//! The files of a run, as the writing thread sees them.
+//! The files of a run, used by the writing thread.
 
 use std::fs;
 use std::path::PathBuf;
@@ -22,33 +22,33 @@ use crate::vtk::VtuFormat;
 
 /// Folder of the frames, beside the .pvd.
 pub const FRAMES: &str = "frames";
-/// A row a step, or every n.
+/// One row per step, or per n steps.
 pub const HISTORY: &str = "history.csv";
 /// Chosen nodes at each frame time.
 pub const PROBES: &str = "probes.csv";
 
-/// What the writing thread must know of the run; everything in the user's numbering.
+/// The data of the run for the writing thread; everything in the user's numbering.
 #[derive(Clone, Debug)]
 pub struct FilesSpec<'a> {
     /// folder of the results
     pub folder: PathBuf,
     /// stem of the .pvd and the frames, see [`super::sanitize::file_stem`]
     pub stem: String,
-    /// [m] positions displacements count from
+    /// [m] positions of zero displacement
     pub reference: &'a [[f64; 3]],
     /// triangles of the picture
     pub triangles: &'a [[u32; 3]],
     /// edges of the picture
     pub edges: &'a [[u32; 2]],
-    /// fields that are shown
+    /// fields to write
     pub fields: Fields,
     /// nodes to follow; `probes.csv` is written only if there are any
     pub probes: &'a [ProbeSpec],
-    /// spelling of the frames' arrays
+    /// encoding of the frames' arrays
     pub format: VtuFormat,
 }
 
-/// How far the results had come when a checkpoint was written.
+/// State of the result files when a checkpoint was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilesProgress {
     /// frames in the collection
@@ -66,10 +66,10 @@ pub struct ResultFiles {
     collection: Collection,
     history: CsvFile,
     probes: Option<CsvFile>,
-    /// names quoted as csv wants them
+    /// names, quoted for csv
     followed: Vec<ProbeSpec>,
     checkpoint: PathBuf,
-    /// the checkpoint's bytes, kept from one to the next
+    /// buffer for the bytes of a checkpoint
     encoded: Vec<u8>,
     /// frames that the checkpoint counts
     frames_kept: u64,
@@ -79,7 +79,7 @@ impl ResultFiles {
     /// Creates `history.csv`, `probes.csv` if there are probes, and the frames' folder.
     ///
     /// # Errors
-    /// When something cannot be created, or a cell names a node that is not there.
+    /// When something cannot be created, or a cell names a node that does not exist.
     pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let path = |name: &str| spec.folder.join(name);
         let frames = FrameFiles::create(spec)?;
@@ -96,12 +96,11 @@ impl ResultFiles {
         })
     }
 
-    /// Goes on with the files of an earlier run. Everything is looked at before anything is changed; then what was
-    /// written after the checkpoint goes, `summary.json` included, in an order that leaves a folder that can be resumed
-    /// at any time.
+    /// Continues the files of an earlier run. It checks everything before it changes anything. Then it removes what was
+    /// written after the checkpoint, `summary.json` included, in an order after which a run can be resumed at any time.
     ///
     /// # Errors
-    /// When the files do not hold what they held, are in use, or cannot be opened or changed.
+    /// When the files have changed, are in use, or cannot be opened or changed.
     pub fn reopen(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         let path = |name: &str| spec.folder.join(name);
         let (history, probes, summary) = (path(HISTORY), path(PROBES), path(SUMMARY));
@@ -116,7 +115,7 @@ impl ResultFiles {
                 _ => {}
             }
         }
-        // The collection first: it never lists a frame that is not there.
+        // The collection first, so that it never lists a missing frame.
         collection.write(Durability::Visible)?;
         let frames = FrameFiles::reopen(spec, mark.collection.frames)?;
         Ok(Self {
@@ -134,7 +133,7 @@ impl ResultFiles {
     /// Makes all results durable, and then the checkpoint that counts them.
     ///
     /// # Errors
-    /// When the system refuses; the earlier checkpoint is then still there.
+    /// Errors of the system; the earlier checkpoint is then kept.
     pub fn checkpoint(&mut self, mut checkpoint: Checkpoint) -> Result<(), ObserveError> {
         let history = self.history.sync()?;
         let probes = self.probes.as_mut().map(CsvFile::sync).transpose()?;
@@ -149,7 +148,7 @@ impl ResultFiles {
         replace(path, &self.encoded, Durability::Synced).map_err(|e| write_fault(path, e))
     }
 
-    /// Writes a frame, its probes, and then shows it in the collection.
+    /// Writes a frame and its probes, and then adds it to the collection.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), ObserveError> {
         let file = self.frames.write(frame, self.collection.frames())?;
         if let Some(probes) = &mut self.probes {
@@ -160,11 +159,11 @@ impl ResultFiles {
     }
 
     /// Removes the frames after a time [s], and the checkpoint if it counts one of them. Rows of the history and of
-    /// probes stay; no more rows of probes are written.
+    /// probes are kept; no more rows of probes are written.
     pub fn withdraw_after(&mut self, t: f64) -> Result<(), ObserveError> {
         let before = self.collection.frames();
         let left = self.collection.withdraw_after(t);
-        // The collection first: it never lists a frame that is not there.
+        // The collection first, so that it never lists a missing frame.
         self.collection.write(Durability::Visible)?;
         if self.frames_kept > left {
             match fs::remove_file(&self.checkpoint) {
@@ -184,7 +183,7 @@ impl ResultFiles {
         self.history.line(|buffer| row.write(buffer))
     }
 
-    /// Hands over lines and frames that have waited long enough.
+    /// Writes lines and frames that have waited long enough.
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
         self.history.flush_if_due()?;
         if let Some(probes) = &mut self.probes {
@@ -193,10 +192,10 @@ impl ResultFiles {
         self.collection.write_if_due()
     }
 
-    /// Hands over everything.
+    /// Writes everything.
     ///
     /// # Errors
-    /// When the system refuses; all files are tried, the first fault is reported.
+    /// Errors of the system; all files are tried, and the first error is reported.
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         let history = self.history.flush();
         let probes = self.probes.as_mut().map_or(Ok(()), CsvFile::flush);

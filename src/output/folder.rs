@@ -1,4 +1,4 @@
-//! The folder of a run: never over earlier results unasked, never over anything else at all. Locks keep two runs out of
+//! The folder of a run. Earlier results are replaced only on request, and other files never. Locks prevent two runs in
 //! one folder; a killed program holds none.
 
 use std::fs::{self, File, Metadata, TryLockError};
@@ -13,13 +13,13 @@ use super::sanitize::file_stem;
 
 /// How a run ended, for programs.
 pub const SUMMARY: &str = "summary.json";
-/// What a run can be resumed from.
+/// The checkpoint of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// There are results already.
+    /// The folder has results already.
     #[error(
         "{folder} already holds results ({found}); give --force to replace them,{} or another folder with --out",
         if *.resumable { " --resume to go on from their checkpoint," } else { "" }
@@ -32,7 +32,7 @@ pub enum FolderError {
         /// whether a checkpoint is among them
         resumable: bool,
     },
-    /// Something else stands where results belong.
+    /// There is something else at the path of a result.
     #[error("{path} is {what}, where a result belongs; move it away or give another folder with --out")]
     InTheWay {
         /// the path
@@ -46,7 +46,7 @@ pub enum FolderError {
         /// the file
         path: String,
     },
-    /// The system's answer.
+    /// The system's error.
     #[error("{path}: {source}")]
     System {
         /// the path
@@ -56,7 +56,7 @@ pub enum FolderError {
     },
 }
 
-/// A folder that is ready for the results of one case. No other run may use it as long as this is there.
+/// A folder that is ready for the results of one case. No other run may use it as long as this exists.
 #[derive(Debug)]
 pub struct ResultFolder {
     dir: PathBuf,
@@ -66,14 +66,14 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Makes `dir` ready for the case `name`: creates it if needed and locks it; refuses earlier results unless `force`
-    /// is given, which removes exactly them: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`, `NAME.pvd`,
-    /// `frames/NAME_<number>.vtu`, the last two also of the case that `summary.json` is of, and `frames` if it is empty
-    /// then. Other files stay. A link is removed, never followed; a linked `frames` is refused.
+    /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
+    /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`,
+    /// `NAME.pvd`, `frames/NAME_<number>.vtu`, the last two also for the case of `summary.json`, and `frames` if it is
+    /// then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.
     ///
     /// # Errors
-    /// When there are results and no `force`, when something else stands in the way, another run uses the folder, or
-    /// the system refuses.
+    /// When there are results and no `force`, when something else has the name of a result, another run uses the
+    /// folder, or the system fails.
     pub fn prepare(dir: &Path, name: &str, force: bool) -> Result<Self, FolderError> {
         refuse_file(dir)?;
         fs::create_dir_all(dir).map_err(|e| system(dir, e))?;
@@ -87,15 +87,15 @@ impl ResultFolder {
         for path in &earlier {
             fs::remove_file(path).map_err(|e| system(path, e))?;
         }
-        // Stays if it holds other files, which are not ours to remove.
+        // Fails, as it should, if there are other files in it.
         let _ = fs::remove_dir(dir.join(FRAMES));
         Ok(folder)
     }
 
-    /// The folder of an earlier run, to go on in: locked, and nothing is changed.
+    /// The folder of an earlier run, to continue it: locked, and nothing is changed.
     ///
     /// # Errors
-    /// When something that is no result stands where one belongs, or another run is writing there.
+    /// When something that is not a result has the name of one, or another run is writing there.
     pub fn reopen(dir: &Path, name: &str) -> Result<Self, FolderError> {
         refuse_file(dir)?;
         let folder = Self::locked(dir, name)?;
@@ -103,8 +103,8 @@ impl ResultFolder {
         Ok(folder)
     }
 
-    /// Locks the folder before anything in it is looked at. The lock of `history.csv` keeps earlier versions of the
-    /// program out, and serves alone where a file system cannot lock folders.
+    /// Locks the folder before anything in it is read. The lock of `history.csv` stops earlier versions of the program,
+    /// and is the only one where a file system cannot lock folders.
     fn locked(dir: &Path, name: &str) -> Result<Self, FolderError> {
         let held = File::open(dir).ok();
         let history = dir.join(HISTORY);
@@ -117,10 +117,10 @@ impl ResultFolder {
         Ok(Self { dir: dir.to_owned(), stem: file_stem(name), _lock: held })
     }
 
-    /// Removes the checkpoint of a run that has reached its end and keeps none.
+    /// Removes the checkpoint of a completed run that does not keep one.
     ///
     /// # Errors
-    /// When there is one that cannot be removed.
+    /// When it cannot be removed.
     pub fn remove_checkpoint(&self) -> Result<(), FolderError> {
         let path = self.file(CHECKPOINT);
         match fs::remove_file(&path) {
@@ -134,7 +134,7 @@ impl ResultFolder {
         &self.dir
     }
 
-    /// What the .pvd and the frames are named after.
+    /// The stem of the names of the .pvd and the frames.
     pub fn stem(&self) -> &str {
         &self.stem
     }
@@ -166,7 +166,7 @@ impl ResultFolder {
         Ok(found)
     }
 
-    /// What the files of another case are named after, where the summary is of one.
+    /// The stem of the files of another case, if the summary belongs to one.
     fn other_stem(&self) -> Option<String> {
         let path = self.file(SUMMARY);
         metadata_of(&path).ok()?.filter(Metadata::is_file)?;
@@ -195,7 +195,7 @@ fn refuse_file(dir: &Path) -> Result<(), FolderError> {
     Ok(())
 }
 
-/// What is at a path itself, links not followed.
+/// The metadata of a path itself, without following links.
 fn metadata_of(path: &Path) -> Result<Option<Metadata>, FolderError> {
     match fs::symlink_metadata(path) {
         Ok(there) => Ok(Some(there)),
@@ -208,21 +208,21 @@ fn system(path: &Path, source: io::Error) -> FolderError {
     FolderError::System { path: path.display().to_string(), source }
 }
 
-/// How long to wait for a lock that nobody means to keep: a run is ending, or its process is starting a program, which
-/// has a copy of every open file until it begins.
+/// Time to wait for a lock that is held for a short time only: a run is ending, or its process is starting a program,
+/// which has a copy of every open file until it begins.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Whether a file or folder is free to be written.
+/// The state of the lock of a file or folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lock {
-    /// locked by this handle, or on a system where that is not done
+    /// locked by this handle, or on a system without locks
     Here,
-    /// another run writes it
+    /// locked by another run
     Elsewhere,
 }
 
-/// Locks a file or folder against a second run. Windows would keep readers out as well, so not there; and where a file
-/// system knows no locks (NFS has none of folders), there are none.
+/// Locks a file or folder against a second run. There are no locks on Windows, where they would also stop readers, and
+/// on file systems without locks (NFS has none for folders).
 pub fn lock(file: &File) -> Lock {
     let began = Instant::now();
     loop {
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
     use std::fs::OpenOptions;
 
-    /// Between fork and exec a starting program holds copies of all files of its process, the locked ones too.
+    /// Between fork and exec, a starting program has copies of all open files of its process, including locked ones.
     #[test]
     fn a_lock_that_is_soon_given_back_is_waited_for() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,8 +1,8 @@
-//! What one frame holds, and how edge values become cell values.
+//! The content of a frame, and how edge values become cell values.
 
 use crate::case::spec::Field;
 
-/// Fields a case asks for beside positions, displacements and velocities, which are always there.
+/// Fields of a case besides positions, displacements and velocities, which are always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fields {
     /// net force on every node
@@ -16,7 +16,7 @@ pub struct Fields {
 }
 
 impl From<&[Field]> for Fields {
-    /// What a case asks for.
+    /// The fields of a case.
     fn from(asked: &[Field]) -> Self {
         let has = |field| asked.contains(&field);
         Fields {
@@ -28,7 +28,7 @@ impl From<&[Field]> for Fields {
     }
 }
 
-/// A frame on its way to the disk, in the user's numbering. Fields nobody asked for are empty.
+/// A frame to be written, in the user's numbering. Fields that are not wanted are empty.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// [s] time
@@ -47,14 +47,14 @@ pub struct Frame {
     pub strain: Vec<f64>,
 }
 
-/// How large a frame's arrays are.
+/// Sizes of a frame's arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameSize {
     /// nodes of the picture
     pub nodes: usize,
     /// edges of the picture
     pub edges: usize,
-    /// what is asked for
+    /// fields that are wanted
     pub fields: Fields,
 }
 
@@ -66,7 +66,7 @@ impl FrameSize {
         size_of::<f64>() * (3 * vectors * self.nodes + 2 * self.springs())
     }
 
-    /// Length of the arrays on edges: tension and strain come from one call, so either wants both.
+    /// Length of the arrays on edges: tension and strain come from one call, so both are needed for either.
     fn springs(self) -> usize {
         if self.fields.tension || self.fields.strain { self.edges } else { 0 }
     }
@@ -101,14 +101,14 @@ fn all_finite(numbers: &[f64]) -> bool {
     const EXPONENT: u64 = f64::INFINITY.to_bits();
     const SMALLEST: u64 = f64::MIN_POSITIVE.to_bits();
     const SIGN: u64 = 1 << 63;
-    // The largest exponent, and no other, overflows into the sign.
+    // Only the largest exponent overflows into the sign.
     numbers.iter().fold(0, |seen, c| seen | ((c.to_bits() & EXPONENT) + SMALLEST)) & SIGN == 0
 }
 
 /// The edges of every triangle, to average edge values over them.
 #[derive(Clone, Debug, Default)]
 pub struct CellMap {
-    /// indices into the edges; a side that is not an edge of the picture is left out
+    /// indices into the edges; `None` for a side that is not an edge
     sides: Vec<[Option<u32>; 3]>,
     cells: usize,
 }
@@ -138,7 +138,7 @@ impl CellMap {
             out.push(if count == 0 { 0.0 } else { sum / f64::from(count) });
         }
         out.extend(edges.iter().map(|v| if spring(v) { *v } else { 0.0 }));
-        // Vertex cells stand in for a picture without triangles and edges.
+        // A scene without triangles and edges has vertex cells.
         out.resize(self.cells, 0.0);
     }
 }

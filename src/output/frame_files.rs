@@ -13,7 +13,7 @@ use super::resume::ResumeError;
 use crate::drive::observer::ObserveError;
 use crate::vtk::write::{Array, Cells, Snapshot, Values, VtuError, VtuWriter};
 
-/// Writes frames one by one, each of them complete before it bears its name.
+/// Writes frames one by one; each is complete before it gets its final name.
 #[derive(Debug)]
 pub struct FrameFiles {
     folder: PathBuf,
@@ -45,7 +45,7 @@ impl FrameFiles {
     /// Creates the folder.
     ///
     /// # Errors
-    /// When it cannot be created, or a cell names a node that is not there.
+    /// When it cannot be created, or a cell names a node that does not exist.
     pub fn create(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         let folder = spec.folder.join(FRAMES);
         fs::create_dir_all(&folder).map_err(|e| write_fault(&folder, e))?;
@@ -65,7 +65,7 @@ impl FrameFiles {
         })
     }
 
-    /// Goes on after `frames` frames of an earlier run; those beyond are removed.
+    /// Continues after `frames` frames of an earlier run; later ones are removed.
     ///
     /// # Errors
     /// As [`FrameFiles::create`], and when a frame cannot be removed.
@@ -75,7 +75,7 @@ impl FrameFiles {
         let folder = &made.folder;
         for path in frames_in(folder, &spec.stem).map_err(|e| write_fault(folder, e))? {
             let number = path.file_name().and_then(|name| number_of(&spec.stem, name.to_str()?));
-            // Without a number it is the part of a frame that was being written when the run was killed.
+            // Without a number it is the temporary file of a frame that was being written when the run was killed.
             if number.is_none_or(|number| number >= frames) {
                 fs::remove_file(&path).map_err(|e| write_fault(&path, e))?;
             }
@@ -83,10 +83,10 @@ impl FrameFiles {
         Ok(made)
     }
 
-    /// Whether the first `frames` frames are there.
+    /// Checks that the first `frames` frames exist.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first missing frame.
     pub fn check(spec: &FilesSpec<'_>, frames: u64) -> Result<(), ResumeError> {
         let folder = spec.folder.join(FRAMES);
         for number in 0..frames {
@@ -106,7 +106,7 @@ impl FrameFiles {
     /// Writes frame `number`; returns its path from the folder of the results.
     ///
     /// # Errors
-    /// When the system refuses; there is no such frame then.
+    /// Errors of the system; the frame then does not exist.
     pub fn write(&mut self, frame: &Frame, number: u64) -> Result<String, ObserveError> {
         let name = name_of(&self.stem, number);
         let path = self.folder.join(&name);
@@ -146,12 +146,12 @@ impl FrameFiles {
         Ok(())
     }
 
-    /// Makes the frames up to (not including) `frames` durable.
+    /// Makes the frames before number `frames` durable.
     pub fn sync(&mut self, frames: u64) -> Result<(), ObserveError> {
         for number in self.unsynced..frames {
             let path = self.folder.join(name_of(&self.stem, number));
             match OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all()) {
-                // Somebody took it away; that is seen when the run is resumed.
+                // The user has removed it; a resumed run will report that.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 done => done.map_err(|e| write_fault(&path, e))?,
             }

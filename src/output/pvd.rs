@@ -1,4 +1,4 @@
-//! The .pvd collection: which file shows which time. ParaView opens it, also while the run goes on.
+//! The .pvd collection: the file of each frame time. ParaView can open it during the run.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -14,7 +14,7 @@ use super::resume::{FilePrefix, RunningChecksum, open_plain};
 use crate::drive::observer::ObserveError;
 use crate::vtk::xml_attribute;
 
-/// Least time between two writes of the collection, since a write costs the system as much as a small frame …
+/// Least time between two writes of the collection, since a write costs as much as a small frame …
 const LEAST_DELAY: Duration = Duration::from_millis(100);
 /// … and beyond this number of frames a write waits until there are a percent more, or …
 const SMALL: u64 = 1000;
@@ -25,7 +25,7 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" versio
                     header_type=\"UInt64\">\n<Collection>\n";
 const TAIL: &str = "</Collection>\n</VTKFile>\n";
 
-/// How far a collection had come.
+/// State of a collection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CollectionMark {
     /// number of frames
@@ -38,7 +38,7 @@ pub struct CollectionMark {
 #[derive(Debug)]
 pub struct Collection {
     path: PathBuf,
-    /// the whole file but for its last lines
+    /// the whole file except its last lines
     text: String,
     tally: RunningChecksum,
     frames: u64,
@@ -55,10 +55,10 @@ impl Collection {
         Self { path, text, tally, frames: 0, shown: 0, last_write: Instant::now() }
     }
 
-    /// Reads the collection on disk as it was at the mark; nothing is written yet.
+    /// Reads the collection as it was at the mark; nothing is written yet.
     ///
     /// # Errors
-    /// When it cannot be read or does not begin with what it held.
+    /// When it cannot be read or has changed before the mark.
     pub fn read(path: &Path, mark: CollectionMark) -> Result<Self, ResumeError> {
         let mut found = Self::new(path);
         if mark.frames > 0 {
@@ -75,7 +75,7 @@ impl Collection {
         Ok(found)
     }
 
-    /// Where it is now.
+    /// Its present state.
     pub fn mark(&self) -> CollectionMark {
         CollectionMark { frames: self.frames, text: self.tally.mark() }
     }
@@ -93,7 +93,7 @@ impl Collection {
         self.frames += 1;
     }
 
-    /// Takes the frames after a time [s] out again, which are the last; returns how many are left.
+    /// Removes the frames after a time [s], which are the last; returns the number of the others.
     pub fn withdraw_after(&mut self, t: f64) -> u64 {
         while let Some((head, time)) = self.text.trim_end().rsplit_once("<DataSet timestep=\"") {
             let later = time.split('"').next().and_then(|time| time.parse::<f64>().ok()).is_some_and(|time| time > t);
@@ -110,8 +110,8 @@ impl Collection {
         self.frames
     }
 
-    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, then ten times a
-    /// second where frames come that quickly, and beyond 1000 of them after one per cent more, or a second.
+    /// Replaces the file on disk if it is due (see [`Collection::write`]): with the first frame, and then at most ten
+    /// times per second. Beyond 1000 frames it is due after one per cent more, or a second.
     pub fn write_if_due(&mut self) -> Result<(), ObserveError> {
         let waiting = self.frames - self.shown;
         if waiting == 0 {

@@ -1,4 +1,4 @@
-//! Turns accepted steps into frames and rows, and hands them to the writing thread.
+//! Turns accepted steps into frames and rows, and sends them to the writing thread.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,25 +21,25 @@ use crate::model::state::{State, StateRef};
 pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 pub use super::schedule::CheckpointSpec;
 
-/// What a recorder records next; part of a checkpoint.
+/// State of a recorder; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecorderState {
     /// number of the next frame time
     next_frame: u64,
     /// [s] time of the newest frame
     shown: Option<f64>,
-    /// the newest step, if the history does not show it yet
+    /// the newest step, if it is not yet in the history
     waiting: Option<HistoryRow>,
-    /// how often there is a row; a run that is carried further goes on with it
+    /// interval of the rows; a run that is extended keeps it
     history_every: RowEvery,
 }
 
 /// The observer that writes `NAME.pvd`, its frames, `history.csv` and `probes.csv`.
 ///
-/// Frames show t = 0, every multiple of `frames_every`, and the end. One that lies within 1e-9 of a step from the
-/// step's end is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and
-/// tensions evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
-/// [credible](AcceptedStep::credible) are taken away again, and the last state that is becomes the last frame.
+/// Frames show t = 0, every multiple of `frames_every`, and the end. A frame within 1e-9 of a step from the end of the
+/// step is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and tensions
+/// evaluated there. A state that is not finite is never shown. Where a run fails, frames that are not
+/// [credible](AcceptedStep::credible) are removed again, and the last credible state becomes the last frame.
 pub struct Recorder<'a> {
     picture: &'a dyn Observables,
     fields: Fields,
@@ -49,13 +49,13 @@ pub struct Recorder<'a> {
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
-    /// the newest step, if the history does not show it yet
+    /// the newest step, if it is not yet in the history
     waiting: Option<HistoryRow>,
     between: State,
     forces: Forces,
     writer: ResultWriter,
     checkpoints: Option<CheckpointSchedule>,
-    /// the last credible state, if newer ones are not
+    /// the last credible state, if newer ones are not credible
     last_good: Option<LastGood>,
     failed: bool,
 }
@@ -63,12 +63,12 @@ pub struct Recorder<'a> {
 /// The last credible state.
 struct LastGood {
     point: Point,
-    /// [s] time of the newest frame then
+    /// [s] time of the newest frame at that state
     shown: Option<f64>,
 }
 
 impl<'a> Recorder<'a> {
-    /// Checks what is asked for, creates the files and starts the writing thread.
+    /// Checks the request, creates the files and starts the writing thread.
     ///
     /// # Errors
     /// When the request is out of range or a file cannot be created.
@@ -82,7 +82,7 @@ impl<'a> Recorder<'a> {
     /// Reopens the files of an earlier run and cuts them off at its checkpoint.
     ///
     /// # Errors
-    /// When the request is out of range, or the files do not hold what they held or cannot be opened.
+    /// When the request is out of range, or the files have changed or cannot be opened.
     pub fn resume(
         picture: &'a dyn Observables,
         spec: &RecorderSpec,
@@ -118,7 +118,7 @@ impl<'a> Recorder<'a> {
         self.shown
     }
 
-    /// Also writes `checkpoint.bin`, which a recorder without this does not.
+    /// Makes the recorder also write `checkpoint.bin`.
     #[must_use]
     pub fn with_checkpoints(self, spec: CheckpointSpec) -> Self {
         Self { checkpoints: Some(CheckpointSchedule::new(spec)), ..self }
@@ -154,10 +154,10 @@ impl<'a> Recorder<'a> {
     }
 
     fn show_between(&mut self, [start, end]: [&Point; 2], moment: TimeInStep) -> Result<(), ObserveError> {
-        // Taken out and put back, because `show` needs the rest of `self`.
+        // Moved out and back, because `send_frame` needs the rest of `self`.
         let (mut state, mut forces) = (std::mem::take(&mut self.between), std::mem::take(&mut self.forces));
         interpolate(start.state.as_ref(), end.state.as_ref(), moment.fraction, &mut state);
-        // k * every itself, without the rounding of getting there from the step's start.
+        // k * every itself, without the rounding error of a sum from the start of the step.
         state.t = moment.time;
         if self.fields.force || self.fields.reaction {
             self.picture.evaluate(state.as_ref(), &mut forces);
@@ -172,7 +172,7 @@ impl<'a> Recorder<'a> {
         self.writer.send(Message::Row(HistoryRow { max_speed, max_strain, ..row }))
     }
 
-    /// Writes the row of a step that is due with its largest speed [m/s] and strain [-]; any other waits.
+    /// Writes the row of a step if it is due, with its largest speed [m/s] and strain [-]; any other is kept.
     fn row(&mut self, row: HistoryRow, largest: impl FnOnce() -> (f64, f64)) -> Result<(), ObserveError> {
         if !self.rows.due(row.step, row.t) {
             self.waiting = Some(row);
@@ -215,7 +215,7 @@ impl Observer for Recorder<'_> {
             match (due, step.start, step.end) {
                 (FrameDue::End, _, Some(end)) => self.send_frame(end.state.as_ref(), &end.forces)?,
                 (FrameDue::Between(moment), Some(start), Some(end)) => self.show_between([start, end], moment)?,
-                // The run gives every state that was asked for.
+                // The run gives every state that is wanted.
                 _ => {}
             }
         }
@@ -240,7 +240,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn resumable(&mut self, run: &Resumable<'_>) -> Result<(), ObserveError> {
-        // A run that goes on from a state that is not credible would not know the last one that is.
+        // A run that is resumed from a state that is not credible would not know the last credible one.
         if self.last_good.is_some() && run.occasion == Occasion::Step {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! What a run records, and whether that is possible.
+//! The request of what to record in a run, and its check.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::drive::observer::ObserveError;
 use crate::model::observables::Observables;
 use crate::vtk::VtuFormat;
 
-/// Frames a run may be asked for; their numbers have six digits.
+/// Largest number of frames of a run; their numbers have six digits.
 pub const MOST_FRAMES: f64 = 1e6;
 
 /// What to record.
@@ -29,14 +29,14 @@ pub struct RecorderSpec {
     pub fields: Fields,
     /// nodes to follow at each frame time
     pub probes: Vec<ProbeSpec>,
-    /// how often there is a history row
+    /// interval of the history rows
     pub history_every: RowEvery,
-    /// spelling of the frames' arrays
+    /// encoding of the frames' arrays
     pub format: VtuFormat,
 }
 
 impl RecorderSpec {
-    /// All a case asks for, into a folder.
+    /// The request of a case, for a folder.
     pub fn of(problem: &Problem, out_dir: &Path) -> Self {
         let output = &problem.output;
         RecorderSpec {
@@ -52,15 +52,15 @@ impl RecorderSpec {
     }
 }
 
-/// Why a run cannot be recorded as asked.
+/// Why a run cannot be recorded as requested.
 #[derive(Debug, thiserror::Error)]
 pub enum RecorderError {
-    /// The interval is no interval.
+    /// The interval is not finite and above 0.
     #[error(
         "output.frames.every = {every} s must be finite and above 0; leave `frames` out to get the first and last state only"
     )]
     BadInterval {
-        /// [s] what was asked for
+        /// [s] the interval given
         every: f64,
     },
     /// More frames than can be numbered.
@@ -68,7 +68,7 @@ pub enum RecorderError {
         "frames every {every} s until {end} s are more than {MOST_FRAMES:e}; take output.frames.every >= {least:e} s"
     )]
     TooManyFrames {
-        /// [s] what was asked for
+        /// [s] the interval given
         every: f64,
         /// [s] end of the run
         end: f64,
@@ -78,7 +78,7 @@ pub enum RecorderError {
     /// No row can be written every 0 steps or every 0 s.
     #[error("output.history.every must be at least 1 step a row")]
     BadHistory,
-    /// A probe follows a node that is not there.
+    /// A probe follows a node that does not exist.
     #[error("probe \"{name}\" follows node {node}, but there are {nodes} nodes, counted from 0")]
     ProbeOutOfRange {
         /// the probe
@@ -91,12 +91,12 @@ pub enum RecorderError {
     /// The files cannot be created.
     #[error(transparent)]
     Files(#[from] ObserveError),
-    /// The files of an earlier run cannot be taken up.
+    /// The files of an earlier run cannot be continued.
     #[error(transparent)]
     Resume(#[from] ResumeError),
 }
 
-/// What the writing thread must know of a request.
+/// The data of a request for the writing thread.
 pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpec) -> FilesSpec<'a> {
     FilesSpec {
         folder: spec.out_dir.clone(),
@@ -110,7 +110,7 @@ pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpe
     }
 }
 
-/// Whether a run can be recorded as asked.
+/// Checks whether a run can be recorded as requested.
 pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderError> {
     if let Some(every) = spec.frames_every {
         if !(every.is_finite() && every > 0.0) {

@@ -1,4 +1,4 @@
-//! Whether the files of a run are still what they were at its checkpoint, and why a run cannot be resumed.
+//! Checks that the files of a run have not changed since its checkpoint; and why a run cannot be resumed.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -9,8 +9,8 @@ use crate::case::fingerprint::Differences;
 pub use crate::checksum::{FilePrefix, RunningChecksum};
 use crate::drive::observer::ObserveError;
 
-/// Why a run cannot be resumed. Nothing is lost in the folder: nothing is changed before everything has been checked,
-/// and a resumed run writes again what is cut off afterwards.
+/// Why a run cannot be resumed. No results are lost: nothing is changed before everything has been checked, and a
+/// resumed run writes again what is then cut off.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     /// There is no checkpoint.
@@ -22,12 +22,12 @@ pub enum ResumeError {
         /// the folder
         folder: String,
     },
-    /// The file is no checkpoint this program can use.
+    /// The file is not a checkpoint that this program can use.
     #[error("{path}: {fault}")]
     Unusable {
         /// the file
         path: String,
-        /// why not
+        /// the reason
         fault: CheckpointFault,
     },
     /// The checkpoint is of another case.
@@ -35,20 +35,20 @@ pub enum ResumeError {
     OtherCase {
         /// the checkpoint
         path: String,
-        /// in what
+        /// the parts that differ
         differences: Differences,
     },
-    /// A result has lost what it held.
+    /// A result file is too short.
     #[error("{path} holds {found} bytes, but held {needed} when the checkpoint was written; solve again with --force")]
     Shorter {
         /// the file
         path: String,
         /// [byte] its length
         found: u64,
-        /// [byte] what it needs
+        /// [byte] its length at the checkpoint
         needed: u64,
     },
-    /// A result holds something else.
+    /// A result file has changed.
     #[error(
         "the first {bytes} bytes of {path} are not those it held when the checkpoint was written; solve again with --force"
     )]
@@ -58,13 +58,13 @@ pub enum ResumeError {
         /// [byte] marked part
         bytes: u64,
     },
-    /// A result is gone.
+    /// A result file is missing.
     #[error("{path} is missing, which was there when the checkpoint was written; solve again with --force")]
     Missing {
         /// the file
         path: String,
     },
-    /// Something else stands where a result was.
+    /// There is something else at the path of a result.
     #[error("{path} is not a plain file, which it was when the checkpoint was written")]
     NoFile {
         /// the path
@@ -76,10 +76,10 @@ pub enum ResumeError {
         /// the file
         path: String,
     },
-    /// What came after the checkpoint cannot be cut off.
+    /// The part after the checkpoint cannot be cut off.
     #[error(transparent)]
     Write(#[from] ObserveError),
-    /// The system's answer.
+    /// The system's error.
     #[error("{path}: {source}")]
     System {
         /// the path
@@ -90,32 +90,32 @@ pub enum ResumeError {
 }
 
 impl ResumeError {
-    /// Whether the system refused, and not the files.
+    /// Whether it is an error of the system, and not of the files.
     pub fn is_system(&self) -> bool {
         matches!(self, ResumeError::System { .. } | ResumeError::Write(_))
     }
 
-    /// The system's answer for a path.
+    /// The system's error for a path.
     pub fn system(path: &Path, source: io::Error) -> Self {
         ResumeError::System { path: path.display().to_string(), source }
     }
 }
 
 impl FilePrefix {
-    /// Reads the marked part of a file and compares; what comes after it does not matter.
+    /// Reads the marked part of a file and compares it; the rest is ignored.
     ///
     /// # Errors
-    /// A file that is missing, no file at all, shorter, or holds something else.
+    /// A file that is missing, not a plain file, too short, or has changed.
     pub fn check(&self, path: &Path) -> Result<(), ResumeError> {
         let mut seen = RunningChecksum::default();
         io::copy(&mut open_plain(path)?.take(self.bytes), &mut seen).map_err(|e| ResumeError::system(path, e))?;
         self.agrees(seen.mark(), path)
     }
 
-    /// Compares with what was found in a file.
+    /// Compares with the prefix found in a file.
     ///
     /// # Errors
-    /// A file that is shorter or holds something else.
+    /// A file that is too short or has changed.
     pub fn agrees(&self, found: FilePrefix, path: &Path) -> Result<(), ResumeError> {
         let path = || path.display().to_string();
         if found.bytes < self.bytes {
@@ -131,7 +131,7 @@ impl FilePrefix {
 /// Opens a result to read; a link or a folder in its place is refused.
 ///
 /// # Errors
-/// When it is missing, no plain file, or cannot be opened.
+/// When it is missing, not a plain file, or cannot be opened.
 pub fn open_plain(path: &Path) -> Result<File, ResumeError> {
     match fs::symlink_metadata(path) {
         Ok(there) if there.is_file() => File::open(path).map_err(|e| ResumeError::system(path, e)),

@@ -49,7 +49,7 @@ impl HistoryRow {
 }
 
 /// Appends the positions and velocities of probed nodes at one frame time: probes in the order of the case, nodes in
-/// the order of the probe. Names are quoted already; nodes outside the frame have been refused before the run.
+/// the order of the probe. Names are already quoted; nodes outside the frame were refused before the run.
 pub(super) fn write_probes(file: &mut CsvFile, probes: &[ProbeSpec], frame: &Frame) -> Result<(), ObserveError> {
     let t = frame.time;
     for ProbeSpec { name, nodes } in probes {

@@ -3,14 +3,14 @@
 /// Longest stem made of a name; leaves room for `_000000.vtu` within the 255 bytes common file systems allow.
 const LONGEST_STEM: usize = 100;
 
-/// Names Windows keeps for devices, with or without an extension.
+/// Names that Windows reserves for devices, with or without an extension.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
 /// The file stem of a case's name.
 ///
-/// ASCII letters, digits, `-`, `_` and `.` stay; every other character becomes one `_`; dots and spaces at
-/// either end go; what is longer than 100 characters is cut; an empty rest is called `case`; a device name
-/// of Windows (`con`, `nul`, `com1` …) gets a leading `_`. The same name always gives the same stem.
+/// ASCII letters, digits, `-`, `_` and `.` stay; every other character becomes one `_`; dots and spaces at either end
+/// are removed; a name of more than 100 characters is cut; an empty one becomes `case`; a device name of Windows
+/// (`con`, `nul`, `com1` …) gets a leading `_`. The same name always gives the same stem.
 pub fn file_stem(name: &str) -> String {
     let keep = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
     let ends = |c: char| c == '.' || c.is_whitespace();
@@ -31,7 +31,7 @@ fn is_device(stem: &str) -> bool {
     DEVICES.contains(&first.as_str()) || port.is_some_and(|n| matches!(n.as_bytes(), [b'1'..=b'9']))
 }
 
-/// Text for a csv field, quoted as RFC 4180 (section 2, rules 5 to 7) says where it needs to be.
+/// Text for a csv field, quoted by RFC 4180 (section 2, rules 5 to 7) where necessary.
 pub fn csv_field(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) || text.trim() != text {
         format!("\"{}\"", text.replace('"', "\"\""))
@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(file_stem(&long), "x".repeat(99));
     }
 
-    /// What has a meaning in csv is quoted.
+    /// Characters with a meaning in csv are quoted.
     #[test]
     fn specials_are_quoted() {
         assert_eq!(csv_field("inner"), "inner");

@@ -1,4 +1,4 @@
-//! When frames, rows of the history and checkpoints are due: at k times an interval, whatever the steps are.
+//! When frames, rows of the history and checkpoints are due: at multiples of an interval, for any steps.
 
 use super::checkpoint::Checkpoint;
 use super::files::FilesProgress;
@@ -8,7 +8,7 @@ use crate::case::spec::RowEvery;
 use crate::drive::observer::{Occasion, Resumable, States, UpcomingStep};
 use crate::process::Stopwatch;
 
-/// [-] of a step; a frame this close to the end of a step shows that end itself
+/// [-] share of a step; a frame this close to the end of a step shows that end
 const COINCIDENT: f64 = 1e-9;
 
 /// A time within a step.
@@ -53,7 +53,7 @@ impl Schedule {
         self.next
     }
 
-    /// The states that the next frame needs of a step before which it is not due: both ends if it lies within the step.
+    /// The states of a step that the next frame needs: both ends if it lies within the step.
     pub fn states(mut self, step: UpcomingStep) -> States {
         match self.next_in(step.from, step.t) {
             Some(FrameDue::Between(_)) => States::BothEnds,
@@ -67,14 +67,14 @@ impl Schedule {
         let every = self.every?;
         let slack = tolerance(from, to);
         let time = self.next as f64 * every;
-        // Asked this way round, a time that is not a number is never due.
+        // In this form a time that is NaN is never due.
         let due = time <= to + slack;
         if !due {
             return None;
         }
         self.next = self.next.saturating_add(1);
         if time >= to - slack {
-            // Further frame times at this same end would show the same picture.
+            // Further frames at the same end would be equal.
             self.next = self.next.max(first_after(to + slack, every));
             return Some(FrameDue::End);
         }
@@ -82,7 +82,7 @@ impl Schedule {
     }
 }
 
-/// When checkpoints are due: at the first step's end at or after each multiple of the interval, the first one at once.
+/// When checkpoints are due: at the end of the first step that reaches each multiple of the interval, and at the start.
 #[derive(Clone, Copy, Debug)]
 pub struct Intervals {
     every: f64,
@@ -95,12 +95,12 @@ impl Intervals {
         Self { every, next: 0 }
     }
 
-    /// Skips what is due until `t` [s].
+    /// Skips all that is due up to `t` [s].
     pub fn skip(&mut self, t: f64) {
         self.next = first_after(t + tolerance(t, t), self.every);
     }
 
-    /// Whether one is due at `t` [s]; then none is until the next multiple.
+    /// Whether one is due at `t` [s]; the next is due at the next multiple.
     pub fn reached(&mut self, t: f64) -> bool {
         let due = self.next as f64 * self.every <= t + tolerance(t, t);
         if due {
@@ -117,7 +117,7 @@ pub struct CheckpointSpec {
     pub case: Fingerprint,
     /// [s] of simulated time between them, > 0; without it one is kept only when the run is interrupted
     pub every: Option<f64>,
-    /// measures what the run costs
+    /// measures the cost of the run
     pub stopwatch: Stopwatch,
 }
 
@@ -161,7 +161,7 @@ impl CheckpointSchedule {
                 case: self.case.clone(),
                 snapshot: run.snapshot(),
                 recorder,
-                // Known to the writing thread, once it has written what was sent so far.
+                // Set by the writing thread, after it has written all that was sent before.
                 files: FilesProgress::default(),
                 spent: self.stopwatch.read(),
             })
@@ -187,7 +187,7 @@ impl RowSchedule {
         }
     }
 
-    /// Skips what is due until `t` [s].
+    /// Skips all that is due up to `t` [s].
     pub fn skip(&mut self, t: f64) {
         if let RowSchedule::Time(intervals) = self {
             intervals.skip(t);
@@ -208,7 +208,7 @@ fn first_after(time: f64, every: f64) -> u64 {
     ((time / every).floor() as u64).saturating_add(1)
 }
 
-/// [s] how close two times are the same: part of a step, but never less than the clock's own rounding.
+/// [s] Difference below which two times are equal: a share of a step, but at least the rounding error of the time.
 pub fn tolerance(from: f64, to: f64) -> f64 {
     (COINCIDENT * (to - from).abs()).max(8.0 * f64::EPSILON * to.abs())
 }

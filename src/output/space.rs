@@ -1,4 +1,4 @@
-//! How much room frames need, and how much there is.
+//! Disk space needed by frames, and free space.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::frame::Fields;
 use crate::model::observables::Observables;
 use crate::vtk::{Precision, Width};
 
-/// [byte] The XML around the arrays of a frame, about.
+/// [byte] Approximate size of the XML around the arrays of a frame.
 const HEAD: u64 = 2000;
 
 /// [byte] Size of a frame as raw arrays without compression, within the few digits of its XML; with compression it is
@@ -15,11 +15,11 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     let count = |n: usize| n as u64;
     let (points, triangles, edges) =
         (count(picture.reference().len()), count(picture.triangles().len()), count(picture.edges().len()));
-    // Vertex cells stand in for a picture without triangles and edges.
+    // A scene without triangles and edges has vertex cells.
     let vertices = if triangles + edges == 0 { points } else { 0 };
     let cells = triangles + edges + vertices;
     let corners = 3 * triangles + 2 * edges + vertices;
-    // Displacements and velocities are always there, and positions, of eight bytes a number.
+    // Displacements, velocities and positions are always written, the last with eight bytes per number.
     let vectors = 2 + u64::from(fields.force) + u64::from(fields.reaction);
     let scalars = u64::from(fields.tension) + u64::from(fields.strain);
     // Corners and offsets, UInt8 types.
@@ -31,7 +31,8 @@ pub fn frame_bytes(picture: &dyn Observables, fields: Fields, precision: Precisi
     HEAD + 3 * (8 + number * vectors) * points + (number * scalars + width + 1) * cells + width * corners
 }
 
-/// [byte] What an ordinary user may still write where `path` is or will be; `None` where the system does not say.
+/// [byte] Free space for an ordinary user on the disk of `path`, which need not exist; `None` if the system does not
+/// report it.
 pub fn free_bytes(path: &Path) -> Option<u64> {
     #[cfg(unix)]
     {
@@ -51,13 +52,13 @@ pub fn free_bytes(path: &Path) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A folder that is not there yet has the room of the one above it, whether its path is relative or not.
+    /// A folder that does not exist yet has the free space of its parent, for relative and absolute paths.
     #[test]
     fn room_of_a_folder_to_be() {
         let folder = tempfile::tempdir().expect("a folder");
         let there = free_bytes(folder.path()).expect("Unix tells");
         let to_be = free_bytes(&folder.path().join("a/b")).expect("Unix tells");
-        // Others write meanwhile.
+        // Other programs may write meanwhile.
         assert!(there > 0 && to_be.abs_diff(there) < there / 2, "{there} and {to_be}");
         assert!(free_bytes(Path::new("no/such/folder")).is_some_and(|bytes| bytes > 0));
     }

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run went, for programs and people. Keys are the contract's.
+//! `summary.json`: the summary of a run, for programs and people.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,14 +16,14 @@ use crate::process::{self, Cost};
 use crate::solve::{LinearChoice, LinearStats, Prediction};
 use crate::startup::Startup;
 
-/// How a linear solver came to be used.
+/// Why a linear solver was used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LinearReport {
     /// `cholesky`, `lu` or `cg`
     pub solver: String,
-    /// why this one, in a sentence
+    /// the reason for the choice, in a sentence
     pub reason: String,
-    /// counted work of a solve each way, as the last matrix showed it; null where there was nothing to choose
+    /// counted work of a solve with each solver, for the last matrix; null if there was no choice
     pub predicted: Option<Prediction>,
 }
 
@@ -48,7 +48,7 @@ fn reason(linear: &LinearStats, choice: LinearChoice) -> String {
             "by counted work: {cg_iterations} iterations a solve, {:.0} % of what Cholesky would cost",
             100.0 * cg_work / cholesky_work
         ),
-        // They were allowed none: to begin a solve and make one already costs more.
+        // No iteration was allowed: to start a solve and make one already costs more.
         (Some(Prediction { cg_iterations: 0, cg_converged: false, .. }), _) => {
             "by counted work: it costs less than conjugate gradients that make one iteration".to_owned()
         }
@@ -75,16 +75,16 @@ pub struct Summary {
     pub rejected_steps: u64,
     /// [s] time of the last accepted state
     pub t_end: f64,
-    /// [s] processor time of the run, all threads and all parts; null where the system does not say
+    /// [s] processor time of the run, all threads and all parts; null if the system does not report it
     pub cpu_seconds: Option<f64>,
     /// [s] time on the clock, all parts
     pub wall_seconds: f64,
-    /// [byte] largest resident memory; null where the system does not say
+    /// [byte] largest resident memory; null if the system does not report it
     pub peak_memory_bytes: Option<u64>,
-    /// [s] where the time before the first step went, of this part of the run
+    /// [s] time before the first step, by phases, of this part of the run
     #[serde(default)]
     pub startup: Startup,
-    /// what the run did, counted
+    /// counted work of the run
     #[serde(flatten)]
     pub counters: Counters,
     /// free degrees of freedom
@@ -95,7 +95,7 @@ pub struct Summary {
     pub factor_nonzeros: Option<u64>,
     /// solver that was used; null for a run without one
     pub linear_solver: Option<String>,
-    /// how it came to be used; null for a run without one
+    /// why it was used; null for a run without one
     pub linear: Option<LinearReport>,
     /// [s] largest stable step of the method at the start; null if unlimited or not known
     pub critical_step: Option<f64>,
@@ -110,7 +110,7 @@ pub struct Summary {
     pub resumed_from: Option<f64>,
     /// the case as it was run
     pub case: serde_json::Value,
-    /// sum over the case as it was resolved, files that it names included: two folders with the same hold the same run
+    /// checksum of the resolved case, including the files that it names: equal for two folders with the same run
     #[serde(default)]
     pub case_digest: String,
     /// version of the program
@@ -118,7 +118,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Puts together what a finished run left. `critical_step` [s] is infinite for a method without limit.
+    /// The summary of a finished run. `critical_step` [s] is infinite for a method without limit.
     pub fn new(problem: &Problem, system: &dyn System, outcome: &Outcome, critical_step: f64, cost: Cost) -> Self {
         let linear = outcome.linear;
         Summary {
@@ -149,12 +149,12 @@ impl Summary {
         }
     }
 
-    /// Reads a summary; `None` if there is none that can be read.
+    /// Reads a summary; `None` if there is none or it cannot be read.
     pub fn read(path: &Path) -> Option<Self> {
         serde_json::from_slice(&crate::input_file::read(path).ok()?).ok()
     }
 
-    /// The summary as JSON text that ends with a line's end.
+    /// The summary as JSON text that ends with a line break.
     ///
     /// # Errors
     /// When `case` cannot be written as JSON.
@@ -197,8 +197,8 @@ mod tests {
                 indefinite: 0,
                 prediction,
             };
-            let told = reason(&stats, LinearChoice::Auto);
-            assert!(told.contains(expected) && !told.contains(" 0 "), "{told}");
+            let text = reason(&stats, LinearChoice::Auto);
+            assert!(text.contains(expected) && !text.contains(" 0 "), "{text}");
         }
     }
 }

@@ -12,27 +12,27 @@ use super::resume::ResumeError;
 use super::rows::HistoryRow;
 use crate::drive::observer::ObserveError;
 
-/// Most frames that exist, if they are small: a thread that waits for the other one, or wakes it, at every frame loses
-/// more time than a quick step takes.
+/// Largest number of frames that exist, if they are small: waiting for the other thread, or waking it, at every frame
+/// costs more than a quick step.
 const MOST: usize = 128;
 /// Fewest frames: one being filled, one being written, one in between.
 const FEWEST: usize = 3;
 /// [byte] memory that frames beyond the fewest may take
 const ROOM: usize = 8 << 20;
-/// Messages that may wait. A full channel makes the integrator wait: memory stays bounded on a slow disk.
+/// Number of messages that may wait. With a full channel the integrator waits, so memory is bounded on a slow disk.
 const WAITING: usize = 256;
-/// After a message the thread looks for the next one this much later before it asks to be woken: to wake it for every
-/// row costs both threads more than a quick step.
+/// After a message the thread checks for the next one after this time, before it sleeps until it is woken: to wake it
+/// for every row costs both threads more than a quick step.
 const NAP: Duration = Duration::from_micros(500);
-/// Most checkpoints that exist, each as large as the state: one being written, one waiting.
+/// Largest number of checkpoints that exist, each as large as the state: one being written, one waiting.
 const CHECKPOINTS: usize = 2;
 
-/// How many frames of a size may exist, filled, on their way or to be filled again.
+/// Number of frames of a size that may exist: filled, waiting, or to be filled again.
 pub fn most_frames(size: FrameSize) -> usize {
     (ROOM / size.bytes().max(1)).clamp(FEWEST, MOST)
 }
 
-/// What goes to the thread. Closing the channel ends it.
+/// A message to the thread. It ends when the channel is closed.
 pub(super) enum Message {
     /// a filled frame
     Frame(Frame),
@@ -48,19 +48,19 @@ pub(super) enum Message {
 struct WriterChannels {
     messages: Receiver<Message>,
     give_back: SyncSender<Frame>,
-    /// frames not yet given back
+    /// frames not yet returned
     written: Vec<Frame>,
-    /// frames that may exist
+    /// largest number of frames
     most: usize,
     kept: SyncSender<()>,
 }
 
-/// The integrator's end. Dropping it writes out what was sent and joins the thread.
+/// The integrator's end of the channels. When it is dropped, the thread writes all that was sent and is joined.
 #[derive(Debug)]
 pub struct ResultWriter {
     to_thread: Option<SyncSender<Message>>,
     returned: Receiver<Frame>,
-    /// reports every checkpoint that is written
+    /// receives a message for every written checkpoint
     kept: Receiver<()>,
     /// checkpoints sent and not yet known to be written
     unkept: usize,
@@ -75,7 +75,7 @@ impl ResultWriter {
     /// Creates the files and starts the thread.
     ///
     /// # Errors
-    /// When a file cannot be created or the system gives no thread.
+    /// When a file cannot be created or the thread cannot be started.
     pub fn start(spec: &FilesSpec<'_>) -> Result<Self, ObserveError> {
         Self::spawn(ResultFiles::create(spec)?, spec)
     }
@@ -83,7 +83,7 @@ impl ResultWriter {
     /// Reopens the files of an earlier run, cuts them off at `mark`, and starts the thread.
     ///
     /// # Errors
-    /// When the files cannot be reopened, or the system gives no thread.
+    /// When the files cannot be reopened, or the thread cannot be started.
     pub fn resume(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         Ok(Self::spawn(ResultFiles::reopen(spec, mark)?, spec)?)
     }
@@ -103,8 +103,8 @@ impl ResultWriter {
         Ok(Self { to_thread, returned, kept, unkept: 0, thread, size, made: 0, spare: None })
     }
 
-    /// A frame to fill: a used one if there is one, a new one for the first few, else the next that comes back.
-    /// Its old content is still in it.
+    /// A frame to fill: a used one if available, a new one for the first few, else the next that is returned. It still
+    /// has its old content.
     pub fn empty_frame(&mut self) -> Result<Frame, ObserveError> {
         if let Some(frame) = self.spare.take() {
             return Ok(frame);
@@ -124,12 +124,12 @@ impl ResultWriter {
         }
     }
 
-    /// Takes back a frame that is not to be written after all.
+    /// Takes back a frame that will not be written.
     pub fn recycle(&mut self, frame: Frame) {
         self.spare = Some(frame);
     }
 
-    /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are on their way.
+    /// Sends a checkpoint, to be written after everything sent before it. Waits while too many are not yet written.
     pub fn checkpoint(&mut self, checkpoint: Box<Checkpoint>) -> Result<(), ObserveError> {
         self.unkept -= self.kept.try_iter().count().min(self.unkept);
         if self.unkept == CHECKPOINTS {
@@ -140,10 +140,10 @@ impl ResultWriter {
         self.send(Message::Checkpoint(checkpoint))
     }
 
-    /// Waits until everything is with the system.
+    /// Waits until everything is passed to the system.
     ///
     /// # Errors
-    /// The fault that ended the thread; after it was reported once, [`ObserveError::WriterGone`].
+    /// The error that ended the thread; after it was reported once, [`ObserveError::WriterGone`].
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         self.to_thread = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -158,7 +158,7 @@ impl ResultWriter {
         if sent { Ok(()) } else { Err(self.fault()) }
     }
 
-    /// Why the thread no longer listens.
+    /// The error that ended the thread.
     fn fault(&mut self) -> ObserveError {
         self.finish().err().unwrap_or(ObserveError::WriterGone)
     }
@@ -166,27 +166,27 @@ impl ResultWriter {
 
 impl Drop for ResultWriter {
     fn drop(&mut self) {
-        // Nobody is left to hear of a fault; a run that wants to know calls `finish`.
+        // An error cannot be reported here; a run that wants to know calls `finish`.
         let _ = self.finish();
     }
 }
 
 impl WriterChannels {
-    /// The next message, if one comes in time; called after another.
+    /// The next message, if one comes in time; called after a message.
     fn next(&mut self) -> Result<Message, RecvTimeoutError> {
         match self.messages.try_recv() {
             Ok(message) => return Ok(message),
             Err(TryRecvError::Disconnected) => return Err(RecvTimeoutError::Disconnected),
             Err(TryRecvError::Empty) => {}
         }
-        // Whoever waits for a frame sends nothing meanwhile.
+        // An integrator that waits for a frame sends nothing meanwhile.
         self.give_back();
         std::thread::sleep(NAP);
         self.messages.recv_timeout(LONGEST_DELAY)
     }
 
-    /// A frame that is written. Half of all are given back at once (of three, each), so that an integrator that waits
-    /// for the disk is not woken for each of many.
+    /// Returns a written frame. Frames are returned in groups of half of all (of three, one by one), so that an
+    /// integrator that waits for the disk is not woken for each frame.
     fn written(&mut self, frame: Frame) {
         self.written.push(frame);
         if self.written.len() >= self.most / 2 {
@@ -196,16 +196,16 @@ impl WriterChannels {
 
     fn give_back(&mut self) {
         for frame in self.written.drain(..) {
-            // Never full: no more frames exist than fit. A closed end means the run is over.
+            // Never full: no more frames exist than fit. If the channel is closed, the run is over.
             let _ = self.give_back.try_send(frame);
         }
     }
 }
 
-/// The thread: ends when the channel closes or at the first fault, and then saves what it still can.
+/// The thread: ends when the channel is closed or at the first error, and then saves what it can.
 fn write_all(mut files: ResultFiles, mut ends: WriterChannels) -> Result<(), ObserveError> {
     let ended = listen(&mut files, &mut ends);
-    // All files are tried; the first fault is the one to report.
+    // All files are tried; the first error is reported.
     ended.and(files.finish())
 }
 

@@ -186,7 +186,7 @@ pub fn axial_force(springs: &SpringData, at: NodeState<'_>, i: usize, c: f64) ->
     axial_state(springs, elastic_state(springs, at.x, i), at.v, (i, c)).damping.force
 }
 
-/// Stretch and elastic tension of spring `i`.
+/// Stretch and elastic tension of spring `i` at positions `x` [m] `[n_nodes]`.
 fn elastic_state(springs: &SpringData, x: &[Vector3<f64>], i: usize) -> (Stretch, Tension) {
     let stretch = springs.stretch(x, i);
     (stretch, tension(springs.slack, springs.stiffness.at(i), stretch.elongation))

@@ -47,7 +47,7 @@ pub struct DeadPressure<'a> {
 }
 
 impl DeadPressure<'_> {
-    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m].
+    /// Lumps p A0 (direction) to the vertices, a third each, at the node positions `x` [m] `[n_nodes]`.
     pub fn lump(self, x: &[Vector3<f64>]) -> NodalForces {
         let mut sum = vec![Vector3::zeros(); x.len()];
         for &nodes in self.triangles {

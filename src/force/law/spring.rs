@@ -32,7 +32,7 @@ pub struct SpringData {
 }
 
 impl SpringData {
-    /// Vector from a to b, length, and elongation of spring `i`.
+    /// Vector from a to b, length, and elongation of spring `i` at positions `x` [m] `[n_nodes]`.
     #[inline]
     pub(crate) fn stretch(&self, x: &[Vector3<f64>], i: usize) -> Stretch {
         let [a, b] = self.nodes[i];
@@ -55,13 +55,13 @@ impl SpringData {
         }
     }
 
-    /// [m] elongation of spring `i`, without its direction.
+    /// [m] Elongation of spring `i`, without its direction, at positions `x` [m] `[n_nodes]`.
     fn elongation(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         let [a, b] = self.nodes[i];
         (x[b as usize] - x[a as usize]).norm() - self.rest_length[i]
     }
 
-    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m].
+    /// [-] Largest l^2/l0^2 of all springs, -inf without any; at positions `x` [m] `[n_nodes]`.
     pub fn largest_stretch(&self, x: &[Vector3<f64>]) -> f64 {
         largest(SpringLengths {
             ends: &self.nodes,
@@ -70,12 +70,12 @@ impl SpringData {
         })
     }
 
-    /// Whether some spring has turned by more than 90 degrees from positions `from` [m] to `to` [m].
+    /// Whether some spring has turned by more than 90 degrees from positions `from` to `to` [m], both `[n_nodes]`.
     pub fn turns_over(&self, from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
         turns_over(self, from, to)
     }
 
-    /// [-] strain (l - l0)/l0 of spring `i`.
+    /// [-] Strain (l - l0)/l0 of spring `i` at positions `x` [m] `[n_nodes]`.
     pub fn strain(&self, x: &[Vector3<f64>], i: usize) -> f64 {
         self.elongation(x, i) / self.rest_length[i]
     }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 pub(super) struct Cells {
     pub points: Vec<[f64; 3]>,
     lines: Vec<[u64; 2]>,
-    /// of each line, whether it lies on a seam
+    /// for each line, whether it is on a seam
     seam: Vec<bool>,
     faces: Vec<[u64; 3]>,
     quads: usize,
@@ -42,7 +42,7 @@ impl Cells {
         Ok(())
     }
 
-    /// Renumbers, drops what is unused and lists the edges.
+    /// Renumbers the nodes, drops unused ones and lists the edges.
     pub fn into_mesh(self) -> Result<Imported, String> {
         let mut notes = Vec::new();
         if self.lines.is_empty() && self.faces.is_empty() {

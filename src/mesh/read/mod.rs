@@ -1,9 +1,9 @@
 //! Mesh files in: .vtu, .vtp, .vtk, .msh (2.2 text; 4.1 text and binary), .obj, .stl. A frame of a run is a mesh too:
-//! its nodes are where they were at its time.
+//! its nodes have their positions at that time.
 //!
 //! Line cells become edges first, in file order; the triangles' edges that are not among them follow, sorted by their
-//! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (Gmsh's arc centres, say) are
-//! dropped and the rest keep their order: a node without mass could not move anyway.
+//! nodes. Quads are cut along their first diagonal. Nodes that no line or triangle uses (such as Gmsh's arc centres)
+//! are dropped, and the rest keep their order: a node without mass could not move.
 
 mod cells;
 mod msh;
@@ -41,7 +41,7 @@ pub fn read_mesh(path: &Path) -> Result<Imported, MeshError> {
 /// The same for the bytes of a file that are already in memory; `path` gives the format, and the name in messages.
 ///
 /// # Errors
-/// As [`read_mesh`], but for the file itself.
+/// As [`read_mesh`], except for reading the file.
 pub fn mesh_from_bytes(path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
     read_with(reader(path)?, path, bytes)
 }
@@ -66,7 +66,7 @@ fn reader(path: &Path) -> Result<Reader, MeshError> {
 
 fn read_with(reader: Reader, path: &Path, bytes: &[u8]) -> Result<Imported, MeshError> {
     let fault = |reason: String| MeshError::File { path: path.to_owned(), reason };
-    // The parsing libraries are not ours: a panic in one of them on a damaged file must not end the program.
+    // A panic of a parsing library on a damaged file must not end the program.
     let cells = std::panic::catch_unwind(|| reader(bytes))
         .unwrap_or_else(|_| Err("is damaged; the parser gave up on it. Write it anew".to_owned()));
     let imported = cells.and_then(Cells::into_mesh).map_err(fault)?;

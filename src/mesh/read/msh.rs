@@ -1,6 +1,6 @@
 //! Gmsh .msh: versions 2.2 (text) and 4.1 (text and binary), after the Gmsh reference manual, "MSH file format".
 //!
-//! Read by hand: `mshio` knows 4.1 only and allocates whatever count the file names before it looks for the data.
+//! Read by hand: `mshio` knows 4.1 only and allocates for any count in the file before it reads the data.
 
 use super::cells::Cells;
 use std::collections::HashMap;
@@ -82,7 +82,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     Ok(reader.cells)
 }
 
-/// The file from the line after a section's title on.
+/// The rest of the file after the title of a section.
 fn section<'a>(bytes: &'a [u8], title: &str) -> Option<&'a [u8]> {
     let at = bytes.windows(title.len()).position(|w| w == title.as_bytes())?;
     let rest = &bytes[at + title.len()..];
@@ -133,7 +133,7 @@ impl Reader {
         let blocks = header_4(from)?;
         for _ in 0..blocks {
             let (dimension, _, parametric, count) = (from.int()?, from.int()?, from.int()?, from.size()?);
-            // Grows with the data instead of trusting the count.
+            // Grows with the data, because the count may be wrong.
             let mut tags = Vec::new();
             for _ in 0..count {
                 tags.push(from.size()?);
@@ -192,7 +192,7 @@ impl Reader {
     }
 }
 
-/// Number of entity blocks; the totals and tag range that follow say nothing the blocks do not.
+/// Number of entity blocks; the blocks contain all that the totals and tag range after it say.
 fn header_4(from: &mut Numbers<'_>) -> Result<u64, String> {
     let blocks = from.size()?;
     for _ in 0..3 {

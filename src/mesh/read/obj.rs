@@ -1,7 +1,7 @@
-//! Wavefront .obj: `v`, `l` and `f` records; everything else (normals, materials, groups) does not matter here.
+//! Wavefront .obj: `v`, `l` and `f` records; everything else (normals, materials, groups) is ignored.
 //!
-//! Read by hand because `tobj` renumbers the vertices by use and keeps them apart between objects, which would change
-//! the user's node numbers and tear the mesh.
+//! Read by hand because `tobj` renumbers the vertices by use and separates them between objects, which would change the
+//! user's node numbers and divide the mesh.
 
 use super::cells::Cells;
 
@@ -17,7 +17,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
 #[derive(Default)]
 struct File {
     cells: Cells,
-    /// line and vertex, counted from 1, of what names a vertex that had not come yet
+    /// line and vertex, counted from 1, of references to vertices that were not yet defined
     ahead: Vec<(usize, u64)>,
 }
 
@@ -64,7 +64,7 @@ impl File {
         Ok(indices)
     }
 
-    /// Faces may stand before their vertices: only the end of the file shows which vertices there are.
+    /// Faces may come before their vertices, so vertex numbers can be checked only at the end of the file.
     fn finish(self) -> Result<Cells, String> {
         let vertices = self.cells.points.len();
         match self.ahead.iter().find(|(_, vertex)| *vertex > vertices as u64) {

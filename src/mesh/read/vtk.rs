@@ -53,7 +53,7 @@ fn lists(numbers: VertexNumbers, first: u64) -> Result<Vec<Vec<u64>>, String> {
         }
         VertexNumbers::XML { connectivity, offsets } => {
             let mut from = 0;
-            // Newer files begin with the offset 0; a cell of no nodes has no meaning, so it can be left out.
+            // Newer files begin with the offset 0, which would be a cell without nodes, so it is left out.
             for to in offsets.into_iter().filter(|&to| to != 0) {
                 let to = usize::try_from(to).map_err(|_| damaged())?;
                 lists.push(shift(connectivity.get(from..to).ok_or_else(damaged)?)?);
@@ -106,7 +106,7 @@ fn add_poly(piece: PolyDataPiece, cells: &mut Cells) -> Result<(), String> {
     Ok(())
 }
 
-/// Every second triangle of a strip turns the other way.
+/// Every second triangle of a strip has the opposite orientation.
 fn add_strip(nodes: &[u64], cells: &mut Cells) -> Result<(), String> {
     for (i, t) in nodes.windows(3).enumerate() {
         cells.add_face(&if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })?;

@@ -1,16 +1,16 @@
-//! Schemes that kick, drift and perhaps kick again, and what they do to nodes between force passes.
+//! Schemes that kick, drift and possibly kick again: their updates of nodes between force passes.
 //!
 //! ```text
 //! v += l M^-1 f                       a step ends: kinetic energy and largest speed; where none follows, bounds, and whether all is finite
 //! v += k M^-1 f,  x += h v            the next begins
 //! ```
-//! and where forces are first found at predicted velocities, with the second kick before the step ends,
+//! and for schemes that first evaluate forces at predicted velocities, with the second kick before the step ends,
 //! ```text
 //! u = v + k M^-1 f,  x += h u,  v += h M^-1 f         a step begins
 //! v = u + l M^-1 f                                    with the forces at these
 //! ```
-//! Nodes are taken four by four, as three quads where their vectors are packed and as four where they are records (of
-//! four numbers, the last of them 0). The same operations as in single steps, and in the same order: the same bits.
+//! Nodes are updated four by four: as three quads if their vectors are packed, and as four if they are records (of four
+//! numbers, the last of them 0). Operations and their order are those of single steps, and so are the bits.
 
 use super::work::{Sums, along};
 use super::{NodeSums, Work};
@@ -30,11 +30,11 @@ pub struct KickDriftScheme {
     pub drift: f64,
     /// [s] l, if there is a second kick
     pub end: Option<f64>,
-    /// whether the second kick is by the forces at velocities v + h M^-1 f, before those at the step's end are found
+    /// whether the second kick uses the forces at velocities v + h M^-1 f, before those at the step's end are evaluated
     pub predicts: bool,
 }
 
-/// Where a step begins: the same degrees of freedom of every vector.
+/// The start of a step: the same degrees of freedom of every vector.
 #[derive(Clone, Copy, Debug)]
 pub struct StepStart<'a> {
     /// [m]
@@ -56,10 +56,10 @@ impl<'a> StepStart<'a> {
     }
 }
 
-/// Some nodes where a step ends: vectors of `W` numbers a node.
+/// Some nodes at the end of a step: vectors with `W` numbers per node.
 #[derive(Debug)]
 pub struct Nodes<'a, const W: usize> {
-    /// [kg] one a node
+    /// [kg] `[n_nodes]`
     pub mass: &'a [f64],
     /// [1/kg] by degree of freedom, 0 at fixed ones
     pub inverse_mass: &'a [f64],
@@ -67,38 +67,38 @@ pub struct Nodes<'a, const W: usize> {
     pub x: &'a mut [f64],
     /// [m/s]
     pub v: &'a mut [f64],
-    /// [m/s] u of the next step, where it predicts; else empty
+    /// [m/s] u of the next step, if the scheme predicts; else empty
     pub kicked: &'a mut [f64],
-    /// [N] what a force pass at x has found; need not be 0 at fixed degrees of freedom. Those of records are 0
-    /// afterwards where another step follows, whose pass adds to them
+    /// [N] forces of a pass at x; need not be 0 at fixed degrees of freedom. If another step follows, those of records
+    /// are set to 0, because its pass adds to them
     pub f: &'a mut [f64],
     /// forces whose work is summed, if there are any
     pub works: Option<Working<'a>>,
 }
 
-/// Forces that do work, of the same nodes.
+/// Forces whose work is summed, of the same nodes.
 #[derive(Debug)]
 pub struct Working<'a> {
-    /// [N] external and dissipative forces at the step's end; empty where there are none
+    /// [N] external and dissipative forces at the step's end; empty if there are none
     pub forces: [&'a [f64]; 2],
-    /// [m] positions where the step began; those its end afterwards
+    /// [m] positions at the start of the step; afterwards, those at its end
     pub before: &'a mut [f64],
 }
 
 impl KickDriftScheme {
-    /// Force passes a step.
+    /// Force passes per step.
     pub fn passes(self) -> usize {
         1 + usize::from(self.predicts)
     }
 
-    /// Moves nodes from where a step begins to where its first force pass finds them: positions at the step's end,
+    /// Moves nodes from the start of a step to the state of its first force pass: positions at the step's end,
     /// velocities kicked or predicted.
     pub fn begin(self, start: StepStart<'_>, x: &mut [f64], v: &mut [f64]) {
         begin(self, start, (x, v));
     }
 
-    /// The kick after the first force pass, which found f [N]: v += l M^-1 f of kicked velocities, which predicted ones
-    /// are made again before.
+    /// The kick after the first force pass, with its forces f [N]: v += l M^-1 f of kicked velocities. Predicted
+    /// velocities are first replaced by the kicked ones.
     pub fn kick_again(self, start: StepStart<'_>, v: &mut [f64], f: &[f64]) {
         match self.end {
             Some(l) if self.predicts => kick_twice((self.begin, l), start, v, f),
@@ -108,13 +108,13 @@ impl KickDriftScheme {
         }
     }
 
-    /// v = u + l M^-1 f, where steps predict.
+    /// v = u + l M^-1 f, for schemes that predict.
     pub fn correct(self, v: &mut [f64], kicked: &[f64], inverse_mass: &[f64], f: &[f64]) {
         correct(v, kicked, self.end.unwrap_or_default(), (inverse_mass, f));
     }
 
-    /// Ends a step; where another follows, begins that too. Returns sums over the nodes between both, with twice the
-    /// work that forces at the step's end do on its way, and twice what they do on the way of the next step.
+    /// Ends a step, and begins the next one if there is one. Returns sums over the nodes at the boundary, with twice
+    /// the work of the forces at the step's end over this step, and twice their work over the next step.
     pub fn end<const W: usize>(self, nodes: Nodes<'_, W>, another: bool) -> (NodeSums, Work) {
         quad::run(Pass { scheme: self, nodes, another })
     }
@@ -211,7 +211,7 @@ impl<const W: usize> Pass<'_, W> {
                 number += 1;
             }
             if !mass_last.is_empty() {
-                // The first of them stands for those that are missing, without a mass and without forces that work.
+                // Missing nodes are replaced by the first one, with zero mass and without forces whose work is summed.
                 let mut mass = [0.0; 4];
                 mass[..mass_last.len()].copy_from_slice(mass_last);
                 let [mut x, mut v, mut f] = [&*x_last, v_last, f_last].map(filled);
@@ -248,7 +248,7 @@ fn groups_mut<const W: usize>(values: &mut [f64]) -> (&mut [Group<W>], &mut [f64
     (whole.as_chunks_mut().0.as_chunks_mut().0, last)
 }
 
-/// Nodes, and the first of them in the places that are left.
+/// The nodes, with the first one repeated in the remaining places.
 pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
     let mut group = [[0.0; 4]; W];
     for to in group.as_flattened_mut().chunks_mut(W) {
@@ -258,23 +258,23 @@ pub(super) fn filled<const W: usize>(nodes: &[f64]) -> Group<W> {
     group
 }
 
-/// Nodes, and zeros in the places that are left.
+/// The nodes, with zeros in the remaining places.
 pub(super) fn begun<const W: usize>(nodes: &[f64]) -> Group<W> {
     let mut group = [[0.0; 4]; W];
     group.as_flattened_mut()[..nodes.len()].copy_from_slice(nodes);
     group
 }
 
-/// How steps end and begin, and what was found of the nodes so far.
+/// The update between two steps, with the sums over the nodes so far.
 struct Totals<U: VectorUnit, const W: usize, const END: bool, const ANOTHER: bool, const PREDICTS: bool> {
     /// k, h and l
     sizes: [U::Quad; 3],
     motion: MotionSum<U::Quad>,
     low: [U::Quad; W],
     high: [U::Quad; W],
-    /// 0, if all is finite
+    /// 0 if all values are finite
     nothing: U::Quad,
-    /// [J] of external and of dissipative forces: on the way of this step, then on that of the next
+    /// [J] work of external and of dissipative forces: over this step, then over the next
     work: Sums<U::Quad, 4>,
 }
 

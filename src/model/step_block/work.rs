@@ -1,16 +1,17 @@
-//! What forces do along the way of their nodes.
+//! The work of forces along the motion of their nodes.
 //!
 //! ```text
 //! 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n)
 //! ```
-//! Either half is a sum for itself: in a block the first is taken when a step begins, and the other when it ends.
+//! The two halves are separate sums: in a block of steps, the first is computed when a step begins, and the other when
+//! it ends.
 
 use super::kick_drift::{begun, columns, filled, groups};
 use crate::model::motion::BLOCK;
 use crate::model::quad::{self, Quad, VectorUnit};
 
-/// [J] Sums of f . (x - x_from) for each of the forces [N]; vectors [m] of `W` numbers a node, three and perhaps one
-/// that is 0.
+/// [J] Sums of f . (x - x_from) for each of the forces [N]; vectors [m] have `W` numbers per node: three, and possibly
+/// a fourth that is 0.
 pub fn work<const W: usize, const N: usize>(forces: [&[f64]; N], from: &[f64], x: &[f64]) -> [f64; N] {
     quad::run(Pass::<W, N> { forces, from, x })
 }
@@ -50,7 +51,7 @@ impl<const W: usize, const N: usize> quad::Pass for Pass<'_, W, N> {
 
 /// Sums over nodes that are added four by four, block after block.
 pub(super) struct Sums<Q, const N: usize> {
-    /// of whole blocks
+    /// sums of whole blocks
     sums: [f64; N],
     block: [Q; N],
 }
@@ -67,7 +68,7 @@ impl<Q: Quad, const N: usize> Sums<Q, N> {
         self.block[place] = self.block[place] + four;
     }
 
-    /// After the last four of every block of [`BLOCK`] nodes, and of all.
+    /// Called after the last four of every block of [`BLOCK`] nodes, and of all.
     #[inline(always)]
     pub fn end_block<U: VectorUnit<Quad = Q>>(&mut self, unit: U) {
         for (sum, block) in self.sums.iter_mut().zip(&mut self.block) {
@@ -121,7 +122,7 @@ mod tests {
         work::<W, 2>([&f, &g], &from, &x)
     }
 
-    /// Packed and in records the same bits, on any machine, and the number that a plain loop finds.
+    /// Packed vectors and records give the same bits, on any machine, and the value of a plain loop.
     #[test]
     fn work_is_that_of_a_plain_loop() {
         for nodes in (0..10).chain([63, 64, 65, 130, 1000]) {
