@@ -148,11 +148,13 @@ fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotEr
     Ok(rows.into_iter().map(|row| (row.t, row.ledger)).collect())
 }
 
+/// A row of `probes.csv`: time [s], probe, node, position [m] and velocity [m/s].
+type ProbeRow = (f64, String, u32, [f64; 3], [f64; 3]);
+
 fn read_probes(path: &Path, text: &str) -> Result<Vec<ProbePath>, PlotError> {
     let mut tracks: Vec<ProbePath> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
-    let rows: Vec<(f64, String, u32, [f64; 3], [f64; 3])> = rows(path, text, PROBES_HEADER)?;
-    for (t, probe, node, x, v) in rows {
+    for (t, probe, node, x, v) in rows::<ProbeRow>(path, text, PROBES_HEADER)? {
         let at = *known.entry((probe.clone(), node)).or_insert_with(|| {
             tracks.push(ProbePath { probe, node, reference: [0.0; 3], moments: Vec::new() });
             tracks.len() - 1
