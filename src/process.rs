@@ -13,6 +13,13 @@ pub struct Cost {
     pub wall: Duration,
 }
 
+impl Cost {
+    /// [s] Processor time, or the wall clock where the system does not say.
+    pub fn seconds(self) -> f64 {
+        self.cpu.unwrap_or(self.wall.as_secs_f64())
+    }
+}
+
 /// Measures the cost of a run, added to the cost of its earlier parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
@@ -21,7 +28,18 @@ pub struct Stopwatch {
     wall: Instant,
 }
 
+impl Default for Stopwatch {
+    fn default() -> Self {
+        Stopwatch::start(Cost::default())
+    }
+}
+
 impl Stopwatch {
+    /// [s] Processor time until now, or the wall clock where the system does not say.
+    pub fn seconds(&self) -> f64 {
+        self.read().seconds()
+    }
+
     /// Starts now.
     pub fn start(before: Cost) -> Self {
         Self { before, cpu: cpu_seconds(), wall: Instant::now() }

@@ -14,6 +14,7 @@
 //! ```
 
 use super::PlotError;
+pub use super::layout::svg_grid;
 
 /// A chart: two axes and lines on them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -230,12 +231,4 @@ impl Line {
 /// Nothing to draw, or an invalid range.
 pub fn svg(chart: &Chart) -> Result<String, PlotError> {
     svg_grid(std::slice::from_ref(chart), 1)
-}
-
-/// Several charts in one picture, filled row by row; the legend is that of the first one.
-///
-/// # Errors
-/// Those of [`svg`].
-pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
-    super::layout::grid(charts, columns)
 }

@@ -34,8 +34,11 @@ struct AxisScales {
     y: AxisScale,
 }
 
-/// Charts in rows and columns, with the legend of the first one to their right.
-pub(super) fn grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
+/// Several charts in one picture, filled row by row; the legend, to their right, is that of the first one.
+///
+/// # Errors
+/// Nothing to draw, or a range that is none.
+pub fn svg_grid(charts: &[Chart], columns: usize) -> Result<String, PlotError> {
     let Some(first) = charts.first() else { return Err(PlotError::NothingToDraw { title: String::new() }) };
     let columns = columns.clamp(1, charts.len());
     let rows = charts.len().div_ceil(columns);

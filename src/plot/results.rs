@@ -6,7 +6,7 @@ use crate::drive::Status;
 use crate::drive::observer::LedgerRow;
 use crate::output::files::{FRAMES, HISTORY, PROBES};
 use crate::output::folder::SUMMARY;
-use crate::output::rows::{HISTORY_HEADER, PROBES_HEADER};
+use crate::output::rows::{HISTORY_HEADER, HistoryRow, PROBES_HEADER};
 use crate::output::sanitize::file_stem;
 use crate::vtk::read::{named_array, piece_content, read as read_vtk};
 use serde_json::Value;
@@ -144,26 +144,23 @@ fn read_summary(folder: &Path) -> Result<Run, PlotError> {
 }
 
 fn read_history(path: &Path, text: &str) -> Result<Vec<(f64, LedgerRow)>, PlotError> {
-    let ledger = |row: &super::table::CsvRow<'_>| {
-        let [kinetic, elastic, gravity, external_work, dissipated, numerical] = row.numbers(2)?;
-        Ok((row.number(0)?, LedgerRow { kinetic, elastic, gravity, external_work, dissipated, numerical }))
-    };
-    rows(path, text, HISTORY_HEADER)?.iter().map(ledger).collect()
+    let rows: Vec<HistoryRow> = rows(path, text, HISTORY_HEADER)?;
+    Ok(rows.into_iter().map(|row| (row.t, row.ledger)).collect())
 }
+
+/// A row of `probes.csv`: time [s], probe, node, position [m] and velocity [m/s].
+type ProbeRow = (f64, String, u32, [f64; 3], [f64; 3]);
 
 fn read_probes(path: &Path, text: &str) -> Result<Vec<ProbePath>, PlotError> {
     let mut tracks: Vec<ProbePath> = Vec::new();
     let mut known: HashMap<(String, u32), usize> = HashMap::new();
-    for row in rows(path, text, PROBES_HEADER)? {
-        let (probe, node) = (row.text(1).to_owned(), row.number(2)?);
-        let [x, y, z, vx, vy, vz] = row.numbers(3)?;
-        let moment = ProbeSample { t: row.number(0)?, x: [x, y, z], v: [vx, vy, vz] };
+    for (t, probe, node, x, v) in rows::<ProbeRow>(path, text, PROBES_HEADER)? {
         let at = *known.entry((probe.clone(), node)).or_insert_with(|| {
             tracks.push(ProbePath { probe, node, reference: [0.0; 3], moments: Vec::new() });
             tracks.len() - 1
         });
         if let Some(track) = tracks.get_mut(at) {
-            track.moments.push(moment);
+            track.moments.push(ProbeSample { t, x, v });
         }
     }
     Ok(tracks)

@@ -13,19 +13,19 @@ pub use super::problem::{Curvature, NonlinearProblem, Scales};
 use super::quasi_newton::{self, FactorHistory, SecantPairs};
 use super::{Accuracy, Inertia, LinearError, search};
 
-/// How often the tangent is factorised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// When the tangent is computed again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
-    /// As [`Strategy::Quasi`] if a factorisation costs many iterations on an old factor. Otherwise, and if that does
-    /// not converge, as [`Strategy::Full`].
+    /// As `quasi` where, by counted work, a factorisation costs as much as many iterations with an old factor;
+    /// otherwise, and where `quasi` fails, as `full`.
     #[default]
     Auto,
-    /// The exact tangent in every iteration.
+    /// In every iteration.
     Full,
-    /// A symmetric tangent of an earlier iterate, reused as long as it converges fast enough.
+    /// Seldom: the factor of a symmetric tangent is used as long as the iteration converges fast enough with it.
     Modified,
-    /// The same with L-BFGS corrections from the last steps of the iteration.
+    /// The same, corrected by the iteration's last steps (L-BFGS).
     Quasi,
 }
 
