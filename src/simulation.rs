@@ -21,20 +21,22 @@
 //! ```
 
 mod builder;
+mod derivative;
 mod error;
 mod follow;
 mod state;
 
 pub use crate::force::law::bar_law::{BarForce, BarLaw, Bars};
-pub use crate::scene::NodalForce;
+pub use crate::scene::{ForceDerivative, Load, NodalForce};
 pub use builder::{NetworkBuilder, RunSettings, SpringLaw};
+pub use derivative::{DerivativeError, derivative_error};
 pub use error::{SetupError, SimulationError};
 pub use follow::{FollowSpec, Seen, follow};
 pub use state::NodeMotion;
 
 use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::observer::{AcceptedStep, LedgerRow, ObserveError, Observer, UpcomingStep, Wants};
-use crate::drive::{Outcome, Run, RunError, RunSpec, RunState, Snapshot};
+use crate::drive::{Changed, Outcome, Run, RunError, RunSpec, RunState, Snapshot};
 use crate::force::schedule::threads::Threads;
 use crate::integrate::StepReport;
 use crate::integrate::stepper::{Scheme, Stepper};
@@ -99,8 +101,10 @@ pub struct Simulation {
     pending: Option<Pending>,
     /// [m/s] wind that was set
     wind: Option<[f64; 3]>,
-    /// whether forces at the present state are to be found again
-    changed: bool,
+    /// [-] factors of rest lengths that were set, `[n_edges]`; empty if none was
+    rest_length_factors: Vec<f64>,
+    /// what was changed since the last step
+    changed: Changed,
     /// whether it goes on from a snapshot
     resumed: bool,
 }
@@ -170,8 +174,9 @@ impl Simulation {
     }
 
     fn at(scene: Arc<dyn Scene>, settings: RunSettings, scheme: Scheme, state: RunState) -> Self {
-        let (scheme, pending, wind, changed, resumed) = (Some(scheme), None, None, false, false);
-        Simulation { scene, scheme, settings, state, pending, wind, changed, resumed }
+        let (scheme, pending, wind, resumed) = (Some(scheme), None, None, false);
+        let (rest_length_factors, changed) = (Vec::new(), Changed::Nothing);
+        Simulation { scene, scheme, settings, state, pending, wind, rest_length_factors, changed, resumed }
     }
 
     /// Makes one step: of the fixed size, or of the size that the tolerance allows. An adaptive step whose error was
@@ -338,15 +343,21 @@ impl Simulation {
         stop: Stop<'_>,
         act: impl FnOnce(&mut Run<'_>, &mut Stepper<'_>) -> R,
     ) -> Result<R, SimulationError> {
-        let scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
+        let mut scheme = self.scheme.take().ok_or(SimulationError::Broken)?;
+        if self.changed == Changed::Pattern {
+            scheme = self.settings.scheme();
+        }
         let scene = &*self.scene;
         let mut stepper = self.settings.bind(scheme, scene)?;
         let mut run = Run { scene, spec: self.settings.spec(), stop, state: &mut self.state };
-        if std::mem::take(&mut self.changed) {
-            run.state.refresh(scene, &mut stepper);
-        }
-        let done = act(&mut run, &mut stepper);
+        let ready = match self.changed {
+            Changed::Nothing => Ok(()),
+            changed => run.state.refresh(scene, &mut stepper, changed),
+        };
+        let done = ready.map(|()| act(&mut run, &mut stepper));
         self.scheme = Some(stepper.unbind());
+        let done = done.map_err(RunError::from)?;
+        self.changed = Changed::Nothing;
         Ok(done)
     }
 }

@@ -15,8 +15,8 @@ use super::outcome::{Outcome, RunSpec, Status};
 use super::snapshot::Snapshot;
 use super::step_policy::StepPolicy;
 use super::watch::Watch;
-use crate::integrate::Counters;
 use crate::integrate::stepper::Stepper;
+use crate::integrate::{Counters, StepError};
 use crate::model::point::Point;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -145,6 +145,20 @@ pub(crate) struct Run<'a> {
     pub state: &'a mut RunState,
 }
 
+/// What a program has changed since the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Changed {
+    /// nothing
+    #[default]
+    Nothing,
+    /// forces that depend on no state: tangents are what they were
+    Values,
+    /// how forces depend on the state
+    Laws,
+    /// also the nodes that forces depend on: the scheme is a new one
+    Pattern,
+}
+
 /// Where a run stands. After a step `from` is the accepted point and `to` the one before it. It borrows nothing, so it
 /// can be kept beside the scene and the scheme it belongs to.
 pub(crate) struct RunState {
@@ -263,10 +277,24 @@ impl RunState {
         self.resumable(Occasion::Step, stepper).snapshot()
     }
 
-    /// Finds the forces at the present state again after one was changed from outside; the scheme begins anew there.
-    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>) {
+    /// Finds the forces at the present state again after a program has changed some; the scheme and adaptive steps
+    /// begin anew there.
+    pub fn refresh(&mut self, scene: &dyn Scene, stepper: &mut Stepper<'_>, changed: Changed) -> Result<(), StepError> {
         self.counters.evaluate(scene, self.from.state.as_ref(), &mut self.from.forces);
-        stepper.restart(&self.from);
+        self.row = self.ledger.changed(scene, &self.from, &self.row);
+        if let StepPolicy::Adaptive(policy) = &mut self.policy {
+            policy.begin_anew();
+        }
+        match changed {
+            Changed::Nothing => {}
+            Changed::Values => stepper.restart(&self.from),
+            Changed::Laws => {
+                self.watch.loads_changed(scene);
+                stepper.forces_changed(&self.from)?;
+            }
+            Changed::Pattern => stepper.start(&self.from)?,
+        }
+        Ok(())
     }
 
     /// The result of a run that ends here.

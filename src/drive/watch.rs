@@ -190,6 +190,13 @@ impl Watch {
         Watch { account, push, stiffness, mass, reach, overshoots, dissipates }
     }
 
+    /// After a program has changed loads: one step of those before may have made as much as it could.
+    pub fn loads_changed(&mut self, scene: &dyn Scene) {
+        let a = &mut self.account;
+        a.late_push = a.late_push.max(self.push * a.longest.powi(2));
+        self.push = push(scene, scene.initial_state().as_ref(), 1.0);
+    }
+
     /// What a snapshot keeps.
     pub fn account(&self) -> &Account {
         &self.account

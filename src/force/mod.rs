@@ -50,6 +50,7 @@ pub mod schedule;
 
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// A state by nodes: what a force term sees.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +65,13 @@ pub struct NodeState<'a> {
 
 /// Takes the blocks of cm M + cc C + ck K that a term emits (the weights are already applied by the term).
 pub trait TangentSink {
+    /// The block of row node `i` and column node `j` alone. A symmetric matrix takes those on its diagonal only.
+    fn pair(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
+
     /// A block on the diagonal of node `i`.
-    fn node(&mut self, i: u32, block: Matrix3<f64>);
+    fn node(&mut self, i: u32, block: Matrix3<f64>) {
+        self.pair([i; 2], block);
+    }
 
     /// The two-node element `[[B, -B], [-B, B]]`; `B` need not be symmetric.
     fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
@@ -100,6 +106,11 @@ pub trait ForceTerm: kernel::batch::Summand {
     /// Emits `w.c (-df/dv) + w.k (-df/dx)`, exact or as `form` says, element by element, always in the same order.
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
+
+    /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
+    fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
+        let _ = rest_length;
+    }
 
     /// Adds the stiffness [N/m] that this term's springs put on every node, whatever the state: for the rounding floor
     /// of a residual, and for diagnoses. Terms without elastic energy have none.

@@ -206,6 +206,15 @@ pub trait Integrator<S: ?Sized>: Send {
     /// its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
 
+    /// The same where a program has changed a force: also what was found from the system at the start, as factors of
+    /// its matrix or its weight, is found again.
+    ///
+    /// # Errors
+    /// As [`Integrator::start`], which it is unless a scheme can do it more cheaply.
+    fn forces_changed(&mut self, system: &S, at: &Point) -> Result<(), StepError> {
+        self.start(system, at)
+    }
+
     /// What is carried, for a checkpoint.
     fn save(&self) -> Carried {
         Carried::default()

@@ -231,14 +231,14 @@ impl Adaptive {
                 self.state.controller.unsolved(trial.h);
             }
         } else if trial.at_corner {
-            self.state.controller.end_stretch();
             self.begin_anew();
         }
         tried
     }
 
-    /// The next step knows nothing of those before.
-    fn begin_anew(&mut self) {
+    /// The next step knows nothing of those before: forces are not smooth here.
+    pub fn begin_anew(&mut self) {
+        self.state.controller.end_stretch();
         self.state.before.forget();
         (self.state.event, self.state.anew) = (None, true);
     }

@@ -22,6 +22,7 @@ use crate::model::spec::DashpotKind;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
+use std::sync::Arc;
 
 const SPRINGS: TermInfo = TermInfo::of("springs", Role::Elastic);
 const AXIAL: TermInfo = dashpots("axial dashpots");
@@ -240,6 +241,11 @@ impl ForceTerm for DampedSprings {
             }
             sink.edge(nodes, block);
         }
+    }
+
+    fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {
+        self.springs.rest_length = rest_length.clone();
+        self.batch.set_number(1, rest_length);
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
