@@ -2,8 +2,7 @@
 //!
 //! A scene comes from a case file ([`Simulation::from_case`]) or from code ([`NetworkBuilder`]); [`RunSettings`] says
 //! by which method and in which steps it moves. Every slice of nodes has shape `[n_nodes][3]`, in the numbering of the
-//! mesh; units are SI. A program can add a force ([`NodalForce`]), a law of bars ([`BarLaw`]), a scheme
-//! ([`crate::integrate`]) and an observer ([`Observer`]) of its own; `examples/` has one of each.
+//! mesh; units are SI.
 //!
 //! ```
 //! use canopy_fem::simulation::{NetworkBuilder, RunSettings, Simulation, SpringLaw};
@@ -19,6 +18,33 @@
 //! assert!(sim.energies().numerical.abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # What a program can do
+//! | to | call |
+//! |---|---|
+//! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
+//! | take that of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
+//! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
+//! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
+//! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
+//! | read nodes | [`Simulation::positions`], [`Simulation::velocities`], [`Simulation::reactions`] |
+//! | read springs and energies | [`Simulation::tensions`], [`Simulation::energies`] |
+//! | read what it cost | [`Simulation::counters`] |
+//! | set positions and velocities | [`Simulation::set_state`] |
+//! | set the wind | [`Simulation::set_wind`] |
+//! | scale gravity, pressures, forces | [`Simulation::set_load_factor`], [`Simulation::load_factors`] |
+//! | reef lines or let them out | [`Simulation::set_rest_length_factor`]: `examples/reefing.rs` |
+//! | push nodes | [`Simulation::set_nodal_force`], [`Simulation::remove_nodal_force`] |
+//! | add a force of its own | [`NodalForce`], [`Simulation::set_nodal_law`]: `examples/own_force.rs` |
+//! | check its derivatives | [`derivative_error`] |
+//! | add a law of bars | [`BarLaw`], [`Simulation::with_bars`]: `examples/own_bar_law.rs` |
+//! | add a scheme | [`crate::integrate`], [`RunSettings::of`]: `examples/own_scheme.rs` |
+//! | watch every step | [`Observer`], [`Simulation::run_until_with`]: `examples/own_observer.rs` |
+//! | save and restore | [`Simulation::snapshot`], [`Simulation::restore`] |
+//!
+//! What is set acts from the present state on, until it is set again. There the scheme and adaptive steps begin anew,
+//! as at the corner of a load table. Where a change gives or takes energy at once, as other rest lengths do, the
+//! account has it as external work, so `numerical` remains what the scheme itself makes.
 
 mod builder;
 mod derivative;

@@ -21,8 +21,19 @@
 //! carries one kept factor and one first guess from step to step, and `check` counts one solve a step where it does not
 //! try.
 //!
+//! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
-//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
+//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`):
+//! * A stage between the ends of a step is a [`State`](crate::model::state::State) and
+//!   [`Forces`](crate::model::forces::Forces) that [`Integrator::start`] makes, a clone of `at.state` and
+//!   `system.new_forces()`. All vectors are `[n_dof]`; `inverse_mass` is 0 at held degrees of freedom, which so stay.
+//! * `linear` is [`PLAIN`](linear_step::LinearStep::PLAIN) for Runge and Kutta's schemes and
+//!   [`PARTITIONED`](linear_step::LinearStep::PARTITIONED) where positions and velocities have different formulas.
+//!   The search for the largest stable step goes by it.
+//! * `evaluations` counts calls of [`Counters::evaluate`] a step; `order` is what adaptive steps rely on.
+//! * What goes over from step to step changes in [`Integrator::accept`] only, is reset in [`Integrator::restart`], and
+//!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four.
+//! * Blocks of steps and estimates of its own error ([`Integrator::pair`]) are optional.
 //!
 //! Nothing here knows a force: schemes see the traits of [`crate::model::system`].
 

@@ -1,9 +1,16 @@
 //! Forces that a program adds to a network from outside: values by name, or a [`NodalForce`] of its own.
 //!
 //! Values are a term among the others: their sum over all names is added in the passes over the blocks, and blocks of
-//! steps go on. A law sees all nodes at one time. In a block of steps nodes are at different times, so a scene with a law
-//! makes its steps one by one: each is then a whole pass, a copy of all nodes into the user's numbering and one back. On
-//! a net of 703 nodes a Verlet step takes SINGLE_COST times as long, a law that does nothing included.
+//! steps go on. A Verlet step of bare springs is 1.5 times as long with them, with relative dashpots 1.2 times.
+//!
+//! A law sees all nodes at one time. In a block of steps nodes are at different times, so a scene with a law makes its
+//! steps one by one. Each is whole passes over the nodes, two of them in velocity Verlet, and a copy of all nodes to
+//! the user's numbering and back. With a law that does nothing, times a Verlet step without it:
+//!
+//! | nodes | bare springs | relative dashpots |
+//! |---|---|---|
+//! | 703 | 4.9 (28 us) | 2.6 (35 us) |
+//! | 10,000 | 3.9 (430 us) | 2.1 (540 us) |
 
 use super::network::{Network, by_node};
 use crate::force::law::nodal::SetForces;

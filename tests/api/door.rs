@@ -1,12 +1,13 @@
 //! What a program changes while a simulation runs: factors of loads and rest lengths, and forces of its own with their
 //! derivatives; and two simulations at once.
 
+use canopy_fem::case::spec::SystemSpec;
 use canopy_fem::drive::clock::Tolerance;
 use canopy_fem::mesh::source::MeshSource;
 use canopy_fem::model::spec::{DashpotKind, Slack};
 use canopy_fem::simulation::{
     ForceDerivative, Load, NetworkBuilder, NodalForce, RunSettings, Simulation, SimulationError, SpringLaw,
-    derivative_error,
+    build_scene, derivative_error,
 };
 use std::sync::Arc;
 
@@ -59,8 +60,8 @@ fn assert_same(a: &Simulation, b: &Simulation) {
 }
 
 /// At rest a quarter of the rest length is taken in: x = 0.75 + 0.25 cos(2 t), with 1/2 k 0.25^2 = 0.25 J, all of it
-/// external work. Nothing was supplied before, and the watch still does not take it for a divergence. Let out again at a turning
-/// point, x = 1, the mass stands still there and the work comes back.
+/// external work. Nothing was supplied before, and the watch still does not take it for a divergence. Let out again at
+/// a turning point, x = 1, the mass stands still there and the work comes back.
 #[test]
 fn a_shorter_rest_length_is_work_from_outside() {
     let turn = std::f64::consts::PI;
@@ -81,8 +82,9 @@ fn a_shorter_rest_length_is_work_from_outside() {
     }
 }
 
-/// A mass that hangs at rest, l = 1 + m g/k, swings about 1 + 2 m g/k once weight is doubled. After half a turn weight is
-/// as it was: from z = -(1 + 3 m g/k) it swings with 2 m g/k. Both changes and the energies of weight close the account.
+/// A mass that hangs at rest, l = 1 + m g/k, swings about 1 + 2 m g/k once weight is doubled. After half a turn weight
+/// is as it was: from z = -(1 + 3 m g/k) it swings with 2 m g/k. Both changes and the energies of weight close the
+/// account.
 #[test]
 fn gravity_can_be_scaled() {
     fn hanging() -> NetworkBuilder {
@@ -361,8 +363,8 @@ fn newton_uses_the_derivatives_of_a_law() {
     assert!(matches!(error, SimulationError::Failed(_)) && error.to_string().contains("converge"), "{error}");
 }
 
-/// A law with derivatives may come, go and be replaced while the simulation runs, on a net whose factors are reused too;
-/// pairs of nodes that do not exist are refused.
+/// A law with derivatives may come, go and be replaced while the simulation runs, on a net whose factors are reused
+/// too; pairs of nodes that do not exist are refused.
 #[test]
 fn the_pattern_follows_the_laws() {
     let laws: [fn() -> Option<Tether>; 4] = [
@@ -399,21 +401,31 @@ fn the_pattern_follows_the_laws() {
 }
 
 /// Two simulations on two threads at the same time write the bytes of those made one after the other: nothing between
-/// them is shared. Each has two threads of its own beside.
+/// them is shared. Each has two threads of its own beside, or both have those that a thread's scenes share.
 #[test]
 fn two_simulations_at_once_are_those_one_after_the_other() {
     fn assert_send<T: Send + 'static>() {}
     assert_send::<Simulation>();
-    fn run(method: &str) -> Vec<u8> {
-        let mut sim = fixed(cloth(40), method, 2e-4, 1.0, 2);
+    fn made(method: &str, shared: bool) -> Simulation {
+        if !shared {
+            return fixed(cloth(40), method, 2e-4, 1.0, 2);
+        }
+        let network = SystemSpec::Network(Box::new(cloth(40).build().expect("a mesh")));
+        let scene = build_scene(network, 2).expect("a scene").into();
+        Simulation::of_scene(scene, RunSettings::fixed(method, 2e-4, 1.0).expect("registered")).expect("it starts")
+    }
+    fn run(mut sim: Simulation) -> Vec<u8> {
         sim.advance(40).expect("it goes on");
         sim.set_rest_length_factor(&[5, 6], 0.98).expect("springs");
         sim.advance(20).expect("it goes on");
         sim.snapshot().expect("idle")
     }
     for methods in [["velocity-verlet", "newmark"], ["newmark", "newmark"], ["kang", "rk4"]] {
-        let alone = methods.map(run);
-        let at_once = methods.map(|method| std::thread::spawn(move || run(method)));
-        assert!(alone == at_once.map(|thread| thread.join().expect("no panic")), "{methods:?}");
+        let alone = methods.map(|method| run(made(method, false)));
+        for shared in [false, true] {
+            let simulations = methods.map(|method| made(method, shared));
+            let at_once = simulations.map(|sim| std::thread::spawn(move || run(sim)));
+            assert!(alone == at_once.map(|thread| thread.join().expect("no panic")), "{methods:?} {shared}");
+        }
     }
 }
