@@ -22,6 +22,10 @@ impl NodalForce for Tether {
         f.iter_mut().zip(x).for_each(|(f, x)| f[1] -= self.stiffness * x[1]);
     }
 
+    fn velocity_dependent(&self) -> bool {
+        false
+    }
+
     fn pairs(&self) -> Vec<[u32; 2]> {
         (0..self.nodes).map(|i| [i, i]).collect()
     }

@@ -184,7 +184,7 @@ impl Simulation {
         };
         pairs.iter().enumerate().find_map(unknown).map_or(Ok(()), Err)?;
         let other_pattern = !pairs.is_empty() || self.has_derivatives(name);
-        self.external(ExternalKind::Law)?.set_law(name, law, pairs);
+        self.external(ExternalKind::Law { velocity_dependent: law.velocity_dependent() })?.set_law(name, law, pairs);
         self.note(if other_pattern { Changed::Pattern } else { Changed::Laws });
         Ok(())
     }
