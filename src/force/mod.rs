@@ -19,19 +19,23 @@
 //!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
-//!    * two nodes with an elastic law: a [`law::slack::TensionLaw`], or for any other law a [`kernel::batch::Kernel`],
-//!      as [`law::bar_law`];
+//!    * two nodes whose tension is k times a function of the elongation: no file, but a [`law::slack::TensionLaw`] with
+//!      a kind in [`crate::model::spec::Slack`] and its arm in `law::slack::with_law`, the one place that knows which
+//!      law a kind has. Dashpots, tangents and pictures follow;
+//!    * two nodes with another elastic law: a [`kernel::batch::Kernel`], as [`law::bar_law`];
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
 //!      [`law::follower_pressure`];
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
 //! 2. Say in the [`TermInfo`] of its [parts](ForceTerm::parts) what it is: schemes, the ledger and diagnoses go by
-//!    that, and by no name. `velocity_dependent` and `follower` are what the step may be too long for (`drive/cause`);
-//!    `on_triangles` lets a failure name one. A term with elastic energy also adds its stiffness at rest in
-//!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
+//!    that, and by no name; a law of springs has theirs. `velocity_dependent` and `follower` are what the step may be
+//!    too long for (`drive/cause`); `on_triangles` lets a failure name one. A term with elastic energy also adds its
+//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
+//!    [`TangentForm`].
 //! 3. Give it a place in [`crate::model::spec`], refuse there what no scene has (`scene/check.rs`), and construct it
-//!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner).
+//!    where the scene is built (`scene/build.rs`, which also collects the times at which a table has a corner,
+//!    and gives a load the factor that a program may set).
 //! 4. If it is new to the case file, its section goes to `case/schema` and `case/lower`, and to `case/fingerprint`,
 //!    which says what must be the same for a run to go on; the compiler asks for the last.
 //! 5. Add it to the list in `tests/api/tangent/scenes.rs`: both tangents are compared with finite differences at random

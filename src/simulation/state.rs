@@ -265,7 +265,7 @@ impl Simulation {
 
     /// Makes the rest lengths of the springs on these edges `factor` [-] times those given, from the present state on:
     /// below 1 to reef a line, above 1 to let it out. Energy that the springs gain or lose at once is entered as
-    /// external work. Bars of the program's own laws keep their rest lengths.
+    /// external work. Slack limits [m] stay, and bars of the program's own laws keep their rest lengths.
     ///
     /// # Errors
     /// An edge without a spring, a factor that is not finite or not above 0, or a step that was attempted and waits;

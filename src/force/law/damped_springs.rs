@@ -12,7 +12,7 @@ use crate::force::kernel::differences::Differences;
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialLaw, Measured, Pull};
 use crate::force::law::dashpot::{self, Damping};
-use crate::force::law::slack::{Plain, Tension, TensionLaw, clamped, tension};
+use crate::force::law::slack::{Tension, TensionLaw, tension, with_law};
 use crate::force::law::spring::{Coefficient, SpringData, Stretch};
 use crate::force::law::stretch::{InWindow, Stretched, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
@@ -140,10 +140,7 @@ impl Summand for DampedSprings {
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
-        let [energy, power] = match clamped(self.springs.slack) {
-            None => self.pull(Plain, block, sums),
-            Some(law) => self.pull(law, block, sums),
-        };
+        let [energy, power] = with_law!(self.springs.slack, law => self.pull(law, block, sums));
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
 
@@ -174,10 +171,7 @@ fn axial_state(
     let [a, b] = springs.nodes[i].map(|node| node as usize);
     let (dv, k) = (v[b] - v[a], springs.stiffness.at(i));
     let (e, rate) = (stretch.elongation, stretch.n.dot(&dv));
-    let damping = match clamped(springs.slack) {
-        None => dashpot::axial(&Plain, elastic, [k, c], [e, rate]),
-        Some(law) => dashpot::axial(&law, elastic, [k, c], [e, rate]),
-    };
+    let damping = with_law!(springs.slack, law => dashpot::axial(&law, elastic, [k, c], [e, rate]));
     AxialState { stretch, dv, rate, damping }
 }
 

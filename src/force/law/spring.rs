@@ -7,7 +7,7 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{Plain, clamped};
+use crate::force::law::slack::with_law;
 use crate::force::law::stretch::{InScene, Stretched, largest};
 pub use crate::force::law::tension::Carried;
 use crate::force::law::tension::Carrying;
@@ -49,10 +49,7 @@ impl SpringData {
     /// When a place lies beyond `to.tension` or `to.strain`.
     pub fn carried(&self, x: &[Vector3<f64>], to: Carried<'_>) {
         let data = self;
-        match clamped(self.slack) {
-            None => quad::run(Carrying { data, law: Plain, x, to }),
-            Some(law) => quad::run(Carrying { data, law, x, to }),
-        }
+        with_law!(self.slack, law => quad::run(Carrying { data, law, x, to }))
     }
 
     /// [m] elongation of spring `i`, without its direction.
