@@ -129,8 +129,10 @@ impl MatrixSink<'_> {
 }
 
 impl TangentSink for MatrixSink<'_> {
-    fn node(&mut self, _i: u32, block: Matrix3<f64>) {
-        self.add(&block);
+    fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
+        if !self.symmetric || i == j {
+            self.add(&block);
+        }
     }
 
     #[inline]

@@ -4,7 +4,8 @@
 //! kinetic + elastic + gravity - external_work + dissipated + numerical = its value at t = 0
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
-//! Runge-Kutta and PEC schemes) and resolves its dashpots. `numerical` is the remainder: the energy that the scheme
+//! Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest lengths or gravity, the energy
+//! that springs and weight gain at once is external work too. `numerical` is the remainder: the energy that the scheme
 //! itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
@@ -87,6 +88,14 @@ impl Ledger {
         self.work.external += end.nodes.work.external;
         self.work.dissipated -= end.nodes.work.dissipative;
         self.close(system, end.nodes.kinetic, &end.tallies)
+    }
+
+    /// Accounts for forces that a program has changed between two steps: energy that they gained or lost while nothing
+    /// moved is work done from outside. `at` has the forces as they are now, `before` is the account until then.
+    pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
+        let now = self.row(system, before.kinetic, &at.forces.tallies);
+        self.work.external += (now.elastic - before.elastic) + (now.gravity - before.gravity);
+        self.close(system, before.kinetic, &at.forces.tallies)
     }
 
     fn close(&mut self, system: &dyn System, kinetic: f64, tallies: &[Tally]) -> LedgerRow {

@@ -194,6 +194,13 @@ impl Watch {
         Watch { account, load_energy, stiffness, mass, reach, overshoots, dissipates }
     }
 
+    /// After a program has changed loads: one step of those before may have made as much as it could.
+    pub fn loads_changed(&mut self, scene: &dyn Scene) {
+        let a = &mut self.account;
+        a.late_load_energy = a.late_load_energy.max(self.load_energy * a.longest.powi(2));
+        self.load_energy = load_energy(scene, scene.initial_state().as_ref(), 1.0);
+    }
+
     /// What a snapshot keeps.
     pub fn account(&self) -> &EnergyAccount {
         &self.account

@@ -174,6 +174,13 @@ impl<M: ImplicitScheme> Integrator<dyn TangentSystem> for Implicit<M> {
         (self.made_with, self.anew) = (0.0, true);
     }
 
+    /// The pattern stays; the factor is made again at its next use.
+    fn forces_changed(&mut self, system: &(dyn TangentSystem + 'static), at: &Point) -> Result<(), StepError> {
+        self.restart(system, at);
+        self.solver.iter_mut().for_each(|s| s.linear.cache.forget());
+        Ok(())
+    }
+
     fn save(&self) -> CarriedState {
         let mut vectors = vec![self.a.clone()];
         let factor = self.solver.as_ref().and_then(|s| s.linear.cache.save(&mut vectors));

@@ -5,7 +5,7 @@
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
-//! 1. Write `integrate/<name>.rs`. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
+//! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
 //!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
@@ -20,8 +20,19 @@
 //! A scheme that solves several times per step owns one [`implicit::Implicit`] engine per stage: an engine carries one
 //! kept factor and one first guess from step to step. `check` counts one solve per step where it makes no trial runs.
 //!
+//! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
-//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`).
+//! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`):
+//! * A stage between the ends of a step is a [`State`](crate::model::state::State) and
+//!   [`Forces`](crate::model::forces::Forces) that [`Integrator::start`] makes, a clone of `at.state` and
+//!   `system.new_forces()`. All vectors are `[n_dof]`; `inverse_mass` is 0 at held degrees of freedom, which so stay.
+//! * `linear` is [`PLAIN`](linear_step::LinearStep::PLAIN) for Runge and Kutta's schemes and
+//!   [`PARTITIONED`](linear_step::LinearStep::PARTITIONED) where positions and velocities have different formulas.
+//!   The search for the largest stable step goes by it.
+//! * `evaluations` counts calls of [`Counters::evaluate`] a step; `order` is what adaptive steps rely on.
+//! * What goes over from step to step changes in [`Integrator::accept`] only, is reset in [`Integrator::restart`], and
+//!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four.
+//! * Blocks of steps and estimates of its own error ([`Integrator::pair`]) are optional.
 //!
 //! Nothing here depends on a force: schemes use the traits of [`crate::model::system`].
 
@@ -204,6 +215,15 @@ pub trait Integrator<S: ?Sized>: Send {
     /// Drops the carried state and starts again at a point, as [`Integrator::start`] does, because forces are not
     /// smooth across its time. Allocates nothing.
     fn restart(&mut self, _system: &S, _at: &Point) {}
+
+    /// The same where a program has changed a force: also what was found from the system at the start, as factors of
+    /// its matrix or its weight, is found again.
+    ///
+    /// # Errors
+    /// As [`Integrator::start`], which it is unless a scheme can do it more cheaply.
+    fn forces_changed(&mut self, system: &S, at: &Point) -> Result<(), StepError> {
+        self.start(system, at)
+    }
 
     /// The carried state, for a checkpoint.
     fn save(&self) -> CarriedState {

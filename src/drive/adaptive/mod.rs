@@ -232,14 +232,14 @@ impl Adaptive {
                 self.state.controller.unsolved(planned.h);
             }
         } else if planned.at_corner {
-            self.state.controller.end_smooth_interval();
             self.forget_history();
         }
         tried
     }
 
-    /// Clears what the next step would use of the steps before.
-    fn forget_history(&mut self) {
+    /// Clears what the next step would use of the steps before, because forces are not smooth here.
+    pub fn forget_history(&mut self) {
+        self.state.controller.end_smooth_interval();
         self.state.before.forget();
         (self.state.event, self.state.anew) = (None, true);
     }

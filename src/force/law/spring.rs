@@ -7,7 +7,7 @@
 //! T carries its sign: in compression B is indefinite. Two coincident nodes have no direction: force and tangent are 0.
 
 pub use crate::force::kernel::coefficient::Coefficient;
-use crate::force::law::slack::{LinearLaw, clamped};
+use crate::force::law::slack::with_law;
 use crate::force::law::stretch::{SpringLengths, WholeScene, largest};
 pub use crate::force::law::tension::SpringOutput;
 use crate::force::law::tension::TensionPass;
@@ -49,10 +49,7 @@ impl SpringData {
     /// When an index is beyond the end of `to.tension` or `to.strain`.
     pub fn carried(&self, x: &[Vector3<f64>], to: SpringOutput<'_>) {
         let data = self;
-        match clamped(self.slack) {
-            None => quad::run(TensionPass { data, law: LinearLaw, x, to }),
-            Some(law) => quad::run(TensionPass { data, law, x, to }),
-        }
+        with_law!(self.slack, law => quad::run(TensionPass { data, law, x, to }))
     }
 
     /// [m] Elongation of spring `i`, without its direction, at positions `x` [m] `[n_nodes]`.
