@@ -91,8 +91,8 @@ fn blocks(scene: &Network, method: &str, steps: u32, (strategy, linear): (Strate
     dhat::HeapStats::get().total_blocks - before
 }
 
-/// Heap blocks allocated by five blocks of steps after one: the least of several measurements, because on a busy machine
-/// a thread may take part for the first time, and make its buffers, only in a later block.
+/// Heap blocks allocated by five blocks of steps after one: the least of several measurements, because on a busy
+/// machine a thread may take part for the first time, and make its buffers, only in a later block.
 fn heap_blocks(scene: &Network, method: &str) -> u64 {
     let choice = MethodChoice::with_defaults(method).expect("registered");
     let mut stepper = Stepper::bind(choice.scheme(SolverSpec::default()), scene.interfaces()).expect("a network");

@@ -30,9 +30,10 @@
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
-//!    no names; a law of springs has theirs. A step may be too long for forces with `velocity_dependent` or `follower` (`drive/cause`); with
-//!    `on_triangles` a failure report names a triangle. A term with elastic energy also adds its stiffness at rest in
-//!    [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex [`TangentForm`].
+//!    no names; a law of springs has theirs. A step may be too long for forces with `velocity_dependent` or `follower`
+//!    (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy also adds its
+//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
+//!    [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
 //!    built (`scene/build.rs`, which also collects the times at which a table has a corner, and gives a load the
 //!    factor that a program can set).

@@ -5,8 +5,9 @@
 //! acceleration, a derivative) changes in [`Integrator::accept`] only. Every run starts from a_0 = M^-1 f(0, x0, v0).
 //!
 //! # How to add a scheme
-//! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for `dyn System` and reads like its
-//!    equations; one of the Newmark family only fills a [`stage::StageMap`] ([`implicit::ImplicitScheme`]).
+//! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for
+//!    `dyn System` and reads like its equations; one of the Newmark family only fills a [`stage::StageMap`]
+//!    ([`implicit::ImplicitScheme`]).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of

@@ -102,7 +102,8 @@ impl<'a> Experiment<'a> {
         Stepper::bind(self.method.scheme(self.solver), self.scene.interfaces())
     }
 
-    /// Makes the run with a stepper of its own. `frames` visits the frames; `on_event` gets every event after it, and returns `true` to stop the run.
+    /// Makes the run with a stepper of its own. `frames` visits the frames; `on_event` gets every event after it, and
+    /// returns `true` to stop the run.
     ///
     /// # Errors
     /// When the run cannot start. A run that fails on its way is an [`Outcome`].
