@@ -158,7 +158,7 @@ struct OneOf<'a> {
     words: Vec<&'a str>,
     /// objects with one key: `{"ids": [...]}`
     tags: Vec<(&'a str, &'a Value)>,
-    /// numbers and lists
+    /// numbers, objects with several keys, and lists
     others: Vec<&'a Value>,
 }
 
@@ -169,6 +169,9 @@ impl<'a> OneOf<'a> {
         for branch in schema.get("oneOf")?.as_array()? {
             let branch = meant(root, branch);
             let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
+            // An object with several keys is known by its type.
+            let several = branch.get("properties").and_then(Value::as_object).is_some_and(|keys| keys.len() > 1);
+            let key = key.filter(|_| !several);
             match (branch.get("const").and_then(Value::as_str), key) {
                 (Some(word), _) => choice.words.push(word),
                 (None, Some(key)) => choice.tags.push((key, branch)),
@@ -194,11 +197,15 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number or a list. Between two kinds of list, the majority of the entries decides.
+    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
-            let number = |branch: &&Value| value.is_number() && kind(branch) == "number";
-            return self.others.iter().copied().find(|branch| number(branch));
+            let fits = |branch: &&Value| match kind(branch) {
+                "number" => value.is_number(),
+                "object" => value.is_object(),
+                _ => false,
+            };
+            return self.others.iter().copied().find(fits);
         };
         let nested = 2 * list.iter().filter(|entry| entry.is_array()).count() >= list.len();
         let lists = || self.others.iter().copied().filter(|branch| kind(branch) == "array");

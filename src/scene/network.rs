@@ -4,8 +4,9 @@ use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::law::series::{SampledTable, Table};
+use crate::force::law::series::SampledTable;
 use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::stream::Stream;
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
@@ -42,8 +43,10 @@ pub struct Network {
     pub(super) springs: Vec<SpringBatch>,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
-    /// table of the wind, shared with the air
-    pub(super) wind: Option<Arc<Table<3>>>,
+    /// the air around it, shared with the terms
+    pub(super) stream: Option<Arc<Stream>>,
+    /// whether a term depends on nodes of the whole scene: then steps of several blocks are made one by one
+    couples_blocks: bool,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -79,7 +82,7 @@ pub(super) struct Parts {
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
-    pub wind: Option<Arc<Table<3>>>,
+    pub stream: Option<Arc<Stream>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -111,6 +114,7 @@ impl Network {
             parts
         });
         let parts = parts.collect();
+        let couples_blocks = !sweep.is_single_block() && p.terms.iter().any(|term| term.scene_number().is_some());
         Network {
             inverse_mass: inverse_mass.collect(),
             fixed_dofs,
@@ -127,7 +131,8 @@ impl Network {
             terms: p.terms,
             springs: p.springs,
             external: None,
-            wind: p.wind,
+            stream: p.stream,
+            couples_blocks,
             sweep,
             threads: p.threads,
             mesh: p.mesh,
@@ -272,14 +277,14 @@ impl System for Network {
     }
 
     fn longest_block(&self) -> usize {
-        if self.external.is_some() {
+        if self.external.is_some() || self.couples_blocks {
             return 0;
         }
         self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
     }
 
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        if self.external.is_some() {
+        if self.external.is_some() || self.couples_blocks {
             return single_step(self, at, out, block);
         }
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };

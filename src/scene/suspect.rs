@@ -4,7 +4,7 @@ use super::external::{EXTERNAL, ExternalForces};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Scene, Suspect};
 use crate::assembly::SceneInterfaces;
-use crate::force::{ForceTerm, TangentForm, TangentSink};
+use crate::force::{ForceTerm, RankOne, TangentForm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
@@ -34,7 +34,7 @@ impl Scene for Network {
     }
 
     fn hold_wind(&self, wind: [f64; 3]) -> bool {
-        self.wind.as_ref().map(|table| table.hold(wind)).is_some()
+        self.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
     }
 
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
@@ -136,6 +136,18 @@ impl Scene for Network {
         for term in &self.terms {
             term.tangent(node_state(at), w, TangentForm::EXACT, &mut product);
         }
+        let Product { p, y: sums } = product;
+        let mut part = [Vec::new(), Vec::new()];
+        for term in self.terms.iter().filter(|term| term.scene_number().is_some()) {
+            let [u, g] = part.each_mut().map(|vector| {
+                vector.resize(p.len(), Vector3::zeros());
+                &mut vector[..]
+            });
+            if term.rank_one(node_state(at), w, RankOne { u, g }) {
+                let amount: f64 = part[1].iter().zip(p).map(|(g, p)| g.dot(p)).sum();
+                sums.iter_mut().zip(&part[0]).for_each(|(y, u)| *y += amount * u);
+            }
+        }
         for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *y = 0.0;
@@ -166,6 +178,17 @@ struct Product<'a> {
     y: &'a mut [Vector3<f64>],
 }
 
+impl Product<'_> {
+    /// An element with any blocks.
+    fn element<const N: usize>(&mut self, nodes: [u32; N], blocks: &[[Matrix3<f64>; N]; N]) {
+        for (&i, row) in nodes.iter().zip(blocks) {
+            for (&j, block) in nodes.iter().zip(row) {
+                self.y[i as usize] += *block * self.p[j as usize];
+            }
+        }
+    }
+}
+
 impl TangentSink for Product<'_> {
     fn node(&mut self, i: u32, block: Matrix3<f64>) {
         self.y[i as usize] += block * self.p[i as usize];
@@ -177,11 +200,11 @@ impl TangentSink for Product<'_> {
         self.y[b as usize] -= d;
     }
 
+    fn pair(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.element(nodes, blocks);
+    }
+
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
-        for (&i, row) in nodes.iter().zip(blocks) {
-            for (&j, block) in nodes.iter().zip(row) {
-                self.y[i as usize] += *block * self.p[j as usize];
-            }
-        }
+        self.element(nodes, blocks);
     }
 }

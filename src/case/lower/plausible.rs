@@ -28,8 +28,8 @@ const GRAMS: f64 = 1e3;
 
 /// Warns about a network that can run but is seldom intended.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    if let Some(air) = &spec.air {
-        let fastest = air.wind.value.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
+    if spec.air.is_some() || spec.stream.is_some() {
+        let fastest = spec.fastest_wind();
         speed(&at.key("aero").key("wind"), "the wind", fastest, faults);
     }
     let speeds = spec.velocity.iter().map(|v| Vector3::from(*v).norm());

@@ -18,7 +18,10 @@ use crate::warning::WarningCode;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoefficientLaw, Wind};
+pub use aero::{
+    Aero, Atmosphere, Canopies, Canopy, Drag, DragSelection, ErgunForm, ErgunLaw, ExponentialAtmosphere, Gust,
+    PermeableLaw, PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, Wind, WindPart, WindSum,
+};
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
