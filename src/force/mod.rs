@@ -114,10 +114,9 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
 
     /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples nodes
-    /// of the whole scene. `false` if there is none; `part` is then unspecified.
-    fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) -> bool {
+    /// of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
+    fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
         let _ = (at, w, part);
-        false
     }
 
     /// Adds the stiffness [N/m] of this term's springs to each of their nodes, at rest: for the rounding floor of a

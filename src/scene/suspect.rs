@@ -3,8 +3,8 @@
 use super::external::{EXTERNAL, ExternalForces};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Scene, Suspect};
-use crate::assembly::SceneInterfaces;
-use crate::force::{ForceTerm, RankOne, TangentForm, TangentSink};
+use crate::assembly::{SceneInterfaces, TangentSystem};
+use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::bounds::extent;
 use crate::model::forces::Role;
 use crate::model::state::{State, StateRef};
@@ -136,17 +136,14 @@ impl Scene for Network {
         for term in &self.terms {
             term.tangent(node_state(at), w, TangentForm::EXACT, &mut product);
         }
-        let Product { p, y: sums } = product;
         let mut part = [Vec::new(), Vec::new()];
-        for term in self.terms.iter().filter(|term| term.scene_number().is_some()) {
-            let [u, g] = part.each_mut().map(|vector| {
-                vector.resize(p.len(), Vector3::zeros());
-                &mut vector[..]
-            });
-            if term.rank_one(node_state(at), w, RankOne { u, g }) {
-                let amount: f64 = part[1].iter().zip(p).map(|(g, p)| g.dot(p)).sum();
-                sums.iter_mut().zip(&part[0]).for_each(|(y, u)| *y += amount * u);
-            }
+        for which in 0..self.rank_ones() {
+            let [u, g] = &mut part;
+            u.resize(p.len(), 0.0);
+            g.resize(p.len(), 0.0);
+            self.rank_one(which, at, w, u, g);
+            let amount: f64 = g.iter().zip(p).map(|(g, p)| g * p).sum();
+            y.iter_mut().zip(u).for_each(|(y, u)| *y += amount * *u);
         }
         for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {

@@ -146,7 +146,7 @@ impl ForceTerm for Canopy {
         }
     }
 
-    fn rank_one(&self, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) -> bool {
+    fn rank_one(&self, at: NodeState<'_>, w: Weights, RankOne { u, g }: RankOne<'_>) {
         let data = self.kernel();
         u.fill(Vector3::zeros());
         g.fill(Vector3::zeros());
@@ -165,6 +165,5 @@ impl ForceTerm for Canopy {
             let share = whole / nodes.len() as f64;
             nodes.iter().for_each(|&node| g[node as usize] += share);
         }
-        true
     }
 }
