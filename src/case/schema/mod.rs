@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoefficientLaw, Wind};
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
-pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
+pub use network::{Damping, Initial, Mass, Network, PointMass, Rayleigh, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};
