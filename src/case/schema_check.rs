@@ -3,7 +3,7 @@
 //!
 //! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
 //! checked here. The check knows the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words, of
-//! objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
+//! objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays, and nullable types.
 
 use serde_json::{Map, Value, json};
 
@@ -64,6 +64,10 @@ impl<'a> SchemaCheck<'a> {
         let empty = Map::new();
         let known = schema.get("properties").and_then(Value::as_object);
         let names: Vec<&str> = known.unwrap_or(&empty).keys().map(String::as_str).collect();
+        // A map from any name to values of one kind.
+        if let Some(values) = schema.get("additionalProperties").filter(|values| values.is_object()) {
+            return map.iter_mut().for_each(|(key, value)| self.visit(values, value, &at.key(key)));
+        }
         let unknown: Vec<String> = map.keys().filter(|key| !names.contains(&key.as_str())).cloned().collect();
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };

@@ -24,7 +24,7 @@ pub use aero::{
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
-pub use network::{Damping, Initial, Mass, Network, Rayleigh, Support};
+pub use network::{Damping, Initial, Mass, Network, PointMass, Rayleigh, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};

@@ -38,7 +38,7 @@ fn between<const N: usize>(elements: &[[u32; N]]) -> Vec<[u32; N]> {
 
 fn copied(spec: &NetworkSpec) -> NetworkSpec {
     let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
-    let mesh = Mesh { nodes: many(nodes), edges: between(edges), triangles: between(triangles), seams: vec![] };
+    let mesh = Mesh { nodes: many(nodes), edges: between(edges), triangles: between(triangles), ..Mesh::default() };
     let springs = spec.springs.iter().map(|group| {
         let mut dashpot = group.dashpot.clone();
         if let Some(dashpot) = &mut dashpot {
