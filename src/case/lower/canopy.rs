@@ -10,7 +10,7 @@ use super::numbers::rising;
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopies, Canopy, PressureCoefficient};
+use crate::case::schema::{Aero, Canopies, Canopy, NodeSelection, PressureCoefficient};
 use crate::force::law::series::interpolate;
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
@@ -188,6 +188,13 @@ fn skirt(
         }
         return Some(nodes);
     }
+    if let Some(group) = geometry.mesh.groups.get("skirt") {
+        let nodes = group.select_nodes(&geometry.mesh).into_iter();
+        let nodes: Vec<u32> = nodes.filter(|&node| sheet.has[node as usize]).collect();
+        if !nodes.is_empty() {
+            return Some(nodes);
+        }
+    }
     let outer: Vec<_> = sheet.topology.loops().iter().filter(|l| l.outer).collect();
     let (value, hint) = match outer.as_slice() {
         [one] if one.closed => return Some(one.nodes.clone()),
@@ -207,12 +214,16 @@ fn confluence(
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let below = at.key("confluence");
-    let Some(selection) = &canopy.confluence else {
+    let group = || {
+        let known = geometry.mesh.groups.contains_key("confluence");
+        known.then(|| NodeSelection::Group("confluence".to_owned()))
+    };
+    let Some(selection) = canopy.confluence.clone().or_else(group) else {
         let hint = "name the node or nodes where the lines meet, e.g. \"confluence\": {\"ids\": [12]}".to_owned();
         faults.add_value(&below, "(missing)", "an axis: the nodes where the lines meet", Some(hint));
         return None;
     };
-    let nodes = select::nodes(&below, selection, geometry, faults)?;
+    let nodes = select::nodes(&below, &selection, geometry, faults)?;
     if let Some(node) = nodes.iter().find(|&&node| sheet.has[node as usize]) {
         let value = format!("node {node}, which is one of the canopy");
         faults.add_value(&below, value, "the nodes where the lines meet, below the canopy", None);

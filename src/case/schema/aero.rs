@@ -230,10 +230,11 @@ pub struct Canopy {
     pub on: NodeSelection,
     /// The pressure from a coefficient, constant or over the arc length from the apex to the skirt.
     pub table: PressureTable,
-    /// The nodes where the lines meet.
+    /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,
-    /// The nodes of the skirt; if not given, the outer boundary of the triangles.
+    /// The nodes of the skirt; if not given, those of the canopy in the mesh's group `skirt`, or, without such a group,
+    /// the outer boundary of the triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skirt: Option<NodeSelection>,
 }
@@ -316,6 +317,8 @@ pub enum DragSelection {
     Box([[f64; 3]; 2]),
     /// The nodes inside a sphere, its surface included.
     Sphere(Ball),
+    /// The edges or nodes of the mesh's group with this name.
+    Group(String),
 }
 
 impl DragSelection {
@@ -328,6 +331,7 @@ impl DragSelection {
             Self::Seams => Some(EdgeSelection::Seams),
             Self::Lines => Some(EdgeSelection::Lines),
             Self::Ids(list) => Some(EdgeSelection::Ids(list.clone())),
+            Self::Group(name) => Some(EdgeSelection::Group(name.clone())),
             Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => None,
         }
     }
@@ -342,6 +346,7 @@ impl DragSelection {
             Self::Ids(list) => Some(NodeSelection::Ids(list.clone())),
             Self::Box(corners) => Some(NodeSelection::Box(*corners)),
             Self::Sphere(ball) => Some(NodeSelection::Sphere(*ball)),
+            Self::Group(name) => Some(NodeSelection::Group(name.clone())),
             Self::Interior | Self::Seams | Self::Lines => None,
         }
     }
