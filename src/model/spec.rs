@@ -147,6 +147,22 @@ pub struct CanopySpec {
     pub apex: Vec<u32>,
     /// nodes where the lines meet, at least one
     pub confluence: Vec<u32>,
+    /// if given, the drag area over time that the pressure is scaled to
+    pub filling: Option<FillingSpec>,
+}
+
+/// How the drag area of a canopy grows while it fills: drag_area ((t - start)/duration)^exponent until it is full. The
+/// pressure is dCp times what makes the force along the axis q times this area.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct FillingSpec {
+    /// [m^2] of the full canopy
+    pub drag_area: f64,
+    /// [s] line stretch; no pressure before
+    pub start: f64,
+    /// [s] filling time, > 0
+    pub duration: f64,
+    /// [-] exponent, > 0
+    pub exponent: f64,
 }
 
 /// The drag of lines in a cross-flow.

@@ -86,8 +86,10 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
     let gusts = gusts.flat_map(|gust| [gust.start, gust.start + gust.duration]);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
+    let fillings = spec.canopies.iter().filter_map(|canopy| canopy.filling);
+    let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
     let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
-    let mut corners: Vec<f64> = tabled.chain(gusts).collect();
+    let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
     Ok(Network::assemble_parts(super::network::Parts {
@@ -202,8 +204,8 @@ impl Builder<'_> {
             list.sort_unstable_by_key(|(t, _)| (t[0].min(t[1]).min(t[2]), *t));
             let (triangles, pressure_coefficient): (Vec<_>, Vec<_>) = list.into_iter().unzip();
             let (triangles, pressure_coefficient) = (triangles.into(), pressure_coefficient.into());
-            let stream = stream.clone();
-            let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream };
+            let (stream, filling) = (stream.clone(), canopy.filling);
+            let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
             self.terms.push(Box::new(Canopy::new(data)));
         }
     }

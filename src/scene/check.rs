@@ -2,7 +2,9 @@
 
 use crate::force::law::bar_law::Bars;
 use crate::mesh::Mesh;
-use crate::model::spec::{AtmosphereSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack, SpringGroup, StreamSpec};
+use crate::model::spec::{
+    AtmosphereSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack, SpringGroup, StreamSpec,
+};
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
 /// messages; a library user may not.
@@ -217,6 +219,9 @@ fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
         below("triangle", &canopy.triangles, triangles.len())?;
         length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
         finite("pressure coefficient", &canopy.pressure_coefficient)?;
+        if let Some(FillingSpec { drag_area, start, duration, exponent }) = canopy.filling {
+            finite("filling", &[drag_area, start, duration, exponent])?;
+        }
         for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
             below("node", list, nodes.len())?;
             if list.is_empty() {

@@ -2,20 +2,22 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::rising;
+use super::numbers::{positive, rising};
 use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, Canopies, Canopy, NodeSelection, PressureCoefficient};
+use crate::case::schema::{Aero, Canopies, Canopy, FillingSchedule, NodeSelection, PressureCoefficient};
 use crate::force::law::series::interpolate;
+use crate::force::law::stream::Stream;
 use crate::mesh::adjacency::row_starts;
 use crate::mesh::topology::unique_edges;
 use crate::mesh::{Mesh, Topology};
-use crate::model::spec::{CanopySpec, NetworkSpec};
+use crate::model::spec::{CanopySpec, FillingSpec, NetworkSpec};
 
 /// [-] Distance from the apex to the confluence, over the canopy's size, below which there is no axis.
 const AXIS: f64 = 1e-3;
@@ -30,9 +32,22 @@ pub(super) fn canopy(
     faults: &mut Faults<'_>,
 ) -> Option<CanopySpec> {
     let before = faults.count();
-    let rows = match &canopy.table.pressure_coefficient {
-        PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
-        PressureCoefficient::Rows(rows) => coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults),
+    let rows = match (&canopy.table, &canopy.schedule) {
+        (Some(table), None) => match &table.pressure_coefficient {
+            PressureCoefficient::Constant(c) => Some(vec![[0.0, *c]]),
+            PressureCoefficient::Rows(rows) => {
+                coefficient_rows(&at.key("table").key("pressure_coefficient"), rows, faults)
+            }
+        },
+        (None, Some(schedule)) => {
+            check_schedule(&at.key("schedule"), schedule, faults);
+            Some(vec![[0.0, 1.0]])
+        }
+        (given, _) => {
+            let value = if given.is_some() { "a canopy with table and schedule" } else { "a canopy without pressure" };
+            faults.add_value(at, value, "exactly one of table and schedule", None);
+            None
+        }
     };
     let geometry = geometry?;
     if !triangles(at, "a canopy", geometry, TriangleUse::Areas, faults) {
@@ -51,8 +66,15 @@ pub(super) fn canopy(
     let place =
         |t: u32| geometry.mesh.triangles[t as usize].iter().map(|&n| profile.place[n as usize]).sum::<f64>() / 3.0;
     let pressure_coefficient = triangles.iter().map(|&t| interpolate(&table, place(t))[0]).collect();
+    let filling = canopy.schedule.map(|schedule| {
+        let diameter = schedule.nominal_diameter.unwrap_or_else(|| sheet.nominal_diameter(&skirt));
+        // At 1 m/s if the speed is that at the start of the run, which divides it later.
+        let duration = schedule.filling_constant * diameter / schedule.speed.unwrap_or(1.0);
+        FillingSpec { drag_area: schedule.drag_area, start: schedule.start, duration, exponent: schedule.exponent }
+    });
     (faults.count() == before).then_some(())?;
-    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex: profile.apex, confluence: confluence? })
+    let (apex, confluence) = (profile.apex, confluence?);
+    Some(CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling })
 }
 
 /// Rows of arc length, within 0 to 1, and coefficient.
@@ -65,6 +87,16 @@ fn coefficient_rows(at: &Pointer, rows: &[[f64; 2]], faults: &mut Faults<'_>) ->
         }
     }
     Some(rows.to_vec())
+}
+
+fn check_schedule(at: &Pointer, schedule: &FillingSchedule, faults: &mut Faults<'_>) {
+    let FillingSchedule { drag_area, filling_constant, exponent, start: _, speed, nominal_diameter } = *schedule;
+    let needed = [("drag_area", drag_area), ("filling_constant", filling_constant), ("exponent", exponent)];
+    let optional = [("speed", speed), ("nominal_diameter", nominal_diameter)];
+    let given = optional.into_iter().filter_map(|(key, value)| Some((key, value?)));
+    for (key, value) in needed.into_iter().chain(given) {
+        positive(&at.key(key), value, faults);
+    }
 }
 
 /// The triangles of a canopy.
@@ -144,6 +176,21 @@ impl<'a> Sheet<'a> {
         distance
     }
 
+    /// [m] The diameter of a circle with the area of the triangles and of the holes between them.
+    fn nominal_diameter(&self, skirt: &[u32]) -> f64 {
+        let corners = |t: &[u32; 3]| t.map(|node| self.point(node));
+        let cloth: f64 = self.mesh.triangles.iter().map(|t| area(corners(t))).sum();
+        let holes = self.topology.loops().iter().filter(|l| !l.outer && !l.nodes.iter().any(|n| skirt.contains(n)));
+        let hole = |nodes: &[u32]| {
+            let points: Vec<_> = nodes.iter().map(|&node| self.point(node)).collect();
+            let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+            let sides = points.iter().zip(points.iter().cycle().skip(1));
+            sides.map(|(a, b)| area([middle, *a, *b])).sum::<f64>()
+        };
+        let holes: f64 = holes.map(|l| hole(&l.nodes)).sum();
+        (4.0 * (cloth + holes) / PI).sqrt()
+    }
+
     /// The arc length from the apex: the middle of the vent, or of the node that is furthest from the skirt.
     fn profile(&self, at: &Pointer, skirt: &[u32], faults: &mut Faults<'_>) -> Option<Profile> {
         let from_skirt = self.distances(&skirt.iter().map(|&node| (node, 0.0)).collect::<Vec<_>>());
@@ -165,6 +212,11 @@ impl<'a> Sheet<'a> {
         let place = from_apex.iter().zip(&from_skirt).map(|(a, s)| if a + s > 0.0 { a / (a + s) } else { 0.0 });
         Some(Profile { place: place.collect(), apex })
     }
+}
+
+/// [m^2] of a triangle
+fn area([a, b, c]: [Vector3<f64>; 3]) -> f64 {
+    0.5 * (b - a).cross(&(c - a)).norm()
 }
 
 fn skirt(
@@ -232,31 +284,75 @@ fn confluence(
     Some(nodes)
 }
 
-/// Adds a fault for every canopy that has no axis at the start, or no side towards which the air can fill it.
-pub(super) fn check_axes(at: &Pointer, aero: Option<&Aero>, spec: &NetworkSpec, faults: &mut Faults<'_>) {
-    let listed = matches!(aero.and_then(|aero| aero.canopy.as_ref()), Some(Canopies::Several(_)));
-    let start = |node: &u32| {
-        let moved = spec.displacement.get(*node as usize).map_or(Vector3::zeros(), |u| Vector3::from(*u));
-        spec.mesh.point(*node) + moved
-    };
-    let middle = |nodes: &[u32]| nodes.iter().map(start).sum::<Vector3<f64>>() / nodes.len() as f64;
-    for (i, canopy) in spec.canopies.iter().enumerate() {
-        let at = at.key("canopy");
-        let at = if listed { at.index(i) } else { at };
-        let axis = middle(&canopy.confluence) - middle(&canopy.apex);
+/// Finds filling times by the speed at the start. Adds a fault for every canopy that has no axis there, no side towards
+/// which the air can fill it, or no speed.
+pub(super) fn at_start(at: &Pointer, aero: Option<&Aero>, spec: &mut NetworkSpec, faults: &mut Faults<'_>) {
+    let given = aero.and_then(|aero| aero.canopy.as_ref());
+    for i in 0..spec.canopies.len() {
+        let at = match given {
+            Some(Canopies::Several(_)) => at.key("canopy").index(i),
+            _ => at.key("canopy"),
+        };
+        let start = CanopyStart::of(spec, i);
+        let before = faults.count();
+        start.check(&at, faults);
+        let schedule = given.and_then(|given| given.all().get(i)?.schedule).filter(|given| given.speed.is_none());
+        if schedule.is_none() || faults.count() > before {
+            continue;
+        }
+        match spec.canopies[i].filling.as_mut() {
+            Some(filling) if start.speed > 0.0 => filling.duration /= start.speed,
+            _ => {
+                let value = format!("an axial air speed of {} m/s at the start", start.speed);
+                let hint = "give the speed at line stretch, or an initial velocity or a wind along the axis".to_owned();
+                faults.add_value(&at.key("schedule").key("speed"), value, "a speed above 0", Some(hint));
+            }
+        }
+    }
+}
+
+/// A canopy at the start of a run.
+struct CanopyStart {
+    /// [m] from the apex to the confluence
+    axis: Vector3<f64>,
+    /// [m^2] sum of the area vectors of its triangles, and of their sizes
+    area: (Vector3<f64>, f64),
+    /// [m/s] axial air speed
+    speed: f64,
+}
+
+impl CanopyStart {
+    fn of(spec: &NetworkSpec, i: usize) -> Self {
+        let canopy = &spec.canopies[i];
+        let vector =
+            |list: &[[f64; 3]], node: u32| list.get(node as usize).map_or(Vector3::zeros(), |v| Vector3::from(*v));
+        let place = |node: u32| spec.mesh.point(node) + vector(&spec.displacement, node);
+        let mean = |nodes: &[u32], of: &dyn Fn(u32) -> Vector3<f64>| {
+            nodes.iter().map(|&node| of(node)).sum::<Vector3<f64>>() / nodes.len() as f64
+        };
+        let axis = mean(&canopy.confluence, &place) - mean(&canopy.apex, &place);
         let areas = canopy.triangles.iter().map(|&t| {
-            let [a, b, c] = spec.mesh.triangles[t as usize].map(|node| start(&node));
+            let [a, b, c] = spec.mesh.triangles[t as usize].map(place);
             0.5 * (b - a).cross(&(c - a))
         });
-        let (sum, size) = areas.fold((Vector3::zeros(), 0.0), |(sum, size), s| (sum + s, size + s.norm()));
+        let area = areas.fold((Vector3::zeros(), 0.0), |(sum, size), s| (sum + s, size + s.norm()));
+        let stream = spec.stream.clone().map(Stream::new);
+        let wind = stream.map_or(Vector3::zeros(), |stream| stream.at(0.0, mean(&canopy.skirt, &place).z).wind[0]);
+        let velocity = mean(&canopy.skirt, &|node| vector(&spec.velocity, node)) - wind;
+        CanopyStart { axis, area, speed: velocity.dot(&axis) / axis.norm() }
+    }
+
+    fn check(&self, at: &Pointer, faults: &mut Faults<'_>) {
+        let (CanopyStart { axis, area: (sum, size), .. }, at) = (self, at.key("confluence"));
         if axis.norm() <= AXIS * size.sqrt() {
             let value = format!("the confluence lies {} m from the apex", axis.norm());
-            let hint = "the axis of a canopy leads from its apex to the node where the lines meet; start with the lines stretched";
-            faults.add_value(&at.key("confluence"), value, "a confluence below the canopy", Some(hint.to_owned()));
-        } else if sum.dot(&axis).abs() <= OPENING * size * axis.norm() {
+            let hint = "the axis leads from the apex to the nodes where the lines meet: start with the lines stretched";
+            faults.add_value(&at, value, "a confluence below the canopy", Some(hint.to_owned()));
+        } else if sum.dot(axis).abs() <= OPENING * size * axis.norm() {
             let value = "the canopy shows no area along its axis";
-            let hint = "the air speed along the axis fills it: lead the axis from the apex into its opening".to_owned();
-            faults.add_value(&at.key("confluence"), value, "a canopy that is open towards the confluence", Some(hint));
+            let hint =
+                "the air speed along the axis fills it: lead the axis from the apex through its opening".to_owned();
+            faults.add_value(&at, value, "a canopy that is open towards the confluence", Some(hint));
         }
     }
 }

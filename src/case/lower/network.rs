@@ -56,7 +56,7 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
-    let spec = NetworkSpec {
+    let mut spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
@@ -78,7 +78,7 @@ pub(super) fn network(
         energy::network(at, &spec, geometry, faults);
     }
     if faults.count() == before {
-        canopy::check_axes(&at.key("aero"), network.aero.as_ref(), &spec, faults);
+        canopy::at_start(&at.key("aero"), network.aero.as_ref(), &mut spec, faults);
     }
     plausible::network(at, &spec, geometry, faults);
     let law = network.aero.as_ref().and_then(|aero| aero.law.as_ref());

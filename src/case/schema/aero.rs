@@ -228,8 +228,13 @@ impl JsonSchema for Canopies {
 pub struct Canopy {
     /// Which triangles: `"all"`, `{"ids": [...]}` or `{"group": ...}`.
     pub on: NodeSelection,
-    /// The pressure from a coefficient, constant or over the arc length from the apex to the skirt.
-    pub table: PressureTable,
+    /// The pressure from a coefficient, constant or over the arc length from the apex to the skirt. Exactly one of
+    /// `table` and `schedule` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<PressureTable>,
+    /// The pressure from a drag area that grows while the canopy fills: for opening loads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schedule: Option<FillingSchedule>,
     /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confluence: Option<NodeSelection>,
@@ -246,6 +251,40 @@ pub struct PressureTable {
     /// [-] dCp, the pressure difference over the dynamic pressure: a number, or rows `[s, dCp]` over the arc length s
     /// from the apex (0) to the skirt (1) on the mesh as given.
     pub pressure_coefficient: PressureCoefficient,
+}
+
+/// The drag area of a canopy while it fills, CdS ((t - start)/t_f)^exponent until the filling time t_f = n D0/v_s
+/// (Knacke 1991), then CdS. The same pressure acts on all its triangles; it is scaled so that its force along the axis
+/// is q times the drag area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FillingSchedule {
+    /// [m^2] Drag area CdS of the full canopy.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub drag_area: f64,
+    /// [-] Filling constant n.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub filling_constant: f64,
+    /// [-] Exponent of the growth; 2 if not given.
+    #[serde(default = "square")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub exponent: f64,
+    /// [s] Time of line stretch, when filling begins; 0 if not given.
+    #[serde(default)]
+    pub start: f64,
+    /// [m/s] Speed v_s at line stretch; if not given, the axial air speed at the start of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed: Option<f64>,
+    /// [m] Nominal diameter D0; if not given, that of a circle with the area of the triangles and the vent on the mesh
+    /// as given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub nominal_diameter: Option<f64>,
+}
+
+fn square() -> f64 {
+    2.0
 }
 
 /// dCp, constant or over the arc length.

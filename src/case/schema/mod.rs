@@ -19,8 +19,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use aero::{
-    Aero, Atmosphere, Canopies, Canopy, Drag, DragSelection, ErgunForm, ErgunLaw, ExponentialAtmosphere, Gust,
-    PermeableLaw, PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, Wind, WindPart, WindSum,
+    Aero, Atmosphere, Canopies, Canopy, Drag, DragSelection, ErgunForm, ErgunLaw, ExponentialAtmosphere,
+    FillingSchedule, Gust, PermeableLaw, PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, Wind,
+    WindPart, WindSum,
 };
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;

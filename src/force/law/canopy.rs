@@ -12,6 +12,12 @@
 //! dq/dx_confluence = rho |V| (I - a a^T) u/(L n),      the opposite at the apex
 //! dq/dz_skirt = (rho' V |V|/2 - rho |V| a . dw/dz)/n
 //! ```
+//! While a canopy fills, its drag area A(t) is given. Then the pressure is p dCp with
+//! ```text
+//! p = q A/G,   G = -sum dCp S . a,      dp/dx = (A/G) dq/dx - (p/G) dG/dx,      dG/dx_j = -sum dCp (dS/dx_j)^T a
+//! ```
+//! and dG by the axis -(I - a a^T) (sum dCp S)/(L n) at the confluence, the opposite at the apex.
+//!
 //! The speed of cloth relative to the skirt changes nothing: the law has no damping of breathing of its own.
 
 use crate::force::kernel::batch::{BufferReads, Records, SceneNumber};
@@ -23,6 +29,7 @@ use crate::force::law::triangle::{AreaVector, THIRD};
 use crate::force::{ForceTerm, NodeState, RankOne, TangentForm, TangentSink};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::Real;
+use crate::model::spec::FillingSpec;
 use crate::model::system::{TermInfo, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -45,6 +52,13 @@ pub struct CanopyData {
     pub confluence: Vec<u32>,
     /// the air around it
     pub stream: Arc<Stream>,
+    /// drag area over time
+    pub filling: Option<FillingSpec>,
+}
+
+/// [m^2] The drag area at time `t` [s].
+fn drag_area(FillingSpec { drag_area, start, duration, exponent }: FillingSpec, t: f64) -> f64 {
+    drag_area * ((t - start) / duration).clamp(0.0, 1.0).powf(exponent)
 }
 
 /// The air along the axis.
@@ -74,12 +88,25 @@ impl CanopyData {
         let speed = axis.dot(&velocity);
         AxialFlow { axis, length, velocity, speed, dynamic_pressure: 0.5 * air.density[0] * speed * speed.abs(), air }
     }
+
+    /// [m^2] The sum of dCp S.
+    fn opening(&self, x: NodeVectors<'_>) -> Vector3<f64> {
+        let areas = self.triangles.iter().zip(self.pressure_coefficient.iter()).map(|(&[a, b, c], dcp)| {
+            let from = x.at(a);
+            0.5 * dcp * (x.at(b) - from).cross(&(x.at(c) - from))
+        });
+        areas.sum()
+    }
 }
 
 impl SceneNumber for CanopyData {
-    /// [Pa] q
+    /// [Pa] the pressure at dCp = 1
     fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> f64 {
-        self.flow(t, x, v).dynamic_pressure
+        let AxialFlow { axis, dynamic_pressure, .. } = self.flow(t, x, v);
+        match self.filling {
+            None => dynamic_pressure,
+            Some(filling) => dynamic_pressure * drag_area(filling, t) / -self.opening(x).dot(&axis),
+        }
     }
 }
 
@@ -154,14 +181,32 @@ impl ForceTerm for Canopy {
             let force = AreaVector::new(at.x, nodes).s * (dcp / 3.0);
             nodes.into_iter().for_each(|node| u[node as usize] -= force);
         }
-        let AxialFlow { axis, length, velocity, speed, air, .. } =
+        let AxialFlow { axis, length, velocity, speed, air, dynamic_pressure } =
             data.flow(at.t, NodeVectors::Nodes(at.x), NodeVectors::Nodes(at.v));
         let [density, thinning] = air.density;
         let (slope, [_, shear]) = (density * speed.abs(), air.wind);
         let turn = if length > 0.0 { (velocity - speed * axis) * (slope / length) } else { Vector3::zeros() };
         let rise = 0.5 * thinning * speed * speed.abs() - slope * axis.dot(&shear);
-        let at_skirt = w.c * slope * axis + w.k * Vector3::new(0.0, 0.0, rise);
-        for (nodes, whole) in [(&data.skirt, at_skirt), (&data.confluence, w.k * turn), (&data.apex, -w.k * turn)] {
+        let mut at_skirt = w.c * slope * axis + w.k * Vector3::new(0.0, 0.0, rise);
+        let mut at_confluence = w.k * turn;
+        if let Some(filling) = data.filling {
+            let opening = data.opening(NodeVectors::Nodes(at.x));
+            let share = drag_area(filling, at.t) / -opening.dot(&axis);
+            (at_skirt, at_confluence) = (share * at_skirt, share * at_confluence);
+            // p/G, by which dG counts.
+            let closing = share * dynamic_pressure / -opening.dot(&axis) * w.k;
+            if length > 0.0 {
+                at_confluence += closing / length * (opening - opening.dot(&axis) * axis);
+            }
+            for (&nodes, dcp) in data.triangles.iter().zip(data.pressure_coefficient.iter()) {
+                let area = AreaVector::new(at.x, nodes);
+                for (j, node) in nodes.into_iter().enumerate() {
+                    g[node as usize] += closing * *dcp * (area.derivative(j).transpose() * axis);
+                }
+            }
+        }
+        for (nodes, whole) in [(&data.skirt, at_skirt), (&data.confluence, at_confluence), (&data.apex, -at_confluence)]
+        {
             let share = whole / nodes.len() as f64;
             nodes.iter().for_each(|&node| g[node as usize] += share);
         }

@@ -46,7 +46,14 @@ fn uneven_stream() -> StreamSpec {
 fn canopy() -> Vec<CanopySpec> {
     let triangles: Vec<u32> = (0..6).collect();
     let pressure_coefficient = triangles.iter().map(|&t| 1.0 + 0.3 * f64::from(t)).collect();
-    vec![CanopySpec { triangles, pressure_coefficient, skirt: vec![2, 5, 7], apex: vec![0, 1], confluence: vec![8] }]
+    let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
+    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None }]
+}
+
+/// The same while it fills.
+fn filling_canopy() -> Vec<CanopySpec> {
+    let filling = Some(FillingSpec { drag_area: 2.5, start: -4.0, duration: 9.0, exponent: 2.0 });
+    canopy().into_iter().map(|one| CanopySpec { filling, ..one }).collect()
 }
 
 fn line_drag() -> Vec<LineDragSpec> {
@@ -62,6 +69,7 @@ pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
     let air = |spec: NetworkSpec| NetworkSpec { stream: Some(uneven_stream()), ..spec };
     vec![
         ("canopy in uneven air", air(NetworkSpec { canopies: canopy(), ..patch() })),
+        ("filling canopy in uneven air", air(NetworkSpec { canopies: filling_canopy(), ..patch() })),
         ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
         ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
     ]

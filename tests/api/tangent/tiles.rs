@@ -58,6 +58,7 @@ fn copied(spec: &NetworkSpec) -> NetworkSpec {
             skirt: copy(&one.skirt, c),
             apex: copy(&one.apex, c),
             confluence: copy(&one.confluence, c),
+            filling: one.filling,
         })
     });
     let line_drag = spec.line_drag.iter().map(|d| LineDragSpec { edges: renamed(&d.edges), ..d.clone() });
