@@ -83,6 +83,7 @@ const GROUPS: &[Group] = &[
     ("free fall through air", free_fall::claims),
     ("parachute, steady", parachute::claims),
     ("parachute, falls", parachute::falls),
+    ("parachute, opening", parachute::opening),
     ("parachute, line in a cross wind", parachute::line),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),

@@ -7,6 +7,7 @@
 use crate::claim::Claim;
 use crate::common::parachute::Parachute;
 use crate::common::run::{case_of, changed, follow, run};
+use serde_json::json;
 use std::f64::consts::PI;
 
 /// [-] Ds/D0 of Taylor's parachute, L/D0 = 1
@@ -206,4 +207,61 @@ pub fn line() -> Vec<Claim> {
         // Straight segments: an error of the second order.
         Claim::between("error with 8 segments over that with 32", size(coarse) / size(fine), 10.0, 20.0),
     ]
+}
+
+/// Opening loads without gravity: with A = 2 m/(rho CdS v_s t_f) and tau = min(1, (j A (j + 1)/(j + 2))^(1/(j + 1))) the
+/// largest force is q_s CdS tau^j/(1 + tau^(j + 1)/(A (j + 1)))^2 (Pflanz 1942). The canopy moves along its axis only,
+/// and dashpots keep its parts together.
+pub fn opening() -> Vec<Claim> {
+    let parachute = Parachute { rings: 3, ..small(3) };
+    let (speed, area, mass) = (50.0, 2.0, 10.0);
+    let cloth = 0.05 * parachute.area() + 0.003 * 16.0 * parachute.line_length;
+    let largest = 0.5 * DENSITY * speed * speed * area;
+    let peak = |a: f64, exponent: f64| {
+        let filling_time = 2.0 * mass / (DENSITY * area * speed * a);
+        let mut case = parachute.case(1.0, mass - cloth, speed);
+        let network = &mut case["system"]["network"];
+        network["supports"] = json!([{"on": "all", "fix": "xy"}]);
+        network["gravity"] = json!([0, 0, 0]);
+        for rule in network["springs"].as_array_mut().expect("rules") {
+            rule["dashpot"] = json!({"relative": {"coefficient": 1e4}});
+        }
+        network["aero"]["canopy"] = json!({
+            "on": "all", "confluence": {"ids": [parachute.payload()]},
+            "schedule": {"drag_area": area, "filling_constant": filling_time * speed / parachute.nominal_diameter,
+                         "exponent": exponent}
+        });
+        let step = filling_time / 1000.0;
+        case["time"] = json!({"end": 1.2 * filling_time, "method": "newmark", "step": step});
+        let case = case_of(&case, &[]);
+        let masses = match &case.problem().system {
+            canopy_fem::case::spec::SystemSpec::Network(spec) => spec.mass.clone(),
+            canopy_fem::case::spec::SystemSpec::Pendulum(_) => Vec::new(),
+        };
+        let (mut most, mut last) = (0.0_f64, None);
+        follow(&case, |seen| {
+            let momentum: f64 = masses.iter().zip(seen.velocities).map(|(m, v)| m * v[2]).sum();
+            if let Some((t, before)) = last.replace((seen.t, momentum)) {
+                most = most.max((momentum - before) / (seen.t - t));
+            }
+        });
+        most / largest
+    };
+    let stated = [
+        (2.0, [0.125471, 0.260991, 0.562500, 0.810000, 0.936524]),
+        (1.0, [0.145237, 0.251558, 0.459279, 0.734694, 0.907029]),
+    ];
+    let cases = stated.into_iter().flat_map(|(j, factors)| {
+        [0.1, 0.3, 1.0, 3.0, 10.0].into_iter().zip(factors).map(move |(a, factor)| (j, a, factor))
+    });
+    cases
+        .map(|(j, a, factor)| {
+            Claim::relative(
+                format!("largest opening force over q_s CdS, A = {a}, exponent {j}"),
+                peak(a, j),
+                factor,
+                0.02,
+            )
+        })
+        .collect()
 }
