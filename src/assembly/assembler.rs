@@ -128,6 +128,19 @@ impl MatrixSink<'_> {
     }
 }
 
+impl MatrixSink<'_> {
+    /// An element with any blocks.
+    fn element<const N: usize>(&mut self, nodes: [u32; N], blocks: &[[Matrix3<f64>; N]; N]) {
+        for (p, row) in nodes.iter().zip(blocks) {
+            for (q, block) in nodes.iter().zip(row) {
+                if !self.symmetric || p >= q {
+                    self.add(block);
+                }
+            }
+        }
+    }
+}
+
 impl TangentSink for MatrixSink<'_> {
     fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
         if !self.symmetric || i == j {
@@ -149,14 +162,12 @@ impl TangentSink for MatrixSink<'_> {
         self.add(&block);
     }
 
+    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.element(nodes, blocks);
+    }
+
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
-        for (p, row) in nodes.iter().zip(blocks) {
-            for (q, block) in nodes.iter().zip(row) {
-                if !self.symmetric || p >= q {
-                    self.add(block);
-                }
-            }
-        }
+        self.element(nodes, blocks);
     }
 }
 

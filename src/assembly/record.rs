@@ -30,6 +30,10 @@ impl TangentSink for Recorder {
         self.emissions.push(Emission::Edge(nodes));
     }
 
+    fn segment(&mut self, nodes: [u32; 2], _blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.emissions.push(Emission::Edge(nodes));
+    }
+
     fn triangle(&mut self, nodes: [u32; 3], _blocks: &[[Matrix3<f64>; 3]; 3]) {
         self.emissions.push(Emission::Triangle(nodes));
     }

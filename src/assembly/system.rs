@@ -13,8 +13,19 @@ pub trait TangentSystem: System {
     /// Builds the pattern of W and the slots of every element. Called once, by implicit schemes only.
     fn assembler(&self) -> Result<Assembler, PatternError>;
 
-    /// Writes W = cm M + cc C + ck K at a state into `assembler`'s values.
+    /// Writes W = cm M + cc C + ck K at a state, but for its rank-one parts, into `assembler`'s values.
     fn assemble(&self, at: StateRef<'_>, weights: Weights, assembler: &mut Assembler);
+
+    /// Number of rank-one parts u g^T of W, which [`TangentSystem::assemble`] leaves out because they couple nodes of the
+    /// whole scene.
+    fn rank_ones(&self) -> usize {
+        0
+    }
+
+    /// Overwrites u and g `[n_dof]` with one of these parts at a state.
+    fn rank_one(&self, which: usize, at: StateRef<'_>, weights: Weights, u: &mut [f64], g: &mut [f64]) {
+        let _ = (which, at, weights, u, g);
+    }
 
     /// The same with every element made positive semidefinite: the compressive geometric stiffness of springs is
     /// dropped. A symmetric W with a mass is then positive definite, and -W^-1 r is a descent direction.

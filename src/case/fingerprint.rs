@@ -132,6 +132,10 @@ impl Fingerprint {
             springs,
             gravity,
             air,
+            stream,
+            canopies,
+            line_drag,
+            node_drag,
             pressures,
             forces,
             rayleigh,
@@ -144,6 +148,9 @@ impl Fingerprint {
         self.sum("system.network.springs", springs)?;
         self.text("system.network.gravity", gravity)?;
         self.sum("system.network.aero", air)?;
+        if stream.is_some() {
+            self.sum("system.network.aero", &(stream, canopies, line_drag, node_drag))?;
+        }
         self.sum("system.network.loads", &(pressures, forces))?;
         self.text("system.network.damping.rayleigh", rayleigh)?;
         self.sum("system.network.initial", &(displacement, velocity))

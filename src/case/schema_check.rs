@@ -3,7 +3,8 @@
 //!
 //! A wrong value is replaced by a stand-in, so that the rest can be read and its ranges checked as well. Ranges are not
 //! checked here. The check supports the part of JSON Schema that schemars uses for this case: `$ref`, `oneOf` of words,
-//! of objects with one key and of different types, objects that refuse other keys, arrays, and nullable types.
+//! of objects with one key and of different types, objects that refuse other keys, maps with values of one kind, arrays,
+//! and nullable types.
 
 use serde_json::{Map, Value, json};
 
@@ -64,6 +65,10 @@ impl<'a> SchemaCheck<'a> {
         let empty = Map::new();
         let known = schema.get("properties").and_then(Value::as_object);
         let names: Vec<&str> = known.unwrap_or(&empty).keys().map(String::as_str).collect();
+        // A map from any name to values of one kind.
+        if let Some(values) = schema.get("additionalProperties").filter(|values| values.is_object()) {
+            return map.iter_mut().for_each(|(key, value)| self.visit(values, value, &at.key(key)));
+        }
         let unknown: Vec<String> = map.keys().filter(|key| !names.contains(&key.as_str())).cloned().collect();
         for key in unknown {
             let Some(value) = map.remove(&key) else { continue };
@@ -158,7 +163,7 @@ struct OneOf<'a> {
     words: Vec<&'a str>,
     /// objects with one key: `{"ids": [...]}`
     tags: Vec<(&'a str, &'a Value)>,
-    /// numbers and lists
+    /// numbers, objects with several keys, and lists
     others: Vec<&'a Value>,
 }
 
@@ -169,6 +174,9 @@ impl<'a> OneOf<'a> {
         for branch in schema.get("oneOf")?.as_array()? {
             let branch = meant(root, branch);
             let key = branch.get("required").and_then(Value::as_array).and_then(|keys| keys.first()?.as_str());
+            // An object with several keys is known by its type.
+            let several = branch.get("properties").and_then(Value::as_object).is_some_and(|keys| keys.len() > 1);
+            let key = key.filter(|_| !several);
             match (branch.get("const").and_then(Value::as_str), key) {
                 (Some(word), _) => choice.words.push(word),
                 (None, Some(key)) => choice.tags.push((key, branch)),
@@ -194,11 +202,15 @@ impl<'a> OneOf<'a> {
         self.words.iter().copied().chain(tags).collect()
     }
 
-    /// The branch for a number or a list. Between two kinds of list, the majority of the entries decides.
+    /// The branch for a number, an object with several keys, or a list. Between two kinds of list, the majority of the entries decides.
     fn of_type(&self, value: &Value) -> Option<&'a Value> {
         let Value::Array(list) = value else {
-            let number = |branch: &&Value| value.is_number() && kind(branch) == "number";
-            return self.others.iter().copied().find(|branch| number(branch));
+            let fits = |branch: &&Value| match kind(branch) {
+                "number" => value.is_number(),
+                "object" => value.is_object(),
+                _ => false,
+            };
+            return self.others.iter().copied().find(fits);
         };
         let nested = 2 * list.iter().filter(|entry| entry.is_array()).count() >= list.len();
         let lists = || self.others.iter().copied().filter(|branch| kind(branch) == "array");

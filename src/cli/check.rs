@@ -11,6 +11,7 @@ use crate::case::spec::{Problem, SystemSpec};
 use crate::drive::clock::{Step, Tolerance};
 use crate::format_number::figures;
 use crate::integrate::registry::{Family, MethodChoice};
+use crate::mesh::group::describe_groups;
 use crate::model::spec::NetworkSpec;
 use crate::model::state::State;
 use crate::model::stop::Stop;
@@ -122,6 +123,9 @@ fn describe_system(text: &mut String, system: &SystemSpec) {
                 mesh.triangles.len()
             );
             let _ = writeln!(text, "  mass            {} kg", figures(mass.iter().sum::<f64>(), 7));
+            for group in describe_groups(mesh) {
+                let _ = writeln!(text, "  group           {group}");
+            }
             let _ = writeln!(text, "  unknowns        {} ({held} degrees of freedom held)", 3 * fixed.len() - held);
         }
     }

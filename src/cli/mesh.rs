@@ -2,6 +2,10 @@
 
 use crate::mesh::annulus::{AnnulusParameters, DiscParameters};
 use crate::mesh::chain::ChainParameters;
+use crate::mesh::group::describe_groups;
+use crate::mesh::parachute::{
+    CanopyType, LineParameters, ParachuteParameters, ParachuteSizes, PayloadParameters, ReefingParameters, StartShape,
+};
 use crate::mesh::read::{Imported, read_mesh};
 use crate::mesh::rectangle::{RectangleParameters, RectanglePattern};
 use crate::mesh::write::write_mesh;
@@ -29,6 +33,8 @@ pub enum MeshCommand {
     Rectangle(RectangleArgs),
     /// Make a straight chain of edges
     Chain(ChainArgs),
+    /// Make a rigged parachute: canopy, lines, riser and payload, as named groups
+    Parachute(Box<ParachuteArgs>),
     /// Read a mesh file and write it as .vtu or .obj
     Convert(ConvertArgs),
     /// Print counts, boundary loops and quality of a mesh file
@@ -147,6 +153,133 @@ pub struct ChainArgs {
     pub output: OutputArgs,
 }
 
+/// Arguments of `mesh parachute`; the parameters are those of `mesh.parachute` in a case file.
+#[derive(Clone, Debug, Args)]
+pub struct ParachuteArgs {
+    /// flat-circular, conical, biconical, triconical, hemispherical, extended-skirt, annular, cruciform, ringslot or
+    /// disk-gap-band
+    #[arg(long = "type", value_parser = word::<CanopyType>)]
+    pub kind: CanopyType,
+    /// [m] Nominal diameter D0
+    #[arg(long)]
+    pub nominal_diameter: f64,
+    /// Number of gores and of lines
+    #[arg(long)]
+    pub gores: usize,
+    /// [m] Diameter of the circle through the vent's corners
+    #[arg(long)]
+    pub vent_diameter: Option<f64>,
+    /// Rows of cloth from the vent to the skirt
+    #[arg(long)]
+    pub radial_segments: usize,
+    /// Edges across a gore
+    #[arg(long, default_value_t = 1)]
+    pub gore_segments: usize,
+    /// [rad] Angle of a cone's surface below the horizontal
+    #[arg(long)]
+    pub cone_angle: Option<f64>,
+    /// [rad] Angles of two or three cones, from the apex outwards
+    #[arg(long, num_args = 2..=3)]
+    pub cone_angles: Option<Vec<f64>>,
+    /// Where the cone angle changes, as parts of the gore's length
+    #[arg(long, num_args = 1..=2)]
+    pub cone_breaks: Option<Vec<f64>>,
+    /// Length of an extended skirt over the diameter of the flat part
+    #[arg(long)]
+    pub skirt_extension: Option<f64>,
+    /// Width over length of the strips of a cruciform canopy
+    #[arg(long)]
+    pub arm_ratio: Option<f64>,
+    /// Number of rings of a ringslot canopy
+    #[arg(long)]
+    pub rings: Option<usize>,
+    /// Area of the slots of a ringslot canopy over the nominal area
+    #[arg(long)]
+    pub slot_porosity: Option<f64>,
+    /// Diameter of the disc of a disk-gap-band canopy over D0
+    #[arg(long)]
+    pub disk: Option<f64>,
+    /// Height of its gap over D0
+    #[arg(long)]
+    pub gap: Option<f64>,
+    /// Height of its band over D0
+    #[arg(long)]
+    pub band: Option<f64>,
+    /// Whether lines cross the vent
+    #[arg(long)]
+    pub vent_lines: Option<bool>,
+    /// [m] Length of the suspension lines
+    #[arg(long)]
+    pub lines: Option<f64>,
+    /// Edges of each suspension line
+    #[arg(long, default_value_t = 1, requires = "lines")]
+    pub line_segments: usize,
+    /// [m] Length of the riser
+    #[arg(long)]
+    pub riser: Option<f64>,
+    /// Edges of the riser
+    #[arg(long, default_value_t = 1, requires = "riser")]
+    pub riser_segments: usize,
+    /// [m] Edges of a rigid payload, a box of even density
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], requires = "payload_below_riser")]
+    pub payload_box: Option<Vec<f64>>,
+    /// [m] Radii of gyration of a rigid payload
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], requires = "payload_below_riser")]
+    pub payload_radii_of_gyration: Option<Vec<f64>>,
+    /// [m] Distance from the end of the riser down to the centre of a rigid payload
+    #[arg(long)]
+    pub payload_below_riser: Option<f64>,
+    /// [m] Length of a reefing line over pi
+    #[arg(long)]
+    pub reefing_diameter: Option<f64>,
+    /// flat or inflated
+    #[arg(long, default_value = "flat", value_parser = word::<StartShape>)]
+    pub start: StartShape,
+    /// the output
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// A word of the case file.
+fn word<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::from(word)).map_err(|error| error.to_string())
+}
+
+impl ParachuteArgs {
+    fn parameters(&self) -> ParachuteParameters {
+        let three = |list: &Option<Vec<f64>>| list.as_deref().and_then(|list| <[f64; 3]>::try_from(list).ok());
+        let line = |length: Option<f64>, segments| length.map(|length| LineParameters { length, segments });
+        ParachuteParameters {
+            kind: self.kind,
+            nominal_diameter: self.nominal_diameter,
+            gores: self.gores,
+            vent_diameter: self.vent_diameter,
+            radial_segments: self.radial_segments,
+            gore_segments: self.gore_segments,
+            cone_angle: self.cone_angle,
+            cone_angles: self.cone_angles.clone(),
+            cone_breaks: self.cone_breaks.clone(),
+            skirt_extension: self.skirt_extension,
+            arm_ratio: self.arm_ratio,
+            rings: self.rings,
+            slot_porosity: self.slot_porosity,
+            disk: self.disk,
+            gap: self.gap,
+            band: self.band,
+            vent_lines: self.vent_lines,
+            lines: line(self.lines, self.line_segments),
+            riser: line(self.riser, self.riser_segments),
+            payload: self.payload_below_riser.map(|below_riser| PayloadParameters {
+                sides: three(&self.payload_box),
+                radii_of_gyration: three(&self.payload_radii_of_gyration),
+                below_riser,
+            }),
+            reefing: self.reefing_diameter.map(|diameter| ReefingParameters { diameter }),
+            start: self.start,
+        }
+    }
+}
+
 /// Arguments of `mesh convert`.
 #[derive(Clone, Debug, Args)]
 pub struct ConvertArgs {
@@ -220,6 +353,12 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
             let source = ChainParameters { from: end(&a.from)?, to: end(&a.to)?, segments: a.segments };
             make(&MeshSource::Chain(source), &a.output)
         }
+        MeshCommand::Parachute(a) => {
+            let parameters = a.parameters();
+            let source = MeshSource::Parachute(Box::new(parameters.clone()));
+            let mesh = source.build(Path::new("")).map_err(MeshCliError::Input)?;
+            Ok(sizes(&parameters, &mesh)? + &finish(&mesh, &a.output)?)
+        }
         MeshCommand::Convert(a) => {
             let Imported { mesh, notes } = read_mesh(&a.input).map_err(MeshCliError::Input)?;
             write_mesh(&mesh, &a.output, a.force).map_err(MeshCliError::Output)?;
@@ -232,12 +371,53 @@ pub fn run(args: &MeshArgs) -> Result<String, MeshCliError> {
     }
 }
 
+/// Sizes of a parachute's pattern.
+fn sizes(p: &ParachuteParameters, mesh: &Mesh) -> Result<String, MeshCliError> {
+    let ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length } =
+        p.sizes().map_err(MeshCliError::Input)?;
+    let mut lines = vec![
+        format!("nominal      D0 {:.6} m, S0 {nominal_area:.6} m^2", p.nominal_diameter),
+        format!(
+            "cloth        {cloth_area:.6} m^2, {:.2} % of S0 open",
+            100.0 * (nominal_area - cloth_area).max(0.0) / nominal_area
+        ),
+        format!(
+            "constructed  diameter {constructed_diameter:.6} m ({:.4} D0), gore {gore_length:.6} m long",
+            constructed_diameter / p.nominal_diameter
+        ),
+    ];
+    if let Some(LineParameters { length, .. }) = p.lines {
+        let total = length * p.gores as f64;
+        lines.push(format!(
+            "lines        {} of {length:.6} m ({:.4} D0), {total:.3} m in all",
+            p.gores,
+            length / p.nominal_diameter
+        ));
+    }
+    if let Some(ReefingParameters { diameter }) = p.reefing {
+        let rest = std::f64::consts::PI * diameter / p.gores as f64;
+        lines.push(format!("reefing      diameter {diameter:.6} m; rest length of the group \"reefing\" {rest:.9} m"));
+    }
+    let cloth = mesh.groups.get("cloth").map(|group| group.edges.as_slice()).unwrap_or_default();
+    let ends = cloth.iter().filter_map(|&edge| mesh.edges.get(edge as usize));
+    let longest = ends.map(|&[a, b]| (mesh.point(a) - mesh.point(b)).norm()).fold(0.0, f64::max);
+    lines.push(format!(
+        "fineness     longest edge of the cloth {longest:.6} m ({:.4} D0)",
+        longest / p.nominal_diameter
+    ));
+    Ok(lines.join("\n") + "\n")
+}
+
 fn make(source: &MeshSource, output: &OutputArgs) -> Result<String, MeshCliError> {
-    let mesh = source.build(Path::new("")).map_err(MeshCliError::Input)?;
-    let text = describe(&mesh, &[])?;
+    finish(&source.build(Path::new("")).map_err(MeshCliError::Input)?, output)
+}
+
+/// Describes a mesh, and writes it if a file is named.
+fn finish(mesh: &Mesh, output: &OutputArgs) -> Result<String, MeshCliError> {
+    let text = describe(mesh, &[])?;
     match &output.output {
         Some(path) => {
-            write_mesh(&mesh, path, output.force).map_err(MeshCliError::Output)?;
+            write_mesh(mesh, path, output.force).map_err(MeshCliError::Output)?;
             Ok(text + &written(path))
         }
         None => Ok(text),
@@ -280,6 +460,7 @@ fn describe(mesh: &Mesh, notes: &[String]) -> Result<String, MeshCliError> {
         "edge length  {:.6} to {:.6} m, mean {:.6} m",
         quality.min_edge, quality.max_edge, quality.mean_edge
     ));
+    lines.extend(describe_groups(mesh).iter().map(|group| format!("group        {group}")));
     if !mesh.triangles.is_empty() {
         lines.push(format!(
             "angles       {:.2} to {:.2} degrees, mean smallest {:.2}",

@@ -81,6 +81,9 @@ pub trait TangentSink {
     /// The two-node element `[[B, -B], [-B, B]]`; `B` need not be symmetric.
     fn edge(&mut self, nodes: [u32; 2], block: Matrix3<f64>);
 
+    /// A two-node element with any blocks; `blocks[p][q]` is the block of row node `nodes[p]`, column node `nodes[q]`.
+    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]);
+
     /// A three-node element; `blocks[p][q]` is the block of row node `nodes[p]`, column node `nodes[q]`.
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]);
 }
@@ -99,6 +102,15 @@ impl TangentForm {
     pub const EXACT: TangentForm = TangentForm { convex: false, symmetric: false };
 }
 
+/// The part u g^T of `w.c (-df/dv) + w.k (-df/dx)` that couples nodes of the whole scene, as two vectors `[n_nodes]`.
+#[derive(Debug)]
+pub struct RankOne<'a> {
+    /// `-df/dp` of a force that depends on a [scene number](kernel::batch::SceneNumber) p
+    pub u: &'a mut [Vector3<f64>],
+    /// `w.c dp/dv + w.k dp/dx`
+    pub g: &'a mut [Vector3<f64>],
+}
+
 /// One batch of like elements (all springs of a rule, all triangles in the air, …).
 pub trait ForceTerm: kernel::batch::BlockForces {
     /// Name, role in the ledger and properties of each of its parts; the same at every state. Most terms have one part;
@@ -111,6 +123,12 @@ pub trait ForceTerm: kernel::batch::BlockForces {
     /// Emits `w.c (-df/dv) + w.k (-df/dx)`, exact or as `form` says, element by element, always in the same order.
     /// `w.m` is the caller's.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink);
+
+    /// Overwrites `part` with the part of the tangent that [`ForceTerm::tangent`] does not emit, because it couples nodes
+    /// of the whole scene. Asked only of terms with a [scene number](kernel::batch::BlockForces::scene_number).
+    fn rank_one(&self, at: NodeState<'_>, w: Weights, part: RankOne<'_>) {
+        let _ = (at, w, part);
+    }
 
     /// Replaces the rest lengths [m] of its springs, `[n_springs]` in their order. Terms without springs do nothing.
     fn set_rest_lengths(&mut self, rest_length: &Arc<[f64]>) {

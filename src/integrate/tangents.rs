@@ -11,6 +11,7 @@ use crate::model::state::StateRef;
 use crate::model::system::Weights;
 use crate::model::workers::Workers;
 use crate::solve::newton::{Curvature, Strategy};
+use crate::solve::norms::dot;
 use crate::solve::{
     Accuracy, ExpectedUse, Inertia, LinearChoice, LinearError, LinearSolver, LinearStats, SolverWork,
     reusing_solver_for, solver_for,
@@ -83,8 +84,68 @@ pub(super) enum TangentKind {
     Frozen,
 }
 
+/// The rank-one parts of an exact tangent, one after the other (Sherman & Morrison 1950):
+/// (W + u g^T)^-1 b = y - z (g . y)/(1 + g . z) with y = W^-1 b and z = W^-1 u, where W has the parts before.
+#[derive(Default)]
+struct RankOnes {
+    parts: Vec<RankOnePart>,
+    /// u and g by degree of freedom
+    dofs: [Vec<f64>; 2],
+}
+
+/// One of them.
+#[derive(Clone, Default)]
+struct RankOnePart {
+    z: Vec<f64>,
+    g: Vec<f64>,
+    /// 1 + g . z
+    divisor: f64,
+}
+
+impl RankOnePart {
+    fn correct(&self, y: &mut [f64]) {
+        let share = dot(&self.g, y) / self.divisor;
+        y.iter_mut().zip(&self.z).for_each(|(y, z)| *y -= share * z);
+    }
+}
+
+impl RankOnes {
+    /// Finds those of a tangent that has just been factorised; `solve` applies its inverse without them.
+    fn find(
+        &mut self,
+        system: &dyn TangentSystem,
+        (at, w): (StateRef<'_>, Weights),
+        dof: &[u32],
+        mut solve: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
+    ) -> Result<(), LinearError> {
+        self.parts.resize(system.rank_ones(), RankOnePart::default());
+        for which in 0..self.parts.len() {
+            let [u, g] = &mut self.dofs;
+            u.resize(system.n_dof(), 0.0);
+            g.resize(system.n_dof(), 0.0);
+            system.rank_one(which, at, w, u, g);
+            let (before, [part, ..]) = self.parts.split_at_mut(which) else { return Ok(()) };
+            let picked = |from: &[f64], to: &mut Vec<f64>| {
+                to.clear();
+                to.extend(dof.iter().map(|&dof| from[dof as usize]));
+            };
+            picked(u, &mut part.z);
+            picked(g, &mut part.g);
+            solve(&mut part.z)?;
+            before.iter().for_each(|earlier| earlier.correct(&mut part.z));
+            part.divisor = 1.0 + dot(&part.g, &part.z);
+            if part.divisor == 0.0 || !part.divisor.is_finite() {
+                return Err(LinearError::Singular { unknown: None });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The exact and the reused tangent.
 pub(super) struct Tangents {
+    /// of the exact one
+    rank_ones: RankOnes,
     symmetric: bool,
     choice: LinearChoice,
     exact: Option<Factor>,
@@ -117,7 +178,15 @@ impl Tangents {
         let dof = frozen.iter().chain(&exact).map(|f| Arc::from(&*f.assembler.pattern.dof)).next().unwrap_or_default();
         // If the symmetric part does not converge, only LU is left.
         let choice = if choice == LinearChoice::Cg && !symmetric { LinearChoice::Auto } else { choice };
-        Ok(Tangents { symmetric, choice, exact, frozen, current: TangentKind::Exact, dof })
+        Ok(Tangents {
+            rank_ones: RankOnes::default(),
+            symmetric,
+            choice,
+            exact,
+            frozen,
+            current: TangentKind::Exact,
+            dof,
+        })
     }
 
     /// [-] Cost of a factorisation in iterations without one.
@@ -173,7 +242,13 @@ impl Tangents {
         let made = if symmetric { factor.linear.factor_definite(values) } else { factor.linear.factor(values) };
         counters.tangent_assemblies += 1;
         count(counters, before, factor.linear.work());
-        made
+        let inertia = made?;
+        let Factor { assembler, linear } = factor;
+        self.rank_ones.find(system, (at, w), &self.dof, |b| {
+            counters.linear_solves += 1;
+            linear.solve(assembler.values(), b)
+        })?;
+        Ok(inertia)
     }
 
     /// Whether another solver would have been chosen for the reused tangent with this expected use.
@@ -214,6 +289,9 @@ impl Tangents {
         let before = factor.linear.work();
         let solved = factor.linear.solve(factor.assembler.values(), b);
         count(counters, before, factor.linear.work());
+        if self.current == TangentKind::Exact {
+            self.rank_ones.parts.iter().for_each(|part| part.correct(b));
+        }
         solved
     }
 

@@ -31,6 +31,8 @@ impl Mesh {
             self.check_corners("triangle", index, triangle)?;
         }
         self.check_seams()?;
+        self.check_groups()?;
+        self.check_displacement()?;
         self.check_duplicates()?;
         self.check_shapes()
     }
@@ -62,6 +64,17 @@ impl Mesh {
     fn check_seams(&self) -> Result<(), MeshError> {
         match self.seams.iter().position(|&edge| edge as usize >= self.edges.len()) {
             Some(index) => Err(MeshError::SeamOutOfRange { index, edge: self.seams[index], edges: self.edges.len() }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_displacement(&self) -> Result<(), MeshError> {
+        let (found, nodes) = (self.displacement.len(), self.nodes.len());
+        if found != 0 && found != nodes {
+            return Err(MeshError::Displacement { found, nodes });
+        }
+        match self.displacement.iter().position(|u| !u.iter().all(|c| c.is_finite())) {
+            Some(node) => Err(MeshError::NotFinite { node }),
             None => Ok(()),
         }
     }

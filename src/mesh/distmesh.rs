@@ -83,7 +83,7 @@ fn finish(angle: f64, start: &Layout, triangles: Vec<[u32; 3]>) -> Result<Mesh, 
     let mut seams: Vec<u32> = start.constraints[start.loop_edges..].iter().filter_map(seam).collect();
     seams.sort_unstable();
     let nodes = start.points.iter().map(|p| [p.x, p.y, 0.0]).collect();
-    Ok(Mesh { nodes, edges, triangles, seams })
+    Ok(Mesh { nodes, edges, triangles, seams, ..Mesh::default() })
 }
 
 /// Triangulates and checks the count, which is right only if all constraints are edges and no triangle is outside.

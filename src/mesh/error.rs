@@ -188,6 +188,22 @@ pub enum MeshError {
         /// edges in the mesh
         edges: usize,
     },
+    /// The list of start displacements has another length than the list of nodes.
+    #[error("{found} start displacements for {nodes} nodes; give one for each node or none")]
+    Displacement {
+        /// displacements in the list
+        found: usize,
+        /// nodes in the mesh
+        nodes: usize,
+    },
+    /// A group has a bad name or bad members.
+    #[error("group \"{name}\": {reason}")]
+    Group {
+        /// its name
+        name: String,
+        /// what is wrong with it and what to do
+        reason: String,
+    },
     /// A mesh without edges and triangles, or too large a one.
     #[error("the mesh has {nodes} nodes, {edges} edges and {triangles} triangles: {reason}")]
     Size {

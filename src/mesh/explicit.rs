@@ -1,7 +1,7 @@
 //! A mesh listed node by node in the case.
 
 use super::source::{FaultSink, MAX_NODES};
-use super::{Mesh, MeshError, topology};
+use super::{Groups, Mesh, MeshError, topology};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +20,9 @@ pub struct ExplicitMesh {
     /// triples of nodes, counted from 0, counter-clockwise seen from the side the normal points to
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub triangles: Vec<[u32; 3]>,
+    /// named parts of the mesh, which `{"group": name}` selects; numbers ascend
+    #[serde(default, skip_serializing_if = "Groups::is_empty")]
+    pub groups: Groups,
 }
 
 impl ExplicitMesh {
@@ -52,7 +55,8 @@ impl ExplicitMesh {
     /// Whatever [`Mesh::check`] finds: numbers out of range, repeated nodes, the same edge or triangle twice.
     pub fn build(&self) -> Result<Mesh, MeshError> {
         let edges = self.springs.clone().unwrap_or_else(|| topology::unique_edges(&self.triangles));
-        let mesh = Mesh { nodes: self.nodes.clone(), edges, triangles: self.triangles.clone(), seams: Vec::new() };
+        let (nodes, triangles, groups) = (self.nodes.clone(), self.triangles.clone(), self.groups.clone());
+        let mesh = Mesh { nodes, edges, triangles, groups, ..Mesh::default() };
         mesh.check()?;
         Ok(mesh)
     }

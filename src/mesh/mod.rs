@@ -13,9 +13,11 @@ mod distmesh;
 mod error;
 pub(crate) mod explicit;
 mod flips;
+pub(crate) mod group;
 mod hilbert;
 mod layout;
 mod loops;
+pub(crate) mod parachute;
 mod polish;
 pub(crate) mod quality;
 pub(crate) mod random;
@@ -27,6 +29,7 @@ pub(crate) mod topology;
 pub mod write;
 
 pub use error::MeshError;
+pub use group::{Group, Groups};
 pub use loops::BoundaryLoop;
 pub use quality::Quality;
 pub use source::MeshSource;
@@ -43,4 +46,11 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Indices into `edges` of the radial seam lines; empty unless requested.
     pub seams: Vec<u32>,
+    /// Named parts of the mesh.
+    #[serde(skip_serializing_if = "Groups::is_empty")]
+    pub groups: Groups,
+    /// [m] Displacement of every node at the start, `[n_nodes][3]`; empty = none. Masses and rest lengths follow from
+    /// `nodes`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub displacement: Vec<[f64; 3]>,
 }

@@ -91,6 +91,6 @@ impl RectangleParameters {
             }
         }
         let edges = topology::unique_edges(&triangles);
-        Ok(Mesh { nodes, edges, triangles, seams: Vec::new() })
+        Ok(Mesh { nodes, edges, triangles, ..Mesh::default() })
     }
 }

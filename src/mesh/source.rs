@@ -3,6 +3,7 @@
 use super::annulus::{AnnulusParameters, DiscParameters};
 use super::chain::ChainParameters;
 use super::explicit::ExplicitMesh;
+use super::parachute::ParachuteParameters;
 use super::read::Imported;
 use super::rectangle::RectangleParameters;
 use super::{Mesh, MeshError, read};
@@ -25,6 +26,8 @@ pub enum MeshSource {
     Rectangle(RectangleParameters),
     /// A straight line of edges without triangles.
     Chain(ChainParameters),
+    /// A rigged parachute with its axis along z and the payload below; its parts are groups.
+    Parachute(Box<ParachuteParameters>),
     /// A mesh file (.vtu, .vtk, .msh, .obj, .stl); a relative path counts from the case file's folder.
     File(String),
     /// Nodes, springs and triangles listed in the case.
@@ -42,6 +45,7 @@ impl MeshSource {
             Self::Disc(p) => p.check("/disc", faults),
             Self::Rectangle(p) => p.check("/rectangle", faults),
             Self::Chain(p) => p.check("/chain", faults),
+            Self::Parachute(p) => p.check("/parachute", faults),
             Self::Explicit(p) => p.check("/explicit", faults),
             Self::File(name) => {
                 if name.is_empty() {
@@ -78,6 +82,7 @@ impl MeshSource {
             Self::Disc(p) => p.build()?,
             Self::Rectangle(p) => p.build()?,
             Self::Chain(p) => p.build(),
+            Self::Parachute(p) => p.build()?,
             Self::Explicit(p) => p.build()?,
             // The reader of the file has checked it.
             Self::File(name) => return read::read_mesh(&base.join(name)),

@@ -1,8 +1,9 @@
 //! Mesh files out: .vtu and .obj.
 
-use super::read::SEAM;
+use super::group::GroupNumbers;
+use super::read::{CELL_GROUP, GROUP, NODE_GROUP, SEAM, START_DISPLACEMENT};
 use super::{Mesh, MeshError};
-use crate::vtk::write::{Cells, VtuError, inline_grid};
+use crate::vtk::write::{Cells, InlineArrays, VtuError, inline_grid};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -33,7 +34,9 @@ pub fn write_mesh(mesh: &Mesh, path: &Path, replace: bool) -> Result<(), MeshErr
     file.write_all(text.as_bytes()).map_err(|error| fault(format!("cannot be written: {error}")))
 }
 
-/// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams), which the reader uses.
+/// A mesh as VTK XML: triangles, then line cells, with the cell array `seam` (1 on seams). Groups are the arrays
+/// `group` on cells and points, whose numbers the field arrays `group NAME` and `node group NAME` explain; the start
+/// displacement is the point array `start_displacement`. The reader uses them all.
 ///
 /// # Errors
 /// When a triangle or an edge names a node that does not exist.
@@ -45,10 +48,23 @@ pub fn vtu_text(mesh: &Mesh) -> Result<String, VtuError> {
             *cell = 1;
         }
     }
-    inline_grid(&mesh.nodes, &cells, (SEAM, &seam))
+    let groups = GroupNumbers::new(mesh);
+    let named = |prefix: &str, list: &[(String, Vec<i32>)]| {
+        list.iter().map(|(name, numbers)| (format!("{prefix}{name}"), numbers.clone())).collect::<Vec<_>>()
+    };
+    let field = [named(CELL_GROUP, &groups.cell_groups), named(NODE_GROUP, &groups.node_groups)].concat();
+    let arrays = InlineArrays {
+        cell_flags: (SEAM, &seam),
+        cell_numbers: (!groups.cell_groups.is_empty()).then_some((GROUP, &groups.cells)),
+        point_numbers: (!groups.node_groups.is_empty()).then_some((GROUP, &groups.nodes)),
+        point_vectors: (!mesh.displacement.is_empty()).then_some((START_DISPLACEMENT, &mesh.displacement)),
+        field: &field,
+    };
+    inline_grid(&mesh.nodes, &cells, &arrays)
 }
 
-/// A mesh as Wavefront .obj; lines only for edges that are no triangle's, seams are not kept.
+/// A mesh as Wavefront .obj; lines only for edges that are no triangle's; seams, groups and the start displacement are
+/// not kept.
 pub fn obj_text(mesh: &Mesh) -> String {
     let mut text = String::from("# canopy-fem\n");
     let sides = super::topology::unique_edges(&mesh.triangles);

@@ -81,6 +81,113 @@ pub struct AirSpec {
     pub wind: Series<[f64; 3]>,
 }
 
+/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)) within its duration.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct GustSpec {
+    /// [m/s] at its peak
+    pub velocity: [f64; 3],
+    /// [s] start
+    pub start: f64,
+    /// [s] duration, > 0
+    pub duration: f64,
+}
+
+/// The density of the air over the height above sea level.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub enum AtmosphereSpec {
+    /// The same at all heights.
+    Constant {
+        /// [kg/m^3]
+        density: f64,
+    },
+    /// density exp(-height/scale_height)
+    Exponential {
+        /// [kg/m^3] at sea level
+        density: f64,
+        /// [m]
+        scale_height: f64,
+    },
+    /// The standard atmosphere (ISO 2533).
+    Isa,
+}
+
+/// The stream that canopies, lines and payloads meet.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct StreamSpec {
+    /// [m/s] wind over time, at all heights
+    pub wind: Series<[f64; 3]>,
+    /// gusts, added to it
+    pub gusts: Vec<GustSpec>,
+    /// [m, m/s] wind over the height above sea level, added to it
+    pub profile: Option<Series<[f64; 3]>>,
+    /// density of the air
+    pub atmosphere: AtmosphereSpec,
+    /// [m] height of z = 0 above sea level
+    pub altitude: f64,
+}
+
+impl StreamSpec {
+    /// A wind over time [m/s] at all heights, in air of 1.225 kg/m^3 (sea level, standard atmosphere).
+    pub fn of_wind(wind: Series<[f64; 3]>) -> Self {
+        let atmosphere = AtmosphereSpec::Constant { density: 1.225 };
+        StreamSpec { wind, gusts: Vec::new(), profile: None, atmosphere, altitude: 0.0 }
+    }
+}
+
+/// The air in a canopy: a pressure q dCp along the normals of its triangles, q = rho V|V|/2.
+///
+/// V is the axial air speed: the mean velocity of the skirt's nodes minus the wind there, along the axis from the
+/// middle of the apex nodes to the middle of the confluence nodes.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct CanopySpec {
+    /// triangles, ascending; neighbours turn the same way
+    pub triangles: Vec<u32>,
+    /// [-] dCp of each of them
+    pub pressure_coefficient: Vec<f64>,
+    /// nodes of the skirt, at least one
+    pub skirt: Vec<u32>,
+    /// nodes around the apex, at least one
+    pub apex: Vec<u32>,
+    /// nodes where the lines meet, at least one
+    pub confluence: Vec<u32>,
+    /// if given, the drag area over time that the pressure is scaled to
+    pub filling: Option<FillingSpec>,
+}
+
+/// How the drag area of a canopy grows while it fills: drag_area ((t - start)/duration)^exponent until it is full. The
+/// pressure is dCp times what makes the force along the axis q times this area.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct FillingSpec {
+    /// [m^2] of the full canopy
+    pub drag_area: f64,
+    /// [s] line stretch; no pressure before
+    pub start: f64,
+    /// [s] filling time, > 0
+    pub duration: f64,
+    /// [-] exponent, > 0
+    pub exponent: f64,
+}
+
+/// The drag of lines in a cross-flow.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct LineDragSpec {
+    /// edges of the mesh, ascending
+    pub edges: Vec<u32>,
+    /// [m] diameter
+    pub diameter: f64,
+    /// [-] drag coefficient on the normal speed
+    pub coefficient: f64,
+}
+
+/// The drag of bodies that nodes stand for.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct NodeDragSpec {
+    /// nodes, ascending
+    pub nodes: Vec<u32>,
+    /// [m^2] drag area of each of them
+    pub drag_area: f64,
+}
+
 /// How a pressure load follows the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum PressureKind {
@@ -143,8 +250,16 @@ pub struct NetworkSpec {
     pub springs: Vec<SpringGroup>,
     /// [m/s^2] gravity, if any
     pub gravity: Option<[f64; 3]>,
-    /// the air, if any
+    /// the air that blows through cloth, if any
     pub air: Option<AirSpec>,
+    /// the stream for canopies and drag, which need one; its wind then replaces that of `air`
+    pub stream: Option<StreamSpec>,
+    /// canopies that the air fills
+    pub canopies: Vec<CanopySpec>,
+    /// drag of lines
+    pub line_drag: Vec<LineDragSpec>,
+    /// drag of nodes
+    pub node_drag: Vec<NodeDragSpec>,
     /// pressure loads
     pub pressures: Vec<PressureLoad>,
     /// nodal forces
@@ -155,6 +270,24 @@ pub struct NetworkSpec {
     pub displacement: Vec<[f64; 3]>,
     /// [m/s] initial velocity of every node, zero at fixed degrees of freedom; empty = zero
     pub velocity: Vec<[f64; 3]>,
+}
+
+impl NetworkSpec {
+    /// [m/s] A bound on the speed of the wind.
+    pub fn fastest_wind(&self) -> f64 {
+        let fastest = |series: &Series<[f64; 3]>| series.value.iter().map(speed).fold(0.0, f64::max);
+        match (&self.stream, &self.air) {
+            (Some(StreamSpec { wind, gusts, profile, .. }), _) => {
+                let gusts: f64 = gusts.iter().map(|gust| speed(&gust.velocity)).sum();
+                fastest(wind) + gusts + profile.as_ref().map_or(0.0, fastest)
+            }
+            (None, air) => air.as_ref().map_or(0.0, |air| fastest(&air.wind)),
+        }
+    }
+}
+
+fn speed([x, y, z]: &[f64; 3]) -> f64 {
+    x.hypot(*y).hypot(*z)
 }
 
 /// A simple pendulum: m L^2 theta'' = -m g L sin(theta) - c theta'. Its bob is node 0 at (L sin, 0, -L cos).

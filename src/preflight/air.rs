@@ -139,7 +139,7 @@ impl fmt::Display for FreeSheets {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "this air law gives no inner pressure: a canopy closes unless it is held open, and no support holds the cloth of {} triangles (triangle {} first); hold its skirt, or give it a follower pressure",
+            "this air law gives no inner pressure: a canopy closes unless it is held open, and no support holds the cloth of {} triangles (triangle {} first); hold its skirt, or use aero.canopy, which knows the pressure inside a canopy that hangs over its lines",
             self.triangles, self.first
         )
     }

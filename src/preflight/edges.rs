@@ -22,7 +22,8 @@ pub struct BranchingEdges {
 pub fn branching(spec: &NetworkSpec, topology: &Topology) -> Option<BranchingEdges> {
     let along_normals = spec.pressures.iter().filter(|load| !matches!(load.kind, PressureKind::Dead(Some(_))));
     let mut pressed = vec![spec.air.is_some(); spec.mesh.triangles.len()];
-    for triangle in along_normals.flat_map(|load| &load.triangles) {
+    let canopies = spec.canopies.iter().flat_map(|canopy| &canopy.triangles);
+    for triangle in along_normals.flat_map(|load| &load.triangles).chain(canopies) {
         if let Some(flag) = pressed.get_mut(*triangle as usize) {
             *flag = true;
         }

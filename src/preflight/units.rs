@@ -66,10 +66,9 @@ pub fn network(spec: &NetworkSpec, step: Option<f64>) -> Vec<UnlikelyValue> {
     doubts.extend((gravity > GRAVITY).then_some(UnlikelyValue::Gravity(gravity)));
     doubts.extend(step.filter(|step| *step >= STEP && extent > 0.0).and_then(|step| {
         let fastest = |list: &[[f64; 3]]| list.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
-        let wind = spec.air.as_ref().map_or(0.0, |air| fastest(&air.wind.value));
         let ways = [
             (0.5 * gravity * step * step, "what falls freely"),
-            (wind * step, "the wind"),
+            (spec.fastest_wind() * step, "the wind"),
             (fastest(&spec.velocity) * step, "the fastest node"),
         ];
         let (way, what) = ways.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -87,6 +87,14 @@ impl Diagonal<'_> {
         nodes.iter().filter(|&&i| self.fixed[i as usize] != [true; 3]).count() as f64
     }
 
+    /// An element with any blocks.
+    fn element<const N: usize>(&mut self, nodes: [u32; N], blocks: &[[Matrix3<f64>; N]; N]) {
+        let moving = self.moving(nodes);
+        for (p, &i) in nodes.iter().enumerate() {
+            self.add(i, &symmetric(moving, &blocks[p][p]));
+        }
+    }
+
     fn add(&mut self, i: u32, block: &Block) {
         for (sum, added) in self.blocks[i as usize].iter_mut().zip(block) {
             *sum += added;
@@ -126,11 +134,12 @@ impl TangentSink for Diagonal<'_> {
         }
     }
 
+    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.element(nodes, blocks);
+    }
+
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
-        let moving = self.moving(nodes);
-        for (p, &i) in nodes.iter().enumerate() {
-            self.add(i, &symmetric(moving, &blocks[p][p]));
-        }
+        self.element(nodes, blocks);
     }
 }
 

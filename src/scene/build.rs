@@ -5,17 +5,24 @@ use super::check::{BuildError, check, check_bars};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
+use crate::force::kernel::element_block::NodeVectors;
 use crate::force::law::air::{Air, AirData};
 use crate::force::law::bar_law::{BarData, Bars, LawBars};
+use crate::force::law::canopy::{Canopy, CanopyData};
 use crate::force::law::damped_springs::{DampedSprings, Dashpots};
+use crate::force::law::drag::{LineDrag, LineDragData, NodeDrag, NodeDragData};
 use crate::force::law::follower_pressure::{FollowerData, FollowerPressure};
 use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
-use crate::force::law::series::{LoadFactor, SampledTable, Scale, Table, scalar};
+use crate::force::law::series::{LoadFactor, SampledTable, Scale, scalar};
 use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::stream::Stream;
+use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
-use crate::model::spec::{DashpotKind, NetworkSpec, PressureKind, Series, SpringGroup};
+use crate::model::spec::{
+    DashpotKind, LineDragSpec, NetworkSpec, NodeDragSpec, PressureKind, Series, SpringGroup, StreamSpec,
+};
 use crate::model::unit_vector::unit_vector;
 use crate::startup::{Phase, timed};
 use nalgebra::Vector3;
@@ -54,15 +61,22 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         springs: Vec::new(),
         loads: Vec::new(),
         tables: Vec::new(),
-        wind: None,
+        stream: spec
+            .stream
+            .clone()
+            .or_else(|| Some(StreamSpec::of_wind(spec.air.as_ref()?.wind.clone())))
+            .map(Stream::new),
     };
     builder.springs_and_dashpots();
     bars.iter().for_each(|bars| builder.bars(bars));
     builder.gravity(&fixed, &mass, &start);
     builder.air();
+    builder.canopies(&start);
+    builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, loads, tables, wind: wind_table, .. } = builder;
+    let Builder { terms, springs, loads, mut tables, stream, .. } = builder;
+    tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
     let velocity_of = |node: usize| -> [f64; 3] {
@@ -70,9 +84,14 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     };
     let velocity = if spec.velocity.is_empty() { Vec::new() } else { (0..n).map(|i| velocity_of(at(i))).collect() };
     let gravity = spec.gravity.map_or(Vector3::zeros(), Vector3::from);
-    let wind = spec.air.iter().flat_map(|air| &air.wind.t);
+    let winds = spec.air.iter().map(|air| &air.wind).chain(spec.stream.iter().map(|stream| &stream.wind));
+    let gusts = spec.stream.iter().flat_map(|stream| &stream.gusts);
+    let gusts = gusts.flat_map(|gust| [gust.start, gust.start + gust.duration]);
     let factors = spec.pressures.iter().map(|p| &p.factor).chain(spec.forces.iter().map(|f| &f.factor));
-    let mut corners: Vec<f64> = wind.chain(factors.flatten().flat_map(|s| &s.t)).copied().collect();
+    let fillings = spec.canopies.iter().filter_map(|canopy| canopy.filling);
+    let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
+    let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
+    let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
     Ok(Network::assemble_parts(super::network::Parts {
@@ -85,7 +104,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         loads,
         corners,
         tables,
-        wind: wind_table,
+        stream,
         terms,
         springs,
         threads,
@@ -100,7 +119,7 @@ struct Builder<'a> {
     springs: Vec<SpringBatch>,
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
-    wind: Option<Arc<Table<3>>>,
+    stream: Option<Arc<Stream>>,
 }
 
 impl Builder<'_> {
@@ -169,11 +188,49 @@ impl Builder<'_> {
     fn air(&mut self) {
         let Some(air) = &self.spec.air else { return };
         let triangles = self.triangles(0..self.spec.mesh.triangles.len() as u32);
-        let wind = Table::new(air.wind.clone());
-        self.tables.push(wind.clone());
-        self.wind = Some(wind.clone());
-        let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, wind };
+        let Some(stream) = self.stream.clone() else { return };
+        let data = AirData { triangles, linear: air.linear, quadratic: air.quadratic, stream };
         self.terms.push(Box::new(Air::new(data)));
+    }
+
+    fn canopies(&mut self, start: &[Vector3<f64>]) {
+        let Some(stream) = &self.stream else { return };
+        for canopy in &self.spec.canopies {
+            let nodes = |list: &[u32]| list.iter().map(|&i| self.node(i)).collect::<Vec<u32>>();
+            let (skirt, apex, confluence) = (nodes(&canopy.skirt), nodes(&canopy.apex), nodes(&canopy.confluence));
+            let corners = |t: u32| self.spec.mesh.triangles[t as usize].map(|i| self.node(i));
+            let mut list: Vec<([u32; 3], f64)> =
+                canopy.triangles.iter().map(|&t| corners(t)).zip(canopy.pressure_coefficient.iter().copied()).collect();
+            let x = NodeVectors::Nodes(start);
+            let axis = x.mean(&confluence) - x.mean(&apex);
+            let inwards: f64 = list.iter().map(|(nodes, _)| AreaVector::new(start, *nodes).s.dot(&axis)).sum();
+            if inwards > 0.0 {
+                list.iter_mut().for_each(|([_, b, c], _)| std::mem::swap(b, c));
+            }
+            list.sort_unstable_by_key(|(t, _)| (t[0].min(t[1]).min(t[2]), *t));
+            let (triangles, pressure_coefficient): (Vec<_>, Vec<_>) = list.into_iter().unzip();
+            let (triangles, pressure_coefficient) = (triangles.into(), pressure_coefficient.into());
+            let (stream, filling) = (stream.clone(), canopy.filling);
+            let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
+            self.terms.push(Box::new(Canopy::new(data)));
+        }
+    }
+
+    fn drag(&mut self) {
+        let Some(stream) = &self.stream else { return };
+        for LineDragSpec { edges, diameter, coefficient } in &self.spec.line_drag {
+            let ends = |edge: u32| self.spec.mesh.edges[edge as usize].map(|i| self.node(i));
+            let mut segments: Vec<[u32; 2]> = edges.iter().map(|&edge| ends(edge)).collect();
+            segments.sort_unstable_by_key(|[a, b]| (*a.min(b), *a.max(b)));
+            let (segments, width, stream) = (segments.into(), diameter * coefficient, stream.clone());
+            self.terms.push(Box::new(LineDrag::new(LineDragData { segments, width, stream })));
+        }
+        for NodeDragSpec { nodes, drag_area } in &self.spec.node_drag {
+            let mut nodes: Vec<[u32; 1]> = nodes.iter().map(|&i| [self.node(i)]).collect();
+            nodes.sort_unstable();
+            let (nodes, drag_area, stream) = (nodes.into(), *drag_area, stream.clone());
+            self.terms.push(Box::new(NodeDrag::new(NodeDragData { nodes, drag_area, stream })));
+        }
     }
 
     fn scale(&mut self, load: Load) -> Arc<Scale> {

@@ -1,7 +1,10 @@
 //! Checks of a specification before a scene is built from it.
 
 use crate::force::law::bar_law::Bars;
-use crate::model::spec::{NetworkSpec, PressureKind, Series, Slack, SpringGroup};
+use crate::mesh::Mesh;
+use crate::model::spec::{
+    AtmosphereSpec, FillingSpec, GustSpec, NetworkSpec, PressureKind, Series, Slack, SpringGroup, StreamSpec,
+};
 
 /// Why a scene cannot be built from a specification. The case reader finds these faults first, with more precise
 /// messages; a library user may not.
@@ -53,6 +56,15 @@ pub enum BuildError {
         what: &'static str,
         /// what is wrong with it
         reason: &'static str,
+    },
+    /// Canopies or drag without air.
+    #[error("canopies and drag need a stream")]
+    NoStream,
+    /// A canopy without nodes that it needs.
+    #[error("a canopy has no node of its {what}")]
+    NoNodes {
+        /// skirt, apex or confluence
+        what: &'static str,
     },
     /// A support has a velocity.
     #[error("node {node} is held along {axis} and has a velocity there; what is held stands still")]
@@ -157,6 +169,7 @@ fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
         times("wind", &air.wind)?;
         vectors("wind", &air.wind.value)?;
     }
+    flow(spec)?;
     for load in &spec.pressures {
         below("triangle", &load.triangles, spec.mesh.triangles.len())?;
         finite("pressure", &[load.pressure])?;
@@ -173,6 +186,58 @@ fn loads(spec: &NetworkSpec) -> Result<(), BuildError> {
         times("factor", table)?;
         finite("factor", &table.value)
     })
+}
+
+/// The stream, and what it acts on.
+fn flow(spec: &NetworkSpec) -> Result<(), BuildError> {
+    let Mesh { nodes, edges, triangles, .. } = &spec.mesh;
+    let needs_air = !(spec.canopies.is_empty() && spec.line_drag.is_empty() && spec.node_drag.is_empty());
+    match &spec.stream {
+        None if needs_air => return Err(BuildError::NoStream),
+        None => {}
+        Some(StreamSpec { wind, gusts, profile, atmosphere, altitude }) => {
+            for (what, table) in [("wind", Some(wind)), ("wind profile", profile.as_ref())] {
+                let Some(table) = table else { continue };
+                times(what, table)?;
+                vectors(what, &table.value)?;
+            }
+            for GustSpec { velocity, start, duration } in gusts {
+                vectors("gust", &[*velocity])?;
+                finite("gust", &[*start, *duration])?;
+            }
+            finite("altitude", &[*altitude])?;
+            match atmosphere {
+                AtmosphereSpec::Constant { density } => finite("density", &[*density])?,
+                AtmosphereSpec::Exponential { density, scale_height } => {
+                    finite("atmosphere", &[*density, *scale_height])?;
+                }
+                AtmosphereSpec::Isa => {}
+            }
+        }
+    }
+    for canopy in &spec.canopies {
+        below("triangle", &canopy.triangles, triangles.len())?;
+        length("pressure coefficients of a canopy", canopy.pressure_coefficient.len(), canopy.triangles.len())?;
+        finite("pressure coefficient", &canopy.pressure_coefficient)?;
+        if let Some(FillingSpec { drag_area, start, duration, exponent }) = canopy.filling {
+            finite("filling", &[drag_area, start, duration, exponent])?;
+        }
+        for (what, list) in [("skirt", &canopy.skirt), ("apex", &canopy.apex), ("confluence", &canopy.confluence)] {
+            below("node", list, nodes.len())?;
+            if list.is_empty() {
+                return Err(BuildError::NoNodes { what });
+            }
+        }
+    }
+    for drag in &spec.line_drag {
+        below("edge", &drag.edges, edges.len())?;
+        finite("line drag", &[drag.diameter, drag.coefficient])?;
+    }
+    for drag in &spec.node_drag {
+        below("node", &drag.nodes, nodes.len())?;
+        finite("drag area", &[drag.drag_area])?;
+    }
+    Ok(())
 }
 
 fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
@@ -202,7 +267,6 @@ fn stands_still(spec: &NetworkSpec) -> Result<(), BuildError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
     use crate::model::spec::{AirSpec, DashpotKind, DashpotSpec, NodalLoad, PressureLoad};
 
     fn constant<T>(value: T) -> Series<T> {

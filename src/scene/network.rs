@@ -5,8 +5,9 @@ use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::{BlockForces, PARTS};
-use crate::force::law::series::{SampledTable, Scale, Table};
+use crate::force::law::series::{SampledTable, Scale};
 use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::stream::Stream;
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
 use crate::force::schedule::sweep::{PartTarget, Sweep, Term, Terms};
@@ -45,8 +46,10 @@ pub struct Network {
     pub(super) springs: Vec<SpringBatch>,
     /// set once a program adds forces from outside
     pub(super) external: Option<ExternalForces>,
-    /// table of the wind, shared with the air
-    pub(super) wind: Option<Arc<Table<3>>>,
+    /// the air around it, shared with the terms
+    pub(super) stream: Option<Arc<Stream>>,
+    /// whether a term depends on nodes of the whole scene: then steps of several blocks are made one by one
+    couples_blocks: bool,
     sweep: Sweep,
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
@@ -86,7 +89,7 @@ pub(super) struct Parts {
     pub corners: Vec<f64>,
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
-    pub wind: Option<Arc<Table<3>>>,
+    pub stream: Option<Arc<Stream>>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -123,7 +126,8 @@ impl Network {
             terms: p.terms,
             springs: p.springs,
             external: None,
-            wind: p.wind,
+            stream: p.stream,
+            couples_blocks: false,
             sweep: Sweep::new(0, &mut []),
             threads: p.threads,
             mesh: p.mesh,
@@ -138,6 +142,8 @@ impl Network {
         let mut forces: Vec<&mut dyn BlockForces> =
             self.terms.iter_mut().map(|t| &mut **t as &mut dyn BlockForces).collect();
         self.sweep = Sweep::new(self.mass.len(), &mut forces);
+        let couples = self.terms.iter().any(|term| term.scene_number().is_some());
+        self.couples_blocks = couples && !self.sweep.is_single_block();
         self.infos = self.terms.iter().flat_map(|term| term.parts()).copied().chain(self.law_info()).collect();
         let mut tallies = 0..;
         let mut part = |info: &TermInfo| Some(PartTarget { sum: sum_of_role(info.role), tally: tallies.next()? });
@@ -302,14 +308,14 @@ impl System for Network {
     }
 
     fn longest_block(&self) -> usize {
-        if self.law_info().is_some() {
+        if self.law_info().is_some() || self.couples_blocks {
             return 0;
         }
         self.sweep.longest_block(if self.velocity_dependent() { 2 } else { 1 })
     }
 
     fn advance(&self, at: &mut State, out: &mut Forces, block: KickDriftBlock<'_>, summaries: &mut [StepSummary]) {
-        if self.law_info().is_some() {
+        if self.law_info().is_some() || self.couples_blocks {
             return single_step(self, at, out, block);
         }
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };

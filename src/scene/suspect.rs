@@ -3,7 +3,7 @@
 use super::external::{ExternalForces, ExternalKind};
 use super::network::{Network, by_node, node_state};
 use super::{BoundBuffer, Load, Scene, Suspect};
-use crate::assembly::SceneInterfaces;
+use crate::assembly::{SceneInterfaces, TangentSystem};
 use crate::force::law::series::Scale;
 use crate::force::{ForceTerm, TangentForm, TangentSink};
 use crate::model::bounds::extent;
@@ -45,7 +45,7 @@ impl Scene for Network {
     }
 
     fn hold_wind(&self, wind: Option<[f64; 3]>) -> bool {
-        self.wind.as_ref().map(|table| table.hold(wind)).is_some()
+        self.stream.as_ref().map(|stream| stream.hold(wind)).is_some()
     }
 
     fn state_of(&self, t: f64, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Option<State> {
@@ -145,6 +145,15 @@ impl Scene for Network {
         y.fill(0.0);
         let mut product = Product { p: by_node(p), y: bytemuck::cast_slice_mut(y) };
         self.emit_tangents(at, w, TangentForm::EXACT, &mut product);
+        let mut part = [Vec::new(), Vec::new()];
+        for which in 0..self.rank_ones() {
+            let [u, g] = &mut part;
+            u.resize(p.len(), 0.0);
+            g.resize(p.len(), 0.0);
+            self.rank_one(which, at, w, u, g);
+            let amount: f64 = g.iter().zip(p).map(|(g, p)| g * p).sum();
+            y.iter_mut().zip(u).for_each(|(y, u)| *y += amount * *u);
+        }
         for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
             if fixed {
                 *y = 0.0;
@@ -175,6 +184,17 @@ struct Product<'a> {
     y: &'a mut [Vector3<f64>],
 }
 
+impl Product<'_> {
+    /// An element with any blocks.
+    fn element<const N: usize>(&mut self, nodes: [u32; N], blocks: &[[Matrix3<f64>; N]; N]) {
+        for (&i, row) in nodes.iter().zip(blocks) {
+            for (&j, block) in nodes.iter().zip(row) {
+                self.y[i as usize] += *block * self.p[j as usize];
+            }
+        }
+    }
+}
+
 impl TangentSink for Product<'_> {
     fn pair(&mut self, [i, j]: [u32; 2], block: Matrix3<f64>) {
         self.y[i as usize] += block * self.p[j as usize];
@@ -186,11 +206,11 @@ impl TangentSink for Product<'_> {
         self.y[b as usize] -= d;
     }
 
+    fn segment(&mut self, nodes: [u32; 2], blocks: &[[Matrix3<f64>; 2]; 2]) {
+        self.element(nodes, blocks);
+    }
+
     fn triangle(&mut self, nodes: [u32; 3], blocks: &[[Matrix3<f64>; 3]; 3]) {
-        for (&i, row) in nodes.iter().zip(blocks) {
-            for (&j, block) in nodes.iter().zip(row) {
-                self.y[i as usize] += *block * self.p[j as usize];
-            }
-        }
+        self.element(nodes, blocks);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::assembly::{Assembler, Nodes, PatternError, Recorder, TangentSystem};
-use crate::force::{TangentForm, TangentSink};
+use crate::force::{ForceTerm, RankOne, TangentForm, TangentSink};
 use crate::model::forces::Forces;
 use crate::model::state::StateRef;
 use crate::model::system::{System, Weights};
@@ -20,6 +20,11 @@ impl Network {
         self.emit_tangents(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
         let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
         Assembler::new(nodes, &recorder, symmetric)
+    }
+
+    /// Terms whose tangent has a rank-one part.
+    fn coupling_terms(&self) -> impl Iterator<Item = &dyn ForceTerm> {
+        self.force_terms().filter(|term| term.scene_number().is_some())
     }
 
     fn assemble_form(&self, at: StateRef<'_>, w: Weights, form: TangentForm, assembler: &mut Assembler) {
@@ -54,6 +59,16 @@ impl TangentSystem for Network {
 
     fn assemble(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {
         self.assemble_form(at, w, TangentForm::EXACT, assembler);
+    }
+
+    fn rank_ones(&self) -> usize {
+        self.coupling_terms().count()
+    }
+
+    fn rank_one(&self, which: usize, at: StateRef<'_>, w: Weights, u: &mut [f64], g: &mut [f64]) {
+        let Some(term) = self.coupling_terms().nth(which) else { return };
+        let part = RankOne { u: bytemuck::cast_slice_mut(u), g: bytemuck::cast_slice_mut(g) };
+        term.rank_one(node_state(at), w, part);
     }
 
     fn assemble_convex(&self, at: StateRef<'_>, w: Weights, assembler: &mut Assembler) {

@@ -132,10 +132,12 @@ impl NetworkBuilder {
         Self::of_mesh(Mesh { nodes, ..Mesh::default() })
     }
 
-    /// The nodes, edges and triangles of a mesh; the nodes are free and have no mass.
+    /// The nodes, edges and triangles of a mesh, with its displacement at the start; the nodes are free and have no mass.
     pub fn of_mesh(mesh: Mesh) -> Self {
         let n = mesh.nodes.len();
-        let spec = NetworkSpec { mesh, mass: vec![0.0; n], fixed: vec![[false; 3]; n], ..NetworkSpec::default() };
+        let displacement = mesh.displacement.clone();
+        let (mass, fixed) = (vec![0.0; n], vec![[false; 3]; n]);
+        let spec = NetworkSpec { mesh, mass, fixed, displacement, ..NetworkSpec::default() };
         NetworkBuilder { spec }
     }
 

@@ -10,7 +10,7 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
 
 /// v.w
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(super) fn dot(v: &[f64], w: &[f64]) -> f64 {
+pub(crate) fn dot(v: &[f64], w: &[f64]) -> f64 {
     let mut lanes = Lanes::default();
     let ((v, rest), (w, other)) = (v.as_chunks::<LANES>(), w.as_chunks::<LANES>());
     for (v, w) in v.iter().zip(w) {

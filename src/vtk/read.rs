@@ -47,6 +47,48 @@ pub fn named_array(attributes: Vec<Attribute>, name: &str) -> Option<Vec<f64>> {
     })
 }
 
+/// The whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the library leaves out; arrays
+/// of other types are not listed.
+///
+/// # Errors
+/// As [`read`].
+pub fn field_numbers(bytes: &[u8]) -> Result<Vec<(String, Vec<i64>)>, String> {
+    let inline = all_inline(bytes)?;
+    let begin = inline.windows(FIELD.len()).position(|w| w == FIELD.as_bytes());
+    let end = inline.windows(FIELD_END.len()).position(|w| w == FIELD_END.as_bytes());
+    let (Some(begin), Some(end)) = (begin, end) else { return Ok(Vec::new()) };
+    let section = inline.get(begin..end).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default();
+    let layout = Layout::of(first_root(&inline));
+    let mut arrays = Vec::new();
+    for from in section.split("<DataArray").skip(1) {
+        let (tag, rest) = from.split_once('>').unwrap_or_default();
+        let content = rest.split('<').next().unwrap_or_default().trim();
+        let bits = attribute(tag, "type").and_then(|t| t.trim_start_matches('U').strip_prefix("Int")?.parse().ok());
+        let (Some(name), Some(bits)) = (attribute(tag, "Name"), bits) else { continue };
+        let numbers = if attribute(tag, "format") == Some("binary") {
+            layout.whole_numbers(content, bits)
+        } else {
+            content.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
+        };
+        arrays.push((from_xml(name), numbers.ok_or_else(damaged)?));
+    }
+    Ok(arrays)
+}
+
+const FIELD: &str = "<FieldData";
+const FIELD_END: &str = "</FieldData>";
+
+/// The text of an XML attribute.
+fn from_xml(text: &str) -> String {
+    let marks = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&amp;", "&")];
+    marks.iter().fold(text.to_owned(), |text, (mark, sign)| text.replace(mark, sign))
+}
+
+/// The tag of the root of an XML file.
+fn first_root(bytes: &[u8]) -> &str {
+    bytes.windows(8).position(|w| w == b"<VTKFile").map_or("", |at| first_tag(&bytes[at..]))
+}
+
 fn damaged() -> String {
     "is damaged: a compressed or appended array has an impossible header or is cut off".to_owned()
 }
@@ -55,7 +97,7 @@ fn damaged() -> String {
 fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     let begin = bytes.windows(APPENDED.len()).position(|w| w == APPENDED.as_bytes());
     let (head, section) = bytes.split_at(begin.unwrap_or(bytes.len()));
-    let root = head.windows(8).position(|w| w == b"<VTKFile").map_or("", |at| first_tag(&head[at..]));
+    let root = first_root(head);
     if begin.is_none() && attribute(root, "compressor").is_none() {
         return Ok(Cow::Borrowed(bytes));
     }
@@ -71,8 +113,7 @@ fn all_inline(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
                 return Err("is compressed with another method than zlib; save it uncompressed or with zlib".into());
             }
         },
-        word: if attribute(root, "header_type") == Some("UInt64") { 8 } else { 4 },
-        big_endian: attribute(root, "byte_order") == Some("BigEndian"),
+        ..Layout::of(root)
     };
     let appended = mark.map_or(&[][..], |at| &section[section_tag.len() + at + 1..]);
     let appended_as_text = attribute(section_tag, "encoding") != Some("raw");
@@ -165,6 +206,26 @@ impl<'a> Section<'a> {
 }
 
 impl Layout {
+    /// The layout of a file without compression, by the tag of its root.
+    fn of(root: &str) -> Self {
+        Layout {
+            zlib: false,
+            word: if attribute(root, "header_type") == Some("UInt64") { 8 } else { 4 },
+            big_endian: attribute(root, "byte_order") == Some("BigEndian"),
+        }
+    }
+
+    /// Whole numbers of so many bits, from base64; the header of the array is not used.
+    fn whole_numbers(&self, text: &str, bits: usize) -> Option<Vec<i64>> {
+        let width = Some(bits / 8).filter(|width| (1..=8).contains(width))?;
+        let bytes = STANDARD.decode(text).ok()?;
+        let number = |chunk: &[u8]| {
+            let ordered = |i: usize| if self.big_endian { chunk[i] } else { chunk[width - 1 - i] };
+            (0..width).fold(0_i64, |sum, i| (sum << 8) | i64::from(ordered(i)))
+        };
+        Some(bytes.get(self.word..)?.chunks_exact(width).map(number).collect())
+    }
+
     /// The data of an array.
     fn decode(&self, section: Section<'_>) -> Result<Vec<u8>, String> {
         let data = if self.zlib { self.unpacked(section) } else { self.plain(section) };

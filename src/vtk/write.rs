@@ -88,17 +88,32 @@ pub enum VtuError {
     Write(#[from] std::io::Error),
 }
 
-/// A mesh as text: its arrays are inline in base64, which every VTK reads. `flags` is a named array with one number per
-/// cell, triangles before edges.
+/// Arrays of a mesh file, each with its name.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InlineArrays<'a> {
+    /// small numbers on the cells, triangles before edges
+    pub cell_flags: (&'a str, &'a [u8]),
+    /// whole numbers on the cells
+    pub cell_numbers: Option<(&'a str, &'a [i32])>,
+    /// whole numbers on the points
+    pub point_numbers: Option<(&'a str, &'a [i32])>,
+    /// vectors on the points
+    pub point_vectors: Option<(&'a str, &'a [[f64; 3]])>,
+    /// whole numbers of the file as a whole
+    pub field: &'a [(String, Vec<i32>)],
+}
+
+/// A mesh as text: its arrays are inline in base64, which every VTK reads; those of the file as a whole are plain text.
 ///
 /// # Errors
-/// When a cell names a point that does not exist, or a flag is missing.
-pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, (flag, flags): (&str, &[u8])) -> Result<String, VtuError> {
+/// When a cell names a point that is not there, or an array has the wrong length.
+pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, arrays: &InlineArrays<'_>) -> Result<String, VtuError> {
     let table = CellTable::new(cells, Width::Long)?;
-    let (kind, expected) = (table.width.kind(), table.types.len());
-    if flags.len() != expected {
-        return Err(VtuError::WrongLength { name: flag.to_owned(), found: flags.len(), expected });
-    }
+    let (kind, n_cells) = (table.width.kind(), table.types.len());
+    let right = |name: &str, found: usize, expected: usize| match found == expected {
+        true => Ok(()),
+        false => Err(VtuError::WrongLength { name: name.to_owned(), found, expected }),
+    };
     let mut appender = Appender::new(VtuFormat { encoding: Encoding::Base64, ..VtuFormat::default() });
     let mut array = |kind: &str, name: &str, components: usize, data: &[u8]| -> Result<String, VtuError> {
         let mut text = Vec::new();
@@ -109,22 +124,60 @@ pub fn inline_grid(points: &[[f64; 3]], cells: &Cells<'_>, (flag, flags): (&str,
              </DataArray>\n"
         ))
     };
+    let bytes = |numbers: &[i32]| numbers.iter().flat_map(|i| i.to_le_bytes()).collect::<Vec<u8>>();
+    let (flag, flags) = arrays.cell_flags;
+    right(flag, flags.len(), n_cells)?;
+    let mut cell_data = array("UInt8", flag, 1, flags)?;
+    if let Some((name, numbers)) = arrays.cell_numbers {
+        right(name, numbers.len(), n_cells)?;
+        cell_data += &array("Int32", name, 1, &bytes(numbers))?;
+    }
+    let mut point_data = String::new();
+    if let Some((name, numbers)) = arrays.point_numbers {
+        right(name, numbers.len(), points.len())?;
+        point_data += &array("Int32", name, 1, &bytes(numbers))?;
+    }
+    if let Some((name, vectors)) = arrays.point_vectors {
+        right(name, vectors.len(), points.len())?;
+        point_data += &array("Float64", name, 3, &little_endian(vectors.as_flattened()))?;
+    }
+    if !point_data.is_empty() {
+        point_data = format!("<PointData>\n{point_data}</PointData>\n");
+    }
     Ok([
         &grid_head(""),
-        &format!("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{expected}\">\n<Points>\n", points.len()),
+        &field_data(arrays.field),
+        &format!("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{n_cells}\">\n<Points>\n", points.len()),
         &array("Float64", "points", 3, &little_endian(points.as_flattened()))?,
         "</Points>\n<Cells>\n",
         &array(kind, "connectivity", 1, &table.connectivity)?,
         &array(kind, "offsets", 1, &table.ends)?,
         &array("UInt8", "types", 1, &table.types)?,
-        "</Cells>\n<CellData>\n",
-        &array("UInt8", flag, 1, flags)?,
+        "</Cells>\n",
+        &point_data,
+        "<CellData>\n",
+        &cell_data,
         "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
     ]
     .concat())
 }
 
-/// The first lines of a file, with an additional attribute of its root.
+/// Arrays of the file as a whole; nothing without any.
+fn field_data(arrays: &[(String, Vec<i32>)]) -> String {
+    if arrays.is_empty() {
+        return String::new();
+    }
+    let array = |(name, numbers): &(String, Vec<i32>)| {
+        let text = numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(" ");
+        let (name, count) = (xml_attribute(name), numbers.len());
+        format!(
+            "<DataArray type=\"Int32\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\">{text}</DataArray>\n"
+        )
+    };
+    format!("<FieldData>\n{}</FieldData>\n", arrays.iter().map(array).collect::<String>())
+}
+
+/// The first lines of a file, with a further attribute of its root.
 fn grid_head(compressor: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \

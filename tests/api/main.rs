@@ -4,6 +4,7 @@
 mod adaptive;
 mod architecture;
 mod assets;
+mod canopy;
 mod case;
 #[path = "../common/mod.rs"]
 mod common;

@@ -99,6 +99,7 @@ fn square() -> Mesh {
         edges: vec![[2, 0], [0, 1], [0, 3], [1, 2], [2, 3]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         seams: vec![0, 3],
+        ..Mesh::default()
     }
 }
 

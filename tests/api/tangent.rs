@@ -14,7 +14,7 @@ use canopy_fem::model::state::StateRef;
 use canopy_fem::model::system::{System, Weights};
 use canopy_fem::scene::{Network, Scene, build_network};
 use nalgebra::{Rotation3, Vector3};
-use scenes::scenes;
+use scenes::{scenes, uneven_scenes};
 
 const STATES: u64 = 12;
 
@@ -68,7 +68,7 @@ fn minus_slope(scene: &Network, sample: &Sample, dof: usize, of_velocity: bool) 
 #[test]
 fn every_tangent_equals_its_finite_difference() {
     let mut compared = 0;
-    for (name, spec) in scenes() {
+    for (name, spec) in scenes().into_iter().chain(uneven_scenes()) {
         let scene = build(spec);
         for seed in 0..STATES {
             let sample = Sample::new(&scene, seed);
@@ -316,7 +316,7 @@ fn gravity_energy(name: &str, scene: &Network, sample: &Sample) {
 #[test]
 fn terms_are_what_they_say() {
     for (name, spec) in scenes() {
-        let on_triangles = spec.air.is_some() || !spec.pressures.is_empty();
+        let on_triangles = spec.air.is_some() || !spec.pressures.is_empty() || !spec.canopies.is_empty();
         let scene = build(spec);
         assert_eq!(scene.terms().iter().any(|t| t.on_triangles), on_triangles, "{name}: on_triangles");
         for (i, info) in scene.terms().iter().enumerate() {

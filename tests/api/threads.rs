@@ -46,6 +46,18 @@ fn sheet() -> NetworkSpec {
     spec.pressures = vec![PressureLoad { triangles, pressure: 3.0, kind: PressureKind::Follower, factor: None }, dead];
     let nodes = (0..spec.mesh.nodes.len() as u32).step_by(3).collect();
     spec.forces = vec![NodalLoad { nodes, force: [1e-4, 0.0, 2e-4], factor: None }];
+    let wind = Series { t: vec![0.0, 1.0], value: vec![[0.0, 1.0, 5.0], [1.0, 0.0, 8.0]] };
+    spec.stream = Some(StreamSpec::of_wind(wind));
+    spec.canopies = vec![CanopySpec {
+        triangles: (500..2500).collect(),
+        pressure_coefficient: (500..2500).map(|t| 1.0 + 1e-4 * f64::from(t)).collect(),
+        skirt: vec![0, 69, 2000, 4000],
+        apex: vec![300],
+        confluence: vec![4900, 17],
+        filling: None,
+    }];
+    spec.line_drag = vec![LineDragSpec { edges: (0..4000).collect(), diameter: 0.01, coefficient: 1.1 }];
+    spec.node_drag = vec![NodeDragSpec { nodes: (7..4500).collect(), drag_area: 1e-4 }];
     spec.rayleigh = Some(RayleighSpec { mass: 0.1, stiffness: 1e-4 });
     spec
 }

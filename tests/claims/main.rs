@@ -34,6 +34,7 @@ mod newton_rate;
 mod one_mass;
 mod order;
 mod oscillator;
+mod parachute;
 mod pendulum;
 mod recurrence;
 mod rich_net;
@@ -80,6 +81,10 @@ const GROUPS: &[Group] = &[
     ("elastic pendulum", elastic_pendulum::claims),
     ("force laws", forces::claims),
     ("free fall through air", free_fall::claims),
+    ("parachute, steady", parachute::claims),
+    ("parachute, falls", parachute::falls),
+    ("parachute, opening", parachute::opening),
+    ("parachute, line in a cross wind", parachute::line),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),
     ("remarks of the thesis", thesis::remarks),

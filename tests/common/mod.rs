@@ -1,6 +1,7 @@
 //! Shared by the integration tests: small networks as plain specifications, and a random source without state.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod parachute;
 pub mod polynomials;
 pub mod read_vtu;
 pub mod run;
@@ -64,7 +65,7 @@ pub fn patch() -> NetworkSpec {
     fixed[0] = [true; 3];
     fixed[2] = [false, true, false];
     let mass = (0..9).map(|i| 0.3 + 0.05 * f64::from(i)).collect();
-    NetworkSpec { mesh: Mesh { nodes, edges, triangles, seams: vec![] }, mass, fixed, ..Default::default() }
+    NetworkSpec { mesh: Mesh { nodes, edges, triangles, ..Mesh::default() }, mass, fixed, ..Default::default() }
 }
 
 /// Springs on all edges of a specification.

@@ -1,40 +1,168 @@
-//! The air section: checks, and porous laws reduced to the two coefficients of dp = linear v_n + quadratic v_n |v_n|.
+//! The air section: checks, the stream and what it acts on, and porous laws reduced to the two coefficients of dp = linear v_n + quadratic v_n |v_n|.
 
 use super::geometry::{Geometry, TriangleUse, triangles};
-use super::numbers::{fraction, not_negative, positive, series};
+use super::numbers::{fraction, not_negative, positive};
+use super::wind::{self, Winds};
+use super::{canopy, select};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Aero, ErgunForm, ErgunLaw, PorousLaw, Wind};
-use crate::model::spec::{AirSpec, Series};
+use crate::case::schema::{Aero, Atmosphere, Canopies, Drag, ErgunForm, ErgunLaw, ExponentialAtmosphere, PorousLaw};
+use crate::model::spec::{AirSpec, AtmosphereSpec, CanopySpec, LineDragSpec, NodeDragSpec, StreamSpec};
+use std::path::Path;
 
-/// The air as two coefficients and the wind.
-pub(super) fn air(
+/// What the section gives.
+#[derive(Debug, Default)]
+pub(super) struct Flow {
+    /// the air that blows through cloth
+    pub air: Option<AirSpec>,
+    /// the stream for the rest
+    pub stream: Option<StreamSpec>,
+    /// canopies that it fills
+    pub canopies: Vec<CanopySpec>,
+    /// lines in it
+    pub line_drag: Vec<LineDragSpec>,
+    /// bodies in it
+    pub node_drag: Vec<NodeDragSpec>,
+}
+
+/// Heights above sea level [m] that the standard atmosphere has.
+const STANDARD: [f64; 2] = [-5e3, 86e3];
+
+/// Checks and resolves the section; files are found from the folder `base`.
+pub(super) fn flow(
     at: &Pointer,
     aero: Option<&Aero>,
+    base: &Path,
+    geometry: Option<&Geometry>,
+    faults: &mut Faults<'_>,
+) -> Flow {
+    let Some(aero) = aero else { return Flow::default() };
+    let canopies = aero.canopy.as_ref().map_or(&[][..], Canopies::all);
+    let fills = !canopies.is_empty();
+    if aero.law.is_none() && !fills && aero.drag.is_empty() {
+        let hint = "leave the section out for no air".to_owned();
+        faults.add_value(at, "nothing that the air acts on", "at least one of law, canopy and drag", Some(hint));
+    }
+    if aero.law.is_some() && fills {
+        let hint = "law is for cloth that is held in a free stream and acts on all triangles; canopy knows the pressure \
+                    inside: keep one of them";
+        faults.add_hint(&at.key("law"), "not together with canopy", hint);
+    }
+    let winds =
+        aero.wind.as_ref().map_or_else(|| Some(Winds::calm()), |w| wind::wind(&at.key("wind"), w, base, faults));
+    let atmosphere = atmosphere(&at.key("atmosphere"), aero, geometry, faults);
+    if !fills && aero.drag.is_empty() {
+        for (key, given) in [("atmosphere", aero.atmosphere.is_some()), ("altitude", aero.altitude.is_some())] {
+            if given {
+                faults.add_hint(&at.key(key), "only with canopy or drag", "a law has a density of its own");
+            }
+        }
+    }
+    let mut flow = Flow { air: air(at, aero, winds.as_ref(), geometry, faults), ..Flow::default() };
+    let listed = matches!(aero.canopy, Some(Canopies::Several(_)));
+    for (i, canopy) in canopies.iter().enumerate() {
+        let at = at.key("canopy");
+        let at = if listed { at.index(i) } else { at };
+        flow.canopies.extend(canopy::canopy(&at, canopy, geometry, faults));
+    }
+    for (i, one) in aero.drag.iter().enumerate() {
+        drag(&at.key("drag").index(i), one, geometry, &mut flow, faults);
+    }
+    let Some(Winds { table, gusts, profile }) = winds else { return flow };
+    if fills || !aero.drag.is_empty() || !gusts.is_empty() {
+        let altitude = aero.altitude.unwrap_or(0.0);
+        flow.stream = Some(StreamSpec { wind: table, gusts, profile, atmosphere, altitude });
+    }
+    flow
+}
+
+fn atmosphere(at: &Pointer, aero: &Aero, geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> AtmosphereSpec {
+    match aero.atmosphere {
+        None => AtmosphereSpec::Constant { density: 1.225 },
+        Some(Atmosphere::Density(density)) => {
+            positive(&at.key("density"), density, faults);
+            AtmosphereSpec::Constant { density }
+        }
+        Some(Atmosphere::Exponential(ExponentialAtmosphere { density, scale_height })) => {
+            let at = at.key("exponential");
+            positive(&at.key("density"), density, faults);
+            positive(&at.key("scale_height"), scale_height, faults);
+            AtmosphereSpec::Exponential { density, scale_height }
+        }
+        Some(Atmosphere::Isa) => {
+            let altitude = aero.altitude.unwrap_or(0.0);
+            let heights = || geometry.into_iter().flat_map(|g| &g.mesh.nodes).map(|[_, _, z]| altitude + z);
+            let (lowest, highest) = heights().fold((altitude, altitude), |(l, h), z| (l.min(z), h.max(z)));
+            if lowest < STANDARD[0] || highest > STANDARD[1] {
+                let value = format!("nodes from {lowest} to {highest} m above sea level");
+                faults.add_value(at, value, "the standard atmosphere from -5000 to 86000 m", None);
+            }
+            AtmosphereSpec::Isa
+        }
+    }
+}
+
+/// The air that blows through cloth, as two coefficients and the wind.
+fn air(
+    at: &Pointer,
+    aero: &Aero,
+    winds: Option<&Winds>,
     geometry: Option<&Geometry>,
     faults: &mut Faults<'_>,
 ) -> Option<AirSpec> {
-    let aero = aero?;
+    let given = aero.law.as_ref()?;
     if let Some(geometry) = geometry {
         triangles(at, "the air", geometry, TriangleUse::Normals, faults);
     }
-    let wind = match &aero.wind {
-        Wind::Constant(wind) => Some(Series { t: vec![0.0], value: vec![*wind] }),
-        Wind::Table { table } => {
-            let rows = table.iter().map(|[t, x, y, z]| (*t, [*x, *y, *z]));
-            series(&at.key("wind").key("table"), rows, faults)
-        }
-    };
+    if winds.is_some_and(|winds| winds.profile.is_some()) {
+        let hint = "a law takes the same wind at all heights: give a vector, a table, a file or gusts";
+        faults.add_hint(&at.key("wind"), "no profile beside a law", hint);
+    }
     let at = at.key("law");
-    if !law(&at, &aero.law, faults) {
+    if !law(&at, given, faults) {
         return None;
     }
-    let c = coefficients(&aero.law);
+    let c = coefficients(given);
     if !(c.linear.is_finite() && c.quadratic.is_finite()) {
         faults.add(&at, "values whose pressure is a finite number");
         return None;
     }
-    Some(AirSpec { linear: c.linear, quadratic: c.quadratic, wind: wind? })
+    Some(AirSpec { linear: c.linear, quadratic: c.quadratic, wind: winds?.table.clone() })
+}
+
+fn drag(at: &Pointer, drag: &Drag, geometry: Option<&Geometry>, flow: &mut Flow, faults: &mut Faults<'_>) {
+    let mut good = true;
+    for (key, value) in [("diameter", drag.diameter), ("coefficient", drag.coefficient), ("drag_area", drag.drag_area)]
+    {
+        good &= value.is_none_or(|value| positive(&at.key(key), value, faults));
+    }
+    let selects = |what: &str| format!("a selection of {what}");
+    match (drag.diameter, drag.coefficient, drag.drag_area) {
+        (Some(diameter), Some(coefficient), None) => {
+            let Some(on) = drag.on.edges() else {
+                let hint = "a diameter belongs to lines; bodies at nodes have a drag_area";
+                return faults.add_hint(&at.key("on"), selects("edges"), hint);
+            };
+            let flags = geometry.and_then(|geometry| select::edges(&at.key("on"), &on, geometry, faults));
+            let Some(flags) = flags.filter(|_| good) else { return };
+            let edges = (0_u32..).zip(flags).filter(|(_, selected)| *selected).map(|(edge, _)| edge).collect();
+            flow.line_drag.push(LineDragSpec { edges, diameter, coefficient });
+        }
+        (None, None, Some(area)) => {
+            let Some(on) = drag.on.nodes() else {
+                let hint = "a drag_area belongs to bodies at nodes; lines have a diameter and a coefficient";
+                return faults.add_hint(&at.key("on"), selects("nodes"), hint);
+            };
+            let nodes = geometry.and_then(|geometry| select::nodes(&at.key("on"), &on, geometry, faults));
+            let Some(nodes) = nodes.filter(|_| good) else { return };
+            let drag_area = area / nodes.len() as f64;
+            flow.node_drag.push(NodeDragSpec { nodes, drag_area });
+        }
+        _ => {
+            let value = "drag that is neither that of lines nor that of bodies";
+            faults.add_value(at, value, "either diameter and coefficient, or drag_area", None);
+        }
+    }
 }
 
 fn law(at: &Pointer, law: &PorousLaw, faults: &mut Faults<'_>) -> bool {

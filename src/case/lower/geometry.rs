@@ -109,6 +109,7 @@ fn refuse(at: &Pointer, source: &MeshSource, error: MeshError, faults: &mut Faul
         MeshSource::Disc(_) => "disc",
         MeshSource::Rectangle(_) => "rectangle",
         MeshSource::Chain(_) => "chain",
+        MeshSource::Parachute(_) => "parachute",
         MeshSource::File(_) => "file",
         MeshSource::Explicit(_) => "explicit",
     };

@@ -34,11 +34,13 @@ pub(super) fn initial(
     network: &Network<'_>,
     faults: &mut Faults<'_>,
 ) -> InitialState {
-    let Some(section) = section else { return InitialState::default() };
-    let mut start = InitialState::default();
+    let mut start =
+        InitialState { displacement: network.geometry.mesh.displacement.clone(), ..InitialState::default() };
+    let Some(section) = section else { return start };
     if let Some(vectors) = &section.displacement {
         let at = at.key("displacement");
-        start.displacement = each(&at, vectors, network.fixed, faults);
+        let given = each(&at, vectors, network.fixed, faults);
+        start.displacement = sum(given, &start.displacement);
         check_lengths(&at, &start.displacement, network, faults);
     }
     if let Some(vectors) = &section.velocity {
@@ -49,6 +51,14 @@ pub(super) fn initial(
         }
     }
     start
+}
+
+/// The sum of two displacements of every node; an empty one is zero.
+fn sum(mut given: Vec<[f64; 3]>, of_mesh: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    for (given, more) in given.iter_mut().zip(of_mesh) {
+        given.iter_mut().zip(more).for_each(|(given, more)| *given += more);
+    }
+    given
 }
 
 /// One vector per node, `[n_nodes][3]`; a uniform one acts on the free degrees of freedom only.

@@ -2,12 +2,13 @@
 
 use super::geometry::{Geometry, TriangleUse, triangles};
 use super::numbers::not_negative;
+use super::select;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Mass, PerNode};
+use crate::case::schema::{Mass, PerNode, PointMass};
 
 /// [kg] Mass of every node from the `mass` section: a third of each triangle's mass to each vertex, plus the nodal
-/// masses.
+/// and point masses.
 pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, faults: &mut Faults<'_>) -> Vec<f64> {
     let mut mass = vec![0.0; geometry.nodes()];
     let Some(section) = section else { return mass };
@@ -29,7 +30,26 @@ pub(super) fn mass(at: &Pointer, section: Option<&Mass>, geometry: &Geometry, fa
         Some(PerNode::Same(m)) => mass.iter_mut().for_each(|sum| *sum += m),
         Some(PerNode::Each(list)) => each(&at.key("nodal"), list, &mut mass, faults),
     }
+    for (i, point) in section.points.iter().enumerate() {
+        add_points(&at.key("points").index(i), point, geometry, &mut mass, faults);
+    }
     mass
+}
+
+fn add_points(at: &Pointer, point: &PointMass, geometry: &Geometry, mass: &mut [f64], faults: &mut Faults<'_>) {
+    let (key, value) = match (point.mass, point.total) {
+        (Some(mass), None) => ("mass", mass),
+        (None, Some(total)) => ("total", total),
+        (given, _) => {
+            let value = if given.is_some() { "a point mass with mass and total" } else { "a point mass without value" };
+            let hint = "mass is that of each node, total is shared by all of them".to_owned();
+            return faults.add_value(at, value, "exactly one of mass and total", Some(hint));
+        }
+    };
+    let usable = not_negative(&at.key(key), value, faults);
+    let Some(nodes) = select::nodes(&at.key("on"), &point.on, geometry, faults).filter(|_| usable) else { return };
+    let share = if key == "total" { value / nodes.len() as f64 } else { value };
+    nodes.into_iter().for_each(|node| add(mass, node, share));
 }
 
 fn each(at: &Pointer, list: &[f64], mass: &mut [f64], faults: &mut Faults<'_>) {

@@ -2,6 +2,7 @@
 //! is next to the code that relies on it. Faults are collected, not returned.
 
 mod air;
+mod canopy;
 mod digits;
 mod energy;
 pub(crate) mod geometry;
@@ -17,6 +18,7 @@ mod springs;
 mod stiffness;
 mod tables;
 mod time;
+mod wind;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -60,7 +62,7 @@ pub(crate) fn build(
             let at = at.key("network");
             let geometry = geometry::geometry(&at.key("mesh"), &network.mesh, base, known, faults);
             let step = timing.as_ref().map(|t| t.spec.step);
-            let spec = network::network(&at, network, geometry.as_deref(), step, faults);
+            let spec = network::network(&at, network, (base, geometry.as_deref()), step, faults);
             if let (Some(_), Some(spec), Some(h)) = (&spec, timing.as_ref().map(|t| t.spec), step.and_then(Step::fixed))
             {
                 tables::warn_of_short_pulses(&at, network, tables::StepTimes { h, end: spec.end }, faults);

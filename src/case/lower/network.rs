@@ -1,9 +1,10 @@
 //! The network as a whole: supports, masses, and the sections put together.
 
+use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::not_negative;
-use super::{air, digits, energy, loads, mass, plausible, select, springs};
+use super::{canopy, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
@@ -12,12 +13,14 @@ use crate::format_number::first_few;
 use crate::model::spec::{NetworkSpec, RayleighSpec};
 use crate::preflight;
 use crate::warning::WarningCode;
+use std::path::Path;
 
-/// Checks and builds a network. Without a mesh the checks that need none still run.
+/// Checks and builds a network; files are found from the folder `base`. Without a mesh the checks that need none still
+/// run.
 pub(super) fn network(
     at: &Pointer,
     network: &Network,
-    geometry: Option<&Geometry>,
+    (base, geometry): (&Path, Option<&Geometry>),
     step: Option<Step>,
     faults: &mut Faults<'_>,
 ) -> Option<NetworkSpec> {
@@ -29,7 +32,8 @@ pub(super) fn network(
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
-    let air = air::air(&at.key("aero"), network.aero.as_ref(), geometry, faults);
+    let Flow { air, stream, canopies, line_drag, node_drag } =
+        air::flow(&at.key("aero"), network.aero.as_ref(), base, geometry, faults);
     let loads = loads::loads(&at.key("loads"), &network.loads, geometry, faults);
     let geometry = geometry?;
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
@@ -52,13 +56,17 @@ pub(super) fn network(
     } else {
         initial::InitialState::default()
     };
-    let spec = NetworkSpec {
+    let mut spec = NetworkSpec {
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
         springs: groups,
         gravity: network.gravity,
         air,
+        stream,
+        canopies,
+        line_drag,
+        node_drag,
         pressures: loads.pressures,
         forces: loads.forces,
         rayleigh,
@@ -69,9 +77,13 @@ pub(super) fn network(
         digits::network(at, &spec, geometry, step.and_then(Step::fixed), faults);
         energy::network(at, &spec, geometry, faults);
     }
+    if faults.count() == before {
+        canopy::at_start(&at.key("aero"), network.aero.as_ref(), &mut spec, faults);
+    }
     plausible::network(at, &spec, geometry, faults);
-    if let Some(aero) = network.aero.as_ref().filter(|_| faults.count() == before) {
-        plausible::pressure(&at.key("aero").key("law"), &aero.law, &spec, faults);
+    let law = network.aero.as_ref().and_then(|aero| aero.law.as_ref());
+    if let Some(law) = law.filter(|_| faults.count() == before) {
+        plausible::pressure(&at.key("aero").key("law"), law, &spec, faults);
     }
     if faults.count() == before {
         let step = step.and_then(Step::fixed);

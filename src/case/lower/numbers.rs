@@ -37,6 +37,16 @@ pub(super) fn series<T>(
     rows: impl Iterator<Item = (f64, T)>,
     faults: &mut Faults<'_>,
 ) -> Option<Series<T>> {
+    rising(at, "time", rows, faults)
+}
+
+/// The same for rows that begin with something else than a time, such as a height.
+pub(super) fn rising<T>(
+    at: &Pointer,
+    what: &str,
+    rows: impl Iterator<Item = (f64, T)>,
+    faults: &mut Faults<'_>,
+) -> Option<Series<T>> {
     let (t, value): (Vec<f64>, Vec<T>) = rows.unzip();
     if t.is_empty() {
         faults.add(at, "at least one row");
@@ -51,9 +61,9 @@ pub(super) fn series<T>(
         if pair[1] <= pair[0] {
             faults.add_value(
                 &at.index(i + 1),
-                format!("time {} after {}", pair[1], pair[0]),
-                "times strictly increasing from row to row",
-                Some("sort the rows by time and keep one row per time; for a jump use two close times".to_owned()),
+                format!("{what} {} after {}", pair[1], pair[0]),
+                format!("{what}s strictly increasing from row to row"),
+                Some(format!("sort the rows by {what} and keep one row per {what}; for a jump use two close {what}s")),
             );
         }
     }

@@ -28,8 +28,8 @@ const GRAMS: f64 = 1e3;
 
 /// Warns about a network that can run but is seldom intended.
 pub(super) fn network(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Faults<'_>) {
-    if let Some(air) = &spec.air {
-        let fastest = air.wind.value.iter().map(|v| Vector3::from(*v).norm()).fold(0.0, f64::max);
+    if spec.air.is_some() || spec.stream.is_some() {
+        let fastest = spec.fastest_wind();
         speed(&at.key("aero").key("wind"), "the wind", fastest, faults);
     }
     let speeds = spec.velocity.iter().map(|v| Vector3::from(*v).norm());
@@ -52,11 +52,24 @@ pub(super) fn pressure(at: &Pointer, law: &PorousLaw, spec: &NetworkSpec, faults
     let winds = || wind.value.iter().map(|w| Vector3::from(*w));
     let first = winds().next().unwrap_or_default();
     let against = spec.velocity.iter().map(|v| (first - Vector3::from(*v)).norm());
-    let speed = winds().map(|w| w.norm()).chain(against).fold(0.0, f64::max);
+    let fall = fall(spec, [*linear, *quadratic]).into_iter();
+    let speed = winds().map(|w| w.norm()).chain(against).chain(fall).fold(0.0, f64::max);
     let stream = FreeStream { linear: *linear, quadratic: *quadratic, density, speed, coefficient };
     if let Some(excess) = excess_pressure(stream) {
         faults.warn(WarningCode::AirPressure, format!("{at}: {excess}"));
     }
+}
+
+/// [m/s] The speed V at which all cloth, held across the air, would carry the weight of a scene without supports:
+/// a V + b V^2 = weight/area.
+fn fall(spec: &NetworkSpec, [a, b]: [f64; 2]) -> Option<f64> {
+    let gravity = Vector3::from(spec.gravity.filter(|_| !spec.fixed.as_flattened().contains(&true))?).norm();
+    let point = |node: u32| spec.mesh.point(node);
+    let areas =
+        spec.mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (point(b) - point(a)).cross(&(point(c) - point(a))).norm());
+    let pressure = gravity * spec.mass.iter().sum::<f64>() / areas.sum::<f64>();
+    let speed = 2.0 * pressure / (a + (a * a + 4.0 * b * pressure).sqrt());
+    speed.is_finite().then_some(speed)
 }
 
 /// Warns about a pendulum that starts too fast.

@@ -4,10 +4,10 @@ use nalgebra::Vector3;
 
 use super::geometry::Geometry;
 use super::numbers::positive;
-use crate::case::diagnostics::Faults;
+use crate::case::diagnostics::{Faults, did_you_mean, one_of};
 use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, NodeSelection};
-use crate::mesh::EdgeKind;
+use crate::mesh::{EdgeKind, Group};
 
 /// The nodes that a probe may name.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +55,9 @@ pub(super) fn nodes(
         NodeSelection::Ids(list) => {
             return ids(&at.key("ids"), list, Range { what: "node", count: geometry.nodes() }, faults);
         }
+        NodeSelection::Group(name) => {
+            return group(at, name, geometry, faults).map(|group| group.select_nodes(&geometry.mesh));
+        }
         NodeSelection::All => inside(&|_| true),
         NodeSelection::Boundary => topology.boundary_nodes().to_vec(),
         NodeSelection::Outer => topology.outer_nodes().to_vec(),
@@ -91,6 +94,28 @@ pub(super) fn nodes(
     Some(found)
 }
 
+/// The group with this name; a name that no group has is a fault.
+fn group<'a>(at: &Pointer, name: &str, geometry: &'a Geometry, faults: &mut Faults<'_>) -> Option<&'a Group> {
+    let groups = &geometry.mesh.groups;
+    let found = groups.get(name);
+    if found.is_none() {
+        let names: Vec<&str> = groups.keys().map(String::as_str).collect();
+        let allowed = match names.as_slice() {
+            [] => "another selection: this mesh has no groups".to_owned(),
+            _ => one_of("groups of this mesh", &names),
+        };
+        let hint = did_you_mean(name, names).unwrap_or_default();
+        faults.add_hint(&at.key("group"), allowed, hint);
+    }
+    found
+}
+
+/// Adds the fault of a group that has no members of the kind that is needed.
+fn refuse_group(at: &Pointer, group: &Group, what: &str, faults: &mut Faults<'_>) {
+    let hint = format!("it has {}", group.describe());
+    faults.add_hint(&at.key("group"), format!("a group with {what}"), hint);
+}
+
 /// The extent of the nodes, for a box or sphere that contains none.
 fn extent(nodes: &[[f64; 3]]) -> String {
     let Some(first) = nodes.first().map(|p| Vector3::from(*p)) else { return String::new() };
@@ -123,6 +148,15 @@ pub(super) fn edges(
         EdgeSelection::Lines => of_kind(EdgeKind::Line),
         EdgeSelection::Seams => flagged(&geometry.mesh.seams),
         EdgeSelection::Ids(list) => flagged(&ids(&at.key("ids"), list, Range { what: "edge", count }, faults)?),
+        EdgeSelection::Group(name) => {
+            let group = group(at, name, geometry, faults)?;
+            let edges = group.select_edges(&geometry.mesh);
+            if edges.is_empty() {
+                refuse_group(at, group, "edges or triangles", faults);
+                return None;
+            }
+            flagged(&edges)
+        }
     };
     if !found.contains(&true) {
         let number = |kind: EdgeKind| of_kind(kind).iter().filter(|hit| **hit).count();
@@ -150,11 +184,19 @@ pub(super) fn triangles(
     match selection {
         NodeSelection::All => Some((0_u32..).take(count).collect()),
         NodeSelection::Ids(list) => ids(&at.key("ids"), list, Range { what: "triangle", count }, faults),
+        NodeSelection::Group(name) => {
+            let group = group(at, name, geometry, faults)?;
+            if group.triangles.is_empty() {
+                refuse_group(at, group, "triangles", faults);
+                return None;
+            }
+            Some(group.triangles.clone())
+        }
         other => {
             let word = other.keyword();
             faults.add_hint(
                 at,
-                "\"all\" or {\"ids\": [...]}: a pressure acts on triangles",
+                "\"all\", {\"ids\": [...]} or {\"group\": ...}: a pressure acts on triangles",
                 format!("\"{word}\" selects nodes, as only a force can"),
             );
             None

@@ -7,7 +7,7 @@ use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{SlackRule, SpringRule};
+use crate::case::schema::{EdgeSelection, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
 use crate::model::spec::{Slack, SpringGroup};
@@ -22,7 +22,8 @@ pub(super) fn springs(
     mass: &mut [f64],
     faults: &mut Faults<'_>,
 ) -> Vec<SpringGroup> {
-    let mut taken = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
+    let bare = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
+    let mut claimed = Claimed { by_rule: bare.clone(), by_any: bare };
     let mut groups = Vec::new();
     let mut geometry = geometry;
     for (i, rule) in rules.iter().enumerate() {
@@ -31,7 +32,7 @@ pub(super) fn springs(
         // The edges of an unreadable rule are not known, so those of the next rules are not known either.
         geometry = geometry.filter(|_| faults.readable(&at.key("on")));
         let Some(geometry) = geometry else { continue };
-        let Some(edges) = claim(&at, rule, geometry, &mut taken, faults) else { continue };
+        let Some(edges) = claim(&at, rule, geometry, &mut claimed, faults) else { continue };
         if let Some(density) = rule.linear_density.filter(|d| *d > 0.0) {
             add_mass(density, &edges, geometry, mass);
         }
@@ -45,7 +46,7 @@ pub(super) fn springs(
         }
     }
     if geometry.is_some() {
-        warn_bare(&taken, faults);
+        warn_bare(&claimed.by_any, faults);
     }
     groups
 }
@@ -77,19 +78,30 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     Some(RuleValues { stiffness: stiffness?, slack: slack? }).filter(|_| dashpot)
 }
 
-/// The edges that follow this rule: the selected ones that follow no earlier rule.
+/// The edges that have a spring so far.
+struct Claimed {
+    /// of a rule that is not for a group; later such rules pass over these edges
+    by_rule: Vec<bool>,
+    /// of any rule
+    by_any: Vec<bool>,
+}
+
+/// The edges that follow this rule: all of a group, else the selected ones that follow no earlier rule.
 fn claim(
     at: &Pointer,
     rule: &SpringRule,
     geometry: &Geometry,
-    taken: &mut [bool],
+    claimed: &mut Claimed,
     faults: &mut Faults<'_>,
 ) -> Option<Vec<u32>> {
     let selected = select::edges(&at.key("on"), &rule.on, geometry, faults)?;
+    let adds = matches!(rule.on, EdgeSelection::Group(_));
     let mut edges = Vec::new();
-    for ((taken, selected), edge) in taken.iter_mut().zip(selected).zip(0_u32..) {
-        if selected && !*taken {
-            *taken = true;
+    let flags = claimed.by_rule.iter_mut().zip(&mut claimed.by_any);
+    for (((by_rule, by_any), selected), edge) in flags.zip(selected).zip(0_u32..) {
+        if selected && (adds || !*by_rule) {
+            *by_rule |= !adds;
+            *by_any = true;
             edges.push(edge);
         }
     }

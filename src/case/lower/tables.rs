@@ -1,8 +1,9 @@
 //! Tables with pulses that fixed steps do not resolve.
 
+use super::wind;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Network, Wind};
+use crate::case::schema::{Network, WindPart};
 use crate::format_number::figures;
 use crate::warning::WarningCode;
 
@@ -30,10 +31,12 @@ pub(super) fn warn_of_short_pulses(at: &Pointer, network: &Network, steps: StepT
         let at = at.key("loads").index(i).key("table");
         warn(&at, "impulse", pulses(table.iter().copied(), steps), steps, faults);
     }
-    if let Some(Wind::Table { table }) = network.aero.as_ref().map(|aero| &aero.wind) {
+    let wind = network.aero.as_ref().and_then(|aero| aero.wind.as_ref());
+    for (at, part) in wind.into_iter().flat_map(|wind| wind::parts(&at.key("aero").key("wind"), wind)) {
+        let WindPart::Table { table } = part else { continue };
         let component = |c: usize| pulses(table.iter().map(move |row| [row[0], row[c]]), steps);
         let worst = [1, 2, 3].map(component).into_iter().max_by_key(|found| found.count).unwrap_or_default();
-        warn(&at.key("aero").key("wind").key("table"), "mean", worst, steps, faults);
+        warn(&at.key("table"), "mean", worst, steps, faults);
     }
 }
 

@@ -1,30 +1,147 @@
-//! The air that blows through and against the cloth.
+//! The air: what blows through and against the cloth, what fills canopies, and the drag of lines and bodies.
 
+use super::select::{Ball, EdgeSelection, NodeSelection};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
-/// The air: a pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to
-/// the cloth, v_n. The jump acts along the relative wind.
+/// The air. At least one of `law`, `canopy` and `drag` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Aero {
-    /// [m/s] Wind velocity: a vector, or `{"table": [[t, x, y, z], ...]}` over time [s].
-    pub wind: Wind,
-    /// Pressure jump as a function of v_n.
-    pub law: PorousLaw,
+    /// [m/s] Wind velocity: a vector, `{"table": [[t, x, y, z], ...]}` over time [s], `{"file": "wind.csv"}` with such
+    /// rows, `{"profile": [[height, x, y, z], ...]}` over the height above sea level [m], `{"gust": {...}}`, or
+    /// `{"sum": [...]}` of several. Calm air if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind: Option<Wind>,
+    /// Pressure jump over every triangle, driven by the wind's velocity along the triangle's normal relative to the
+    /// cloth, v_n; it acts along the relative wind. For cloth that is held in a free stream; not together with `canopy`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<PorousLaw>,
+    /// The air in a canopy that hangs over its lines, or in each of a list of canopies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub canopy: Option<Canopies>,
+    /// Drag of lines and payloads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drag: Vec<Drag>,
+    /// Density of the air for `canopy` and `drag`; 1.225 kg/m^3 if not given (sea level, standard atmosphere).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub atmosphere: Option<Atmosphere>,
+    /// [m] Height of z = 0 above sea level, for `atmosphere` and wind profiles; 0 if not given. Heights grow with z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub altitude: Option<f64>,
 }
 
-/// Wind velocity, constant or over time.
+/// Wind velocity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Wind {
+    /// of one kind
+    Part(WindPart),
+    /// the sum of several
+    Sum(WindSum),
+}
+
+/// The sum of several winds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WindSum {
+    /// the parts
+    pub sum: Vec<WindPart>,
+}
+
+/// Wind velocity of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
-pub enum Wind {
-    /// [m/s] the same at all times
+pub enum WindPart {
+    /// [m/s] the same at all times and heights
     Constant([f64; 3]),
-    /// [s, m/s] over time
+    /// over time
     Table {
         /// [s, m/s] rows of time and velocity, times strictly increasing; linear between rows, constant outside them
         table: Vec<[f64; 4]>,
     },
+    /// over time, from a file
+    File {
+        /// a text file with such rows, separated by commas, beside the case
+        file: String,
+    },
+    /// over height
+    Profile {
+        /// [m, m/s] rows of height above sea level and velocity, likewise
+        profile: Vec<[f64; 4]>,
+    },
+    /// over a short time
+    Gust {
+        /// its shape
+        gust: Gust,
+    },
+}
+
+/// A one-minus-cosine gust: velocity/2 (1 - cos(2 pi (t - start)/duration)), 0 before and after.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gust {
+    /// [m/s] Velocity at the peak.
+    pub velocity: [f64; 3],
+    /// [s] Start.
+    pub start: f64,
+    /// [s] Duration.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub duration: f64,
+}
+
+/// A list of exactly `n` numbers.
+fn numbers(n: usize) -> Value {
+    json!({"type": "array", "items": {"type": "number"}, "minItems": n, "maxItems": n})
+}
+
+/// An object with one key.
+fn tagged(key: &str, description: &str, mut value: Value) -> Value {
+    if let Some(value) = value.as_object_mut() {
+        value.insert("description".to_owned(), json!(description));
+    }
+    json!({"type": "object", "properties": {key: value}, "required": [key], "additionalProperties": false})
+}
+
+impl WindPart {
+    fn schemas(generator: &mut SchemaGenerator) -> Vec<Value> {
+        let rows = || json!({"type": "array", "items": numbers(4), "minItems": 1});
+        let gust = generator.subschema_for::<Gust>().to_value();
+        vec![
+            numbers(3),
+            tagged(
+                "table",
+                "[s, m/s] Rows of time and velocity, times strictly increasing; linear between rows, constant outside them.",
+                rows(),
+            ),
+            tagged(
+                "file",
+                "Path of a text file with such rows of time and velocity, separated by commas; from the folder of the case.",
+                json!({"type": "string"}),
+            ),
+            tagged(
+                "profile",
+                "[m, m/s] Rows of height above sea level and velocity, heights strictly increasing; linear between rows, constant outside them.",
+                rows(),
+            ),
+            tagged("gust", "A one-minus-cosine gust.", gust),
+        ]
+    }
+}
+
+impl JsonSchema for WindPart {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "WindPart".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({"oneOf": WindPart::schemas(generator)})
+    }
 }
 
 impl JsonSchema for Wind {
@@ -36,21 +153,241 @@ impl JsonSchema for Wind {
         "Wind".into()
     }
 
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut kinds = WindPart::schemas(generator);
+        let parts = json!({"type": "array", "items": {"oneOf": kinds.clone()}, "minItems": 1});
+        kinds.push(tagged("sum", "The sum of several winds.", parts));
+        json_schema!({"oneOf": kinds})
+    }
+}
+
+/// Density of the air over the height above sea level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Atmosphere {
+    /// The standard atmosphere (ISO 2533), from -5 to 86 km.
+    Isa,
+    /// [kg/m^3] The same density at all heights.
+    Density(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// density exp(-height/scale_height).
+    Exponential(ExponentialAtmosphere),
+}
+
+/// Density of the air that decays exponentially with height.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExponentialAtmosphere {
+    /// [kg/m^3] Density at sea level.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density: f64,
+    /// [m] Height over which it falls by a factor of e.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale_height: f64,
+}
+
+/// One canopy, or several.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Canopies {
+    /// one
+    One(Box<Canopy>),
+    /// several
+    Several(Vec<Canopy>),
+}
+
+impl Canopies {
+    /// All of them.
+    pub fn all(&self) -> &[Canopy] {
+        match self {
+            Canopies::One(canopy) => std::slice::from_ref(canopy),
+            Canopies::Several(list) => list,
+        }
+    }
+}
+
+impl JsonSchema for Canopies {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Canopies".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let canopy = generator.subschema_for::<Canopy>().to_value();
+        json_schema!({"oneOf": [canopy, {"type": "array", "items": canopy}]})
+    }
+}
+
+/// The air in a canopy: a pressure from inside to outside along the normals of its triangles, dp = q dCp with
+/// q = rho V |V|/2. V is the axial air speed: the mean velocity of the skirt minus the wind there, along the axis from
+/// the apex to the confluence of the lines. Motions of the cloth relative to the skirt are not damped by the air.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Canopy {
+    /// Which triangles: `"all"`, `{"ids": [...]}` or `{"group": ...}`.
+    pub on: NodeSelection,
+    /// The pressure from a coefficient, constant or over the arc length from the apex to the skirt. Exactly one of
+    /// `table` and `schedule` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<PressureTable>,
+    /// The pressure from a drag area that grows while the canopy fills: for opening loads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schedule: Option<FillingSchedule>,
+    /// The nodes where the lines meet; if not given, those of the mesh's group `confluence`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confluence: Option<NodeSelection>,
+    /// The nodes of the skirt; if not given, those of the canopy in the mesh's group `skirt`, or, without such a group,
+    /// the outer boundary of the triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skirt: Option<NodeSelection>,
+}
+
+/// The pressure in a canopy over the dynamic pressure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PressureTable {
+    /// [-] dCp, the pressure difference over the dynamic pressure: a number, or rows `[s, dCp]` over the arc length s
+    /// from the apex (0) to the skirt (1) on the mesh as given.
+    pub pressure_coefficient: PressureCoefficient,
+}
+
+/// The drag area of a canopy while it fills, CdS ((t - start)/t_f)^exponent until the filling time t_f = n D0/v_s
+/// (Knacke 1991), then CdS. The same pressure acts on all its triangles; it is scaled so that its force along the axis
+/// is q times the drag area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FillingSchedule {
+    /// [m^2] Drag area CdS of the full canopy.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub drag_area: f64,
+    /// [-] Filling constant n.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub filling_constant: f64,
+    /// [-] Exponent of the growth; 2 if not given.
+    #[serde(default = "square")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub exponent: f64,
+    /// [s] Time of line stretch, when filling begins; 0 if not given.
+    #[serde(default)]
+    pub start: f64,
+    /// [m/s] Speed v_s at line stretch; if not given, the axial air speed at the start of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed: Option<f64>,
+    /// [m] Nominal diameter D0; if not given, that of a circle with the area of the triangles and the vent on the mesh
+    /// as given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub nominal_diameter: Option<f64>,
+}
+
+fn square() -> f64 {
+    2.0
+}
+
+/// dCp, constant or over the arc length.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum PressureCoefficient {
+    /// [-] the same everywhere
+    Constant(f64),
+    /// [-, -] rows of arc length, from 0 to 1, and dCp
+    Rows(Vec<[f64; 2]>),
+}
+
+impl JsonSchema for PressureCoefficient {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "PressureCoefficient".into()
+    }
+
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let row =
-            |n: usize| serde_json::json!({"type": "array", "items": {"type": "number"}, "minItems": n, "maxItems": n});
-        json_schema!({"oneOf": [
-            row(3),
-            {
-                "type": "object",
-                "properties": {"table": {
-                    "description": "[s, m/s] Rows of time and velocity, times strictly increasing; linear between rows, constant outside them.",
-                    "type": "array", "items": row(4), "minItems": 1
-                }},
-                "required": ["table"],
-                "additionalProperties": false
-            }
-        ]})
+        json_schema!({"oneOf": [{"type": "number"}, {"type": "array", "items": numbers(2), "minItems": 1}]})
+    }
+}
+
+/// Drag in the air around lines or bodies: of lines with `diameter` and `coefficient`, of bodies with `drag_area`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Drag {
+    /// Which edges, for lines; which nodes, for bodies.
+    pub on: DragSelection,
+    /// [m] Diameter d of a line. The drag of a segment of length L is rho Cd d L |V_n| V_n/2, with the part V_n of the
+    /// relative wind across it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub diameter: Option<f64>,
+    /// [-] Drag coefficient Cd of a line, on the wind across it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub coefficient: Option<f64>,
+    /// [m^2] Drag area of a body: drag coefficient times area; the selected nodes share it equally.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub drag_area: Option<f64>,
+}
+
+/// Some edges, or some nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DragSelection {
+    /// Every edge, or every node.
+    All,
+    /// Edges of exactly one triangle, or the nodes of all boundary loops of the triangles.
+    Boundary,
+    /// Edges between triangles.
+    Interior,
+    /// The radial seam lines of the mesh, as given by its `seams`.
+    Seams,
+    /// Edges that belong to no triangle: suspension lines, risers.
+    Lines,
+    /// The nodes of the boundary loop that encloses all others.
+    Outer,
+    /// The nodes of every other boundary loop.
+    Inner,
+    /// [-] The edges or nodes with these numbers, counted from 0.
+    Ids(Vec<u32>),
+    /// [m] The nodes inside an axis-aligned box, its faces included: lowest corner, highest corner.
+    Box([[f64; 3]; 2]),
+    /// The nodes inside a sphere, its surface included.
+    Sphere(Ball),
+    /// The edges or nodes of the mesh's group with this name.
+    Group(String),
+}
+
+impl DragSelection {
+    /// The selection as one of edges.
+    pub fn edges(&self) -> Option<EdgeSelection> {
+        match self {
+            Self::All => Some(EdgeSelection::All),
+            Self::Boundary => Some(EdgeSelection::Boundary),
+            Self::Interior => Some(EdgeSelection::Interior),
+            Self::Seams => Some(EdgeSelection::Seams),
+            Self::Lines => Some(EdgeSelection::Lines),
+            Self::Ids(list) => Some(EdgeSelection::Ids(list.clone())),
+            Self::Group(name) => Some(EdgeSelection::Group(name.clone())),
+            Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => None,
+        }
+    }
+
+    /// The selection as one of nodes.
+    pub fn nodes(&self) -> Option<NodeSelection> {
+        match self {
+            Self::All => Some(NodeSelection::All),
+            Self::Boundary => Some(NodeSelection::Boundary),
+            Self::Outer => Some(NodeSelection::Outer),
+            Self::Inner => Some(NodeSelection::Inner),
+            Self::Ids(list) => Some(NodeSelection::Ids(list.clone())),
+            Self::Box(corners) => Some(NodeSelection::Box(*corners)),
+            Self::Sphere(ball) => Some(NodeSelection::Sphere(*ball)),
+            Self::Group(name) => Some(NodeSelection::Group(name.clone())),
+            Self::Interior | Self::Seams | Self::Lines => None,
+        }
     }
 }
 

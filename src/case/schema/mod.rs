@@ -19,10 +19,14 @@ use crate::warning::WarningCode;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use aero::{Aero, ErgunForm, ErgunLaw, PermeableLaw, PorousLaw, PressureCoefficientLaw, Wind};
+pub use aero::{
+    Aero, Atmosphere, Canopies, Canopy, Drag, DragSelection, ErgunForm, ErgunLaw, ExponentialAtmosphere,
+    FillingSchedule, Gust, PermeableLaw, PorousLaw, PressureCoefficient, PressureCoefficientLaw, PressureTable, Wind,
+    WindPart, WindSum,
+};
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
-pub use network::{Damping, Initial, Mass, Network, Support};
+pub use network::{Damping, Initial, Mass, Network, PointMass, Support};
 pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
 pub use per_node::{PerNode, Vectors};
 pub use select::{Ball, EdgeSelection, NodeSelection};

@@ -20,7 +20,7 @@ pub struct Network {
     pub mesh: MeshSource,
     /// Mass of the nodes; every free node needs a mass, from here or from `springs[].linear_density`.
     pub mass: Option<Mass>,
-    /// Springs on edges; an edge follows the first rule that selects it.
+    /// Springs on edges; an edge follows the first rule that selects it, and every rule for a group that it is in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<SpringRule>,
     /// Nodes that are held.
@@ -48,6 +48,25 @@ pub struct Mass {
     pub areal_density: Option<f64>,
     /// [kg] Mass of every node, or a list with one mass per node; none may be negative.
     pub nodal: Option<PerNode>,
+    /// Masses on some nodes, such as a payload.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<PointMass>,
+}
+
+/// A mass on each of some nodes, or one that they share; exactly one of `mass` and `total` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointMass {
+    /// Which nodes.
+    pub on: NodeSelection,
+    /// [kg] Mass on each of the nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub mass: Option<f64>,
+    /// [kg] Mass of all the nodes together, an equal share on each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub total: Option<f64>,
 }
 
 /// Nodes that are held where the initial displacement puts them.
@@ -76,7 +95,7 @@ pub struct Damping {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// [m] Displacement from the mesh as given.
+    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with.
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity.
     pub velocity: Option<Vectors>,

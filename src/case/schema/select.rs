@@ -21,6 +21,9 @@ pub enum NodeSelection {
     Box([[f64; 3]; 2]),
     /// The nodes inside a sphere, its surface included.
     Sphere(Ball),
+    /// The members of the mesh's group with this name: its nodes, or, if it lists none, those of its edges and
+    /// triangles. Where triangles are selected, its triangles.
+    Group(String),
 }
 
 /// A solid sphere.
@@ -50,6 +53,8 @@ pub enum EdgeSelection {
     Lines,
     /// [-] The edges with these numbers, counted from 0.
     Ids(Vec<u32>),
+    /// The edges of the mesh's group with this name: those it lists, or, if it lists none, those of its triangles.
+    Group(String),
 }
 
 impl NodeSelection {
@@ -63,6 +68,7 @@ impl NodeSelection {
             Self::Ids(_) => "ids",
             Self::Box(_) => "box",
             Self::Sphere(_) => "sphere",
+            Self::Group(_) => "group",
         }
     }
 }

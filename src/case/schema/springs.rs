@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::select::EdgeSelection;
 
-/// Springs on some edges. An edge follows the first rule that selects it; an edge that no rule selects has no spring.
-/// Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
+/// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges of
+/// the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows the first
+/// that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {

@@ -3,7 +3,7 @@
 //! pushed along their normal `faces`, forces on nodes `nodes`.
 
 use crate::force::kernel::element_block::ElementBlock;
-pub use crate::force::kernel::element_block::Elements;
+pub use crate::force::kernel::element_block::{Elements, SceneNumber};
 pub use crate::force::kernel::local_buffer::Records;
 use crate::model::forces::Tally;
 use std::ops::Range;
@@ -52,6 +52,12 @@ pub trait BlockForces: Send + Sync {
     /// returns their energies [J] and powers [W]. A term has one part or two ([`crate::force::ForceTerm::parts`]), each
     /// with a sum of its own; a part without a sum is left out.
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; PARTS]) -> [Tally; PARTS];
+
+    /// The number that its forces depend on and that depends on nodes of the whole scene, if there is one. Its buffers
+    /// are then read, positions and velocities.
+    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+        None
+    }
 
     /// [-] Largest l^2/l0^2 of the springs among a block's elements; -inf where there is none.
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {

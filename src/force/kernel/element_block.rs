@@ -19,6 +19,49 @@ pub struct ElementBlock<'a> {
     pub x: &'a Records,
     /// [m/s] their velocities, if some term reads them
     pub v: &'a Records,
+    /// the term's [`SceneNumber`]; 0 for a term without one
+    pub scene_number: f64,
+}
+
+/// Vectors of all nodes of a scene, by internal number.
+#[derive(Clone, Copy)]
+pub enum NodeVectors<'a> {
+    /// `[n_nodes]`
+    Nodes(&'a [Vector3<f64>]),
+    /// of a scene that is one block, in its local buffer
+    Records(&'a Records),
+}
+
+impl NodeVectors<'_> {
+    /// The vector of a node.
+    #[inline]
+    pub fn at(self, node: u32) -> Vector3<f64> {
+        match self {
+            NodeVectors::Nodes(nodes) => nodes[node as usize],
+            NodeVectors::Records(records) => vector(records, place(node as usize)),
+        }
+    }
+
+    /// The mean over some nodes.
+    pub fn mean(self, nodes: &[u32]) -> Vector3<f64> {
+        nodes.iter().map(|&node| self.at(node)).sum::<Vector3<f64>>() / nodes.len() as f64
+    }
+}
+
+/// A number of a force term that depends on nodes anywhere in the scene, such as the dynamic pressure of a canopy. It
+/// is found before the term's elements are evaluated, once per pass.
+pub trait SceneNumber: Send + Sync {
+    /// The number at time `t` [s], positions `x` [m] and velocities `v` [m/s].
+    fn find(&self, t: f64, x: NodeVectors<'_>, v: NodeVectors<'_>) -> f64;
+}
+
+/// The scene numbers of a pass.
+#[derive(Clone, Copy)]
+pub(in crate::force) enum SceneNumbers<'a> {
+    /// by term of the pass, found before it
+    Found(&'a [f64]),
+    /// of a scene that is one block: found from its local buffers
+    InBlock,
 }
 
 /// Where the record of one of a block's own nodes begins, counted from the first.

@@ -1,9 +1,9 @@
 //! Triangles that are pushed along their normal, by blocks.
 
-use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
+use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS, SceneNumber};
 use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::local_buffer::Records;
-use crate::force::kernel::triangle_pairs::{Group, PressureLaw, PressurePass, arrange};
+use crate::force::kernel::triangle_pairs::{Group, GroupFactors, PressureLaw, PressurePass, arrange};
 use crate::model::forces::Tally;
 use crate::model::quad;
 use std::ops::Range;
@@ -19,6 +19,17 @@ pub trait FaceKernel: Send + Sync {
     /// Adds the forces [N] of a block's triangles to its local buffer; returns their energy [J] or power [W]. Which of
     /// a triangle's nodes comes first is not kept, in which sense they go round is.
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally;
+
+    /// [-] Factors of the pressures of the triangles, one per triangle; `None` if they are all 1. They apply where the
+    /// kernel's law [asks for them](PressureLaw::FACTORS).
+    fn factors(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// As [`BlockForces::scene_number`].
+    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+        None
+    }
 }
 
 /// A block's triangles.
@@ -32,12 +43,16 @@ pub struct Faces<'a> {
     pub(in crate::force) v: &'a Records,
     /// by where the records of their nodes begin in the local buffer
     groups: &'a [Group],
+    /// [-] factors of their pressures, if the kernel has any
+    factors: &'a [GroupFactors],
+    /// see [`FaceKernel::scene_number`]
+    pub scene_number: f64,
 }
 
 impl Faces<'_> {
     /// Adds the forces [N] of the triangles to the block's sum; returns their power [W].
     pub(in crate::force) fn add_pressure<L: PressureLaw>(self, law: &L, f: &mut Records) -> f64 {
-        quad::run(PressurePass { law, groups: self.groups, x: self.x, v: self.v, f })
+        quad::run(PressurePass { law, groups: self.groups, factors: self.factors, x: self.x, v: self.v, f })
     }
 }
 
@@ -46,6 +61,8 @@ impl Faces<'_> {
 pub struct FaceBatch<K> {
     kernel: K,
     groups: Vec<Group>,
+    /// of every group, if the kernel has any
+    factors: Vec<GroupFactors>,
     /// groups of every block
     blocks: Vec<Range<usize>>,
 }
@@ -54,7 +71,7 @@ impl<K: FaceKernel> FaceBatch<K> {
     /// Wraps a kernel; node numbers must be below the number of nodes it will be used with, and triangles in ascending
     /// order of their smallest node.
     pub fn new(kernel: K) -> Self {
-        FaceBatch { kernel, groups: Vec::new(), blocks: Vec::new() }
+        FaceBatch { kernel, groups: Vec::new(), factors: Vec::new(), blocks: Vec::new() }
     }
 
     /// The kernel.
@@ -79,17 +96,31 @@ impl<K: FaceKernel> BlockForces for FaceBatch<K> {
     fn assign_block(&mut self, block: usize, elements: Range<usize>, place: &dyn Fn(u32) -> u16) {
         if block == 0 {
             self.groups.clear();
+            self.factors.clear();
             self.blocks.clear();
         }
-        let triangles: Vec<[u16; 3]> = self.kernel.elements()[elements].iter().map(|nodes| nodes.map(place)).collect();
+        let triangles: Vec<[u16; 3]> =
+            self.kernel.elements()[elements.clone()].iter().map(|nodes| nodes.map(place)).collect();
         let first = self.groups.len();
-        self.groups.extend(arrange(&triangles));
+        let (groups, numbers) = arrange(&triangles);
+        self.groups.extend(groups);
+        if let Some(factors) = self.kernel.factors() {
+            let factor = |number: Option<u32>| number.map_or(0.0, |number| factors[elements.start + number as usize]);
+            self.factors
+                .extend(numbers.iter().map(|of_group| [0, 1].map(|half| of_group.map(|pair| factor(pair[half])))));
+        }
         self.blocks.push(first..self.groups.len());
     }
 
     fn add(&self, block: &ElementBlock<'_>, [sum, _]: [Option<&mut Records>; PARTS]) -> [Tally; PARTS] {
         let (Some(f), Some(groups)) = (sum, self.blocks.get(block.number)) else { return Default::default() };
-        let faces = Faces { t: block.t, x: block.x, v: block.v, groups: &self.groups[groups.clone()] };
+        let factors = self.factors.get(groups.clone()).unwrap_or_default();
+        let (groups, scene_number) = (&self.groups[groups.clone()], block.scene_number);
+        let faces = Faces { t: block.t, x: block.x, v: block.v, groups, factors, scene_number };
         [self.kernel.add(faces, f), Tally::default()]
+    }
+
+    fn scene_number(&self) -> Option<&dyn SceneNumber> {
+        self.kernel.scene_number()
     }
 }

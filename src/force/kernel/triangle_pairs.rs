@@ -14,6 +14,9 @@ use crate::model::quad::{Pass, Quad, Real, VectorUnit};
 
 /// How triangles are pushed: a pure function, for one triangle or four side by side.
 pub(in crate::force) trait PressureLaw {
+    /// Whether a triangle's pressure is also multiplied by a factor of its own.
+    const FACTORS: bool = false;
+
     /// Triangles by the components of S [m^2] and of the sums [m/s] of their vertices' velocities; `#[inline(always)]`.
     fn pressure_force<R: Real>(&self, s: [R; 3], v: [R; 3]) -> PressureForce<R>;
 }
@@ -33,11 +36,17 @@ const PAIRS: usize = 4;
 /// Four pairs by their nodes a, b, c, d: the triangles (a, b, c) and (a, c, d).
 pub(in crate::force) type Group = [[u16; 4]; PAIRS];
 
-/// A block's triangles in groups of pairs. Triangle after triangle takes the first that is left and has one of its
-/// sides the other way round.
-pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> Vec<Group> {
+/// [-] Factors of the pressures on the first and on the second triangles of the pairs of a group.
+pub(in crate::force) type GroupFactors = [PaddedVec3; 2];
+
+/// Numbers of the two triangles of the pairs of a group; `None` for one of no area.
+pub(in crate::force) type GroupNumbers = [[Option<u32>; 2]; PAIRS];
+
+/// A block's triangles in groups of pairs, and their numbers. Triangle after triangle takes the first that is left and
+/// has one of its sides the other way round.
+pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> (Vec<Group>, Vec<GroupNumbers>) {
     let around = Incidence::new(triangles);
-    let (mut pairs, mut taken) = (Vec::new(), vec![false; triangles.len()]);
+    let (mut pairs, mut numbers, mut taken) = (Vec::new(), Vec::new(), vec![false; triangles.len()]);
     for (number, &[i, j, k]) in triangles.iter().enumerate() {
         if taken[number] {
             continue;
@@ -51,12 +60,14 @@ pub(in crate::force) fn arrange(triangles: &[[u16; 3]]) -> Vec<Group> {
         if let Some((other, _)) = found {
             taken[other] = true;
         }
+        numbers.push([Some(number as u32), found.map(|(other, _)| other as u32)]);
         pairs.push(found.map_or([i, j, k, k], |(_, pair)| pair));
     }
     if let Some(&[a, ..]) = pairs.last() {
         pairs.resize(pairs.len().next_multiple_of(PAIRS), [a; 4]);
+        numbers.resize(pairs.len(), [None; 2]);
     }
-    pairs.as_chunks().0.to_vec()
+    (pairs.as_chunks().0.to_vec(), numbers.as_chunks().0.to_vec())
 }
 
 /// Those of `triangles` with the side from `a` to `c`, and their third node.
@@ -77,6 +88,8 @@ fn across<'a>(
 pub(in crate::force) struct PressurePass<'a, L> {
     pub law: &'a L,
     pub groups: &'a [Group],
+    /// of every group, if the law has factors
+    pub factors: &'a [GroupFactors],
     pub x: &'a Records,
     pub v: &'a Records,
     pub f: &'a mut Records,
@@ -97,7 +110,7 @@ impl<L: PressureLaw> Pass for PressurePass<'_, L> {
 
     #[inline(always)]
     fn run<U: VectorUnit>(self, unit: U) -> f64 {
-        let PressurePass { law, groups, x, v, f } = self;
+        let PressurePass { law, groups, factors, x, v, f } = self;
         // One more than there are stages: a power of two is cheaper to count through.
         let mut kept = [GroupBuffer::default(); 4];
         let mut sums = [unit.splat(0.0); 2];
@@ -107,9 +120,13 @@ impl<L: PressureLaw> Pass for PressurePass<'_, L> {
             }
             if (1..=groups.len()).contains(&i) {
                 let GroupBuffer { s, v } = &mut kept[(i - 1) % 4];
-                for ((s, v), sum) in s.iter_mut().zip(v).zip(&mut sums) {
+                for (half, ((s, v), sum)) in s.iter_mut().zip(v).zip(&mut sums).enumerate() {
                     let [area, v] = [quads(unit, s), quads(unit, v)];
-                    let PressureForce { share, amount } = law.pressure_force(area, v);
+                    let PressureForce { mut share, mut amount } = law.pressure_force(area, v);
+                    if L::FACTORS {
+                        let factor = unit.quad(factors[i - 1][half]);
+                        (share, amount) = (factor * share, factor * amount);
+                    }
                     *s = numbers(scaled(share, area));
                     *sum = *sum + amount;
                 }

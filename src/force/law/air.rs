@@ -15,7 +15,7 @@
 use crate::force::kernel::batch::{BufferReads, Records};
 use crate::force::kernel::faces::{FaceBatch, FaceKernel, Faces};
 use crate::force::kernel::triangle_pairs::{PressureForce, PressureLaw};
-use crate::force::law::series::Table;
+use crate::force::law::stream::Stream;
 use crate::force::law::triangle::{AreaVector, THIRD, mean};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -36,8 +36,8 @@ pub struct AirData {
     pub linear: f64,
     /// [Pa s^2/m^2] inertial coefficient b
     pub quadratic: f64,
-    /// [m/s] wind over time
-    pub wind: Arc<Table<3>>,
+    /// its wind is the same at all heights
+    pub stream: Arc<Stream>,
 }
 
 struct Flow {
@@ -73,7 +73,7 @@ impl FaceKernel for AirData {
     }
 
     fn add(&self, block: Faces<'_>, f: &mut Records) -> Tally {
-        let wind = Vector3::from(self.wind.at(block.t));
+        let wind = self.stream.uniform_wind(block.t);
         Tally { energy: 0.0, power: block.add_pressure(&AirLaw { data: self, wind }, f) }
     }
 }
@@ -116,7 +116,7 @@ impl ForceTerm for Air {
     /// not useful.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
-        let wind = Vector3::from(data.wind.at(at.t));
+        let wind = data.stream.uniform_wind(at.t);
         for &nodes in data.triangles.iter() {
             let flow = data.flow(at, wind, nodes);
             if form.symmetric {

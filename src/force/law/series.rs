@@ -53,7 +53,7 @@ impl<const N: usize> SampledTable for Table<N> {
 }
 
 /// The value at time `t` [s]; `series` has at least one row and increasing times.
-pub(in crate::force) fn interpolate<const N: usize>(series: &Series<[f64; N]>, t: f64) -> [f64; N] {
+pub(crate) fn interpolate<const N: usize>(series: &Series<[f64; N]>, t: f64) -> [f64; N] {
     let after = series.t.partition_point(|&s| s <= t);
     match after {
         0 => series.value[0],

@@ -1,6 +1,6 @@
 //! The kind of a pass: which terms it evaluates, and which sums it computes.
 
-use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::element_block::{ElementBlock, NodeVectors, SceneNumbers};
 use crate::force::kernel::local_buffer::{PaddedVec3, Records, rows, rows_of, sum_rows};
 use crate::force::schedule::sweep::{PartTarget, Term, Terms};
 use crate::force::schedule::threads::SUMS;
@@ -38,6 +38,7 @@ pub(in crate::force) struct Sums<'a> {
     pub present: [bool; SUMS],
     /// forces of the terms of the first sum
     pub kept: &'a mut [PaddedVec3],
+    pub numbers: SceneNumbers<'a>,
 }
 
 impl Sums<'_> {
@@ -54,21 +55,20 @@ impl Sums<'_> {
             rows(sum, self.n).fill(PaddedVec3::default());
         }
         let adds_to_first = |term: &Term<'_>| term.parts.iter().flatten().any(|part| part.sum == 0);
+        let all = || (0..terms.count()).map(|i| (i, terms.term(i)));
         if kind.goes_over(0) {
-            (0..terms.count()).map(|i| terms.term(i)).filter(adds_to_first).for_each(|term| {
-                self.add_term(term, block, tallies);
-            });
+            all().filter(|(_, term)| adds_to_first(term)).for_each(|term| self.add_term(term, block, tallies));
             if kind == PassKind::TotalOnly && terms.is_position_only() {
                 self.kept.copy_from_slice(rows(self.sums[0], self.n));
             }
         }
-        for term in (0..terms.count()).map(|i| terms.term(i)) {
+        for (i, term) in all() {
             match (kind.goes_over(0), adds_to_first(&term)) {
                 (true, true) => {}
-                (_, false) => self.add_term(term, block, tallies),
+                (_, false) => self.add_term((i, term), block, tallies),
                 (false, true) => {
                     let parts = term.parts.map(|part| part.filter(|part| part.sum > 0));
-                    self.add_term(Term { parts, ..term }, block, tallies);
+                    self.add_term((i, Term { parts, ..term }), block, tallies);
                 }
             }
         }
@@ -78,10 +78,28 @@ impl Sums<'_> {
         sum_rows(rows(total, self.n), kept, others);
     }
 
-    fn add_term(&mut self, Term { forces, parts }: Term<'_>, block: &ElementBlock<'_>, tallies: &mut [Tally]) {
+    fn add_term(
+        &mut self,
+        (i, Term { forces, parts }): (usize, Term<'_>),
+        block: &ElementBlock<'_>,
+        tallies: &mut [Tally],
+    ) {
         let [a, b, c] = &mut self.sums;
         let mut all = [Some(&mut **a), Some(&mut **b), Some(&mut **c)];
-        let found = forces.add(block, parts.map(|part| all.get_mut(part?.sum)?.take()));
+        let sums = parts.map(|part| all.get_mut(part?.sum)?.take());
+        let found = match forces.scene_number() {
+            None => forces.add(block, sums),
+            Some(number) => {
+                let scene_number = match self.numbers {
+                    SceneNumbers::Found(numbers) => numbers[i],
+                    SceneNumbers::InBlock => {
+                        number.find(block.t, NodeVectors::Records(block.x), NodeVectors::Records(block.v))
+                    }
+                };
+                let &ElementBlock { number, ref own, t, x, v, .. } = block;
+                forces.add(&ElementBlock { number, own: own.clone(), t, x, v, scene_number }, sums)
+            }
+        };
         for (part, found) in parts.into_iter().zip(found) {
             if let Some(PartTarget { tally, .. }) = part {
                 tallies[tally] = found;

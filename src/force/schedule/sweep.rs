@@ -7,7 +7,7 @@
 
 use crate::force::NodeState;
 use crate::force::kernel::batch::{BlockForces, BufferReads, PARTS};
-use crate::force::kernel::element_block::ElementBlock;
+use crate::force::kernel::element_block::{ElementBlock, NodeVectors, SceneNumbers};
 use crate::force::kernel::local_buffer::{LocalBuffer, PaddedVec3, Records, add_rows, copy_rows, rows, store_rows};
 use crate::force::schedule::buffer_pool::{BufferPool, Pooled};
 use crate::force::schedule::partition::{BlockPlan, Halo, Partition};
@@ -77,6 +77,7 @@ pub(in crate::force) struct PassSpec<'a, T: ?Sized> {
     /// whether the largest stretch is computed
     pub stretch: bool,
     pub kind: PassKind,
+    pub numbers: SceneNumbers<'a>,
     /// level of the energies and powers
     pub level: usize,
     /// the state of nodes from a first one on, as many as elements reach
@@ -111,16 +112,35 @@ impl Sweep {
         let parts = || (0..terms.count()).flat_map(|i| terms.term(i).parts).flatten();
         debug_assert!(parts().all(|part| !out[part.sum].is_empty()) || at.x.is_empty());
         let mut workspace = self.workspace(WorkspaceSize::of_a_pass(terms.tallies()), &out);
+        let mut found = std::mem::take(&mut workspace.scene_numbers);
+        let numbers = self.scene_numbers(terms, at, &mut found);
         let (partition, workers) = (&self.partition, threads.workers());
         let (kind, level, first, stretch) = (PassKind::Full, 0, 0, false);
         let reads = reads(terms, kind);
-        let job = PassSpec { terms, reads, stretch, kind, level, at, first, threads, workers, partition };
+        let job = PassSpec { terms, reads, stretch, kind, numbers, level, at, first, threads, workers, partition };
         let (mut all, _) = workspace.parts(partition, out);
         job.run(all.within(partition, partition.node_blocks()));
         for (out, sums) in all.out.into_iter().zip(all.halo).filter(|(out, _)| !out.is_empty()) {
             partition.add_halo_by(workers, 0..partition.blocks().len(), Halo { first: 0, sums }, (0, out));
         }
         workspace.add_up(0, tallies);
+        workspace.scene_numbers = found;
+    }
+
+    /// The scene numbers of a pass over all nodes, kept in `found`.
+    fn scene_numbers<'a, T: Terms + ?Sized>(
+        &self,
+        terms: &T,
+        NodeState { t, x, v }: NodeState<'_>,
+        found: &'a mut Vec<f64>,
+    ) -> SceneNumbers<'a> {
+        if self.is_single_block() {
+            return SceneNumbers::InBlock;
+        }
+        let [x, v] = [x, v].map(NodeVectors::Nodes);
+        found.clear();
+        found.extend((0..terms.count()).map(|i| terms.term(i).forces.scene_number().map_or(0.0, |n| n.find(t, x, v))));
+        SceneNumbers::Found(found)
     }
 
     /// Sums over the nodes, node block after node block.
@@ -248,9 +268,9 @@ impl<T: Terms + ?Sized> PassSpec<'_, T> {
             rows(sums[0], n).fill(PaddedVec3::default());
         }
         let own = if plan.opens_node_block { plan.own.clone() } else { 0..0 };
-        let block = ElementBlock { number, own, t: self.at.t, x, v };
+        let block = ElementBlock { number, own, t: self.at.t, x, v, scene_number: 0.0 };
         let present = out.each_ref().map(|sum| !sum.is_empty());
-        Sums { n, sums, present, kept }.add(self.terms, self.kind, &block, tallies);
+        Sums { n, sums, present, kept, numbers: self.numbers }.add(self.terms, self.kind, &block, tallies);
         self.terms.largest_stretch(&block, self.stretch)
     }
 

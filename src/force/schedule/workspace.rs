@@ -29,6 +29,8 @@ pub(in crate::force) struct Workspace {
     /// by node, where they are kept
     aside: [Vec<Vector3<f64>>; ASIDE],
     pub wavefronts: Wavefronts,
+    /// by term of the pass
+    pub scene_numbers: Vec<f64>,
 }
 
 /// The sizes that passes need.

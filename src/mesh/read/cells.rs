@@ -1,8 +1,8 @@
 //! Points, lines and faces, which all formats have, and the mesh made of them.
 
 use super::Imported;
-use crate::mesh::{Mesh, topology};
-use std::collections::HashMap;
+use crate::mesh::{Group, Groups, Mesh, topology};
+use std::collections::{BTreeMap, HashMap};
 
 /// Points and cells of a file.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +15,21 @@ pub(super) struct Cells {
     quads: usize,
     /// cells without meaning here, such as single points
     pub ignored: usize,
+    /// number of the groups of each point, line and face; a list may end early: 0 = in no group
+    numbers: Numbers,
+    /// for each such number, the names of its groups; of lines and faces, and of points
+    pub cell_groups: BTreeMap<i64, Vec<String>>,
+    pub point_groups: BTreeMap<i64, Vec<String>>,
+    /// [m] displacement of each point at the start; empty = none
+    pub displacement: Vec<[f64; 3]>,
+}
+
+/// Numbers of groups.
+#[derive(Clone, Debug, Default)]
+struct Numbers {
+    points: Vec<i64>,
+    lines: Vec<i64>,
+    faces: Vec<i64>,
 }
 
 impl Cells {
@@ -42,6 +57,24 @@ impl Cells {
         Ok(())
     }
 
+    /// Gives the lines and faces that were added since the last call a number of groups.
+    pub fn number_cells(&mut self, number: i64) {
+        self.numbers.lines.resize(self.lines.len(), number);
+        self.numbers.faces.resize(self.faces.len(), number);
+    }
+
+    /// Gives the points that were added since the last call their numbers of groups; missing ones are 0.
+    pub fn number_points(&mut self, numbers: impl IntoIterator<Item = i64>) {
+        self.numbers.points.extend(numbers);
+        self.numbers.points.resize(self.points.len(), 0);
+    }
+
+    /// Names the groups of lines and faces by their numbers, where the file has no names.
+    pub fn name_cell_groups(&mut self) {
+        let numbers = self.numbers.lines.iter().chain(&self.numbers.faces);
+        self.cell_groups = numbers.filter(|n| **n != 0).map(|n| (*n, vec![n.to_string()])).collect();
+    }
+
     /// Renumbers the nodes, drops unused ones and lists the edges.
     pub fn into_mesh(self) -> Result<Imported, String> {
         let mut notes = Vec::new();
@@ -59,7 +92,28 @@ impl Cells {
         let triangles: Vec<[u32; 3]> =
             self.faces.iter().map(|f| [number(&f[0]), number(&f[1]), number(&f[2])]).collect();
         let lines = self.lines.iter().map(|l| [number(&l[0]), number(&l[1])]);
-        let (edges, seams, repeated) = edges(lines, &self.seam, &triangles);
+        let EdgeList { edges, of_line, seams, repeated } = edges(lines, &self.seam, &triangles);
+        let mut groups = Groups::new();
+        add_members(&mut groups, &self.point_groups, &self.numbers.points, |group, point| {
+            group.nodes.extend(renumbered.get(point).filter(|node| **node != u32::MAX));
+        });
+        add_members(&mut groups, &self.cell_groups, &self.numbers.lines, |group, line| {
+            group.edges.extend(of_line.get(line));
+        });
+        add_members(&mut groups, &self.cell_groups, &self.numbers.faces, |group, face| {
+            group.triangles.push(face as u32);
+        });
+        for group in groups.values_mut() {
+            group.edges.sort_unstable();
+            group.edges.dedup();
+        }
+        groups.retain(|_, group| *group != Group::default());
+        let moved = self
+            .displacement
+            .iter()
+            .enumerate()
+            .filter_map(|(i, u)| renumbered.get(i).filter(|node| **node != u32::MAX).map(|_| *u));
+        let displacement: Vec<[f64; 3]> = moved.collect();
         for (count, what) in [
             (dropped, "nodes that no line or triangle uses were dropped; the others keep their order"),
             (repeated, "repeated lines were dropped"),
@@ -70,7 +124,7 @@ impl Cells {
                 notes.push(format!("{count} {what}"));
             }
         }
-        Ok(Imported { mesh: Mesh { nodes, edges, triangles, seams }, notes })
+        Ok(Imported { mesh: Mesh { nodes, edges, triangles, seams, groups, displacement }, notes })
     }
 
     /// New number of every used node, `u32::MAX` for the unused.
@@ -86,31 +140,51 @@ impl Cells {
     }
 }
 
-/// Lines in file order, each once, then the triangles' other edges; the seams among them; how many lines were repeated.
-fn edges(
-    lines: impl Iterator<Item = [u32; 2]>,
-    seam: &[bool],
-    triangles: &[[u32; 3]],
-) -> (Vec<[u32; 2]>, Vec<u32>, usize) {
-    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-    let mut edges: Vec<[u32; 2]> = Vec::new();
-    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
-    let mut seams = Vec::new();
-    let mut repeated = 0;
-    for (line, &seam) in lines.zip(seam) {
-        let new = edges.len() as u32;
-        let edge = *known.entry(key(line)).or_insert(new);
-        if edge == new {
-            edges.push(line);
-        } else {
-            repeated += 1;
-        }
-        if seam {
-            seams.push(edge);
+/// Calls `add` for each member, by its index, and each group that its number stands for.
+fn add_members(
+    groups: &mut Groups,
+    names: &BTreeMap<i64, Vec<String>>,
+    numbers: &[i64],
+    add: impl Fn(&mut Group, usize),
+) {
+    for (member, number) in numbers.iter().enumerate() {
+        for name in names.get(number).into_iter().flatten() {
+            add(groups.entry(name.clone()).or_default(), member);
         }
     }
-    edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
-    seams.sort_unstable();
-    seams.dedup();
-    (edges, seams, repeated)
+}
+
+/// The edges of a mesh.
+struct EdgeList {
+    /// lines in file order, each once, then the triangles' other edges
+    edges: Vec<[u32; 2]>,
+    /// the edge of each line
+    of_line: Vec<u32>,
+    /// edges on seams, ascending
+    seams: Vec<u32>,
+    /// how many lines were repeated
+    repeated: usize,
+}
+
+fn edges(lines: impl Iterator<Item = [u32; 2]>, seam: &[bool], triangles: &[[u32; 3]]) -> EdgeList {
+    let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut list = EdgeList { edges: Vec::new(), of_line: Vec::new(), seams: Vec::new(), repeated: 0 };
+    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
+    for (line, &seam) in lines.zip(seam) {
+        let new = list.edges.len() as u32;
+        let edge = *known.entry(key(line)).or_insert(new);
+        list.of_line.push(edge);
+        if edge == new {
+            list.edges.push(line);
+        } else {
+            list.repeated += 1;
+        }
+        if seam {
+            list.seams.push(edge);
+        }
+    }
+    list.edges.extend(topology::unique_edges(triangles).into_iter().filter(|edge| !known.contains_key(edge)));
+    list.seams.sort_unstable();
+    list.seams.dedup();
+    list
 }

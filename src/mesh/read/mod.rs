@@ -17,6 +17,14 @@ use std::path::Path;
 
 /// Name of the cell array of a .vtu file that marks seams.
 pub(super) const SEAM: &str = "seam";
+/// Name of the arrays of a .vtu file, on cells and on points, with the numbers of groups.
+pub(super) const GROUP: &str = "group";
+/// What the name of the field array of a group of triangles and edges begins with.
+pub(super) const CELL_GROUP: &str = "group ";
+/// The same of a group of nodes.
+pub(super) const NODE_GROUP: &str = "node group ";
+/// Name of the point array of a .vtu file with the displacement at the start.
+pub(super) const START_DISPLACEMENT: &str = "start_displacement";
 
 /// A mesh read from a file, and what the reader changed.
 #[derive(Clone, Debug, PartialEq)]

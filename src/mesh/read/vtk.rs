@@ -1,9 +1,10 @@
 //! .vtu, .vtp and legacy .vtk, also the frames that a run writes.
 
-use super::SEAM;
 use super::cells::Cells;
-use crate::vtk::read::{named_array, piece_content, read as read_vtk};
-use vtkio::model::{CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
+use super::{CELL_GROUP, GROUP, NODE_GROUP, SEAM, START_DISPLACEMENT};
+use crate::vtk::read::{field_numbers, named_array, piece_content, read as read_vtk};
+use std::collections::BTreeMap;
+use vtkio::model::{Attribute, CellType, DataSet, IOBuffer, PolyDataPiece, UnstructuredGridPiece, VertexNumbers};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
     let mut cells = Cells::default();
@@ -20,7 +21,38 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cells, String> {
         }
         _ => return Err("holds neither an unstructured grid nor polygons".into()),
     }
+    for (name, numbers) in field_numbers(bytes)? {
+        if let Some(group) = name.strip_prefix(CELL_GROUP) {
+            add_names(&mut cells.cell_groups, group, numbers);
+        } else if let Some(group) = name.strip_prefix(NODE_GROUP) {
+            add_names(&mut cells.point_groups, group, numbers);
+        }
+    }
+    if cells.cell_groups.is_empty() {
+        cells.name_cell_groups();
+    }
     Ok(cells)
+}
+
+/// Notes that members with one of these numbers belong to a group.
+fn add_names(names: &mut BTreeMap<i64, Vec<String>>, group: &str, numbers: Vec<i64>) {
+    for number in numbers {
+        names.entry(number).or_default().push(group.to_owned());
+    }
+}
+
+/// Adds what the points of a piece have: numbers of groups and the displacement at the start.
+fn add_point_data(data: Vec<Attribute>, cells: &mut Cells) -> Result<(), String> {
+    let numbers = named_array(data.clone(), GROUP).unwrap_or_default();
+    cells.number_points(numbers.into_iter().map(|number| number as i64));
+    if let Some(numbers) = named_array(data, START_DISPLACEMENT) {
+        cells.displacement.extend(numbers.as_chunks().0);
+    }
+    match cells.displacement.len() {
+        0 => Ok(()),
+        n if n == cells.points.len() => Ok(()),
+        n => Err(format!("has {n} vectors in \"{START_DISPLACEMENT}\" for {} points", cells.points.len())),
+    }
 }
 
 /// Adds points; returns the number the first of them got.
@@ -66,6 +98,8 @@ fn lists(numbers: VertexNumbers, first: u64) -> Result<Vec<Vec<u64>>, String> {
 
 fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), String> {
     let first = add_points(piece.points, cells)?;
+    add_point_data(piece.data.point, cells)?;
+    let group = named_array(piece.data.cell.clone(), GROUP).unwrap_or_default();
     let seam = named_array(piece.data.cell, SEAM).unwrap_or_default();
     let lists = lists(piece.cells.cell_verts, first)?;
     if lists.len() != piece.cells.types.len() {
@@ -84,6 +118,7 @@ fn add_grid(piece: UnstructuredGridPiece, cells: &mut Cells) -> Result<(), Strin
                 return Err(format!("cell {i} is a {kind:?}; only lines, triangles and quads of first order are read"));
             }
         }
+        cells.number_cells(group.get(i).map_or(0, |number| *number as i64));
     }
     Ok(())
 }

@@ -29,6 +29,52 @@ fn pressure(kind: PressureKind) -> NetworkSpec {
     NetworkSpec { pressures: vec![load], ..patch() }
 }
 
+/// A wind with a gust, over a table.
+fn stream() -> StreamSpec {
+    let wind = Series { t: vec![0.0, 1.0], value: vec![[1.0, -2.0, 4.0], [3.0, 0.5, -6.0]] };
+    let gusts = vec![GustSpec { velocity: [0.5, 1.0, -2.0], start: -3.0, duration: 8.0 }];
+    StreamSpec { gusts, ..StreamSpec::of_wind(wind) }
+}
+
+/// The same, with a wind and a density that change over the height.
+fn uneven_stream() -> StreamSpec {
+    let profile = Series { t: vec![-9.0, 11.0], value: vec![[-4.0, 1.0, 2.0], [3.0, -2.0, -5.0]] };
+    let atmosphere = AtmosphereSpec::Exponential { density: 1.3, scale_height: 3.0 };
+    StreamSpec { profile: Some(profile), atmosphere, altitude: 0.7, ..stream() }
+}
+
+fn canopy() -> Vec<CanopySpec> {
+    let triangles: Vec<u32> = (0..6).collect();
+    let pressure_coefficient = triangles.iter().map(|&t| 1.0 + 0.3 * f64::from(t)).collect();
+    let (skirt, apex, confluence) = (vec![2, 5, 7], vec![0, 1], vec![8]);
+    vec![CanopySpec { triangles, pressure_coefficient, skirt, apex, confluence, filling: None }]
+}
+
+/// The same while it fills.
+fn filling_canopy() -> Vec<CanopySpec> {
+    let filling = Some(FillingSpec { drag_area: 2.5, start: -4.0, duration: 9.0, exponent: 2.0 });
+    canopy().into_iter().map(|one| CanopySpec { filling, ..one }).collect()
+}
+
+fn line_drag() -> Vec<LineDragSpec> {
+    vec![LineDragSpec { edges: vec![0, 3, 4, 9], diameter: 0.2, coefficient: 1.1 }]
+}
+
+fn node_drag() -> Vec<NodeDragSpec> {
+    vec![NodeDragSpec { nodes: vec![1, 4, 6], drag_area: 0.4 }]
+}
+
+/// Terms whose forces also change with the height.
+pub fn uneven_scenes() -> Vec<(&'static str, NetworkSpec)> {
+    let air = |spec: NetworkSpec| NetworkSpec { stream: Some(uneven_stream()), ..spec };
+    vec![
+        ("canopy in uneven air", air(NetworkSpec { canopies: canopy(), ..patch() })),
+        ("filling canopy in uneven air", air(NetworkSpec { canopies: filling_canopy(), ..patch() })),
+        ("line drag in uneven air", air(NetworkSpec { line_drag: line_drag(), ..patch() })),
+        ("node drag in uneven air", air(NetworkSpec { node_drag: node_drag(), ..patch() })),
+    ]
+}
+
 /// Every term, alone in a scene, with its name.
 pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     let slacks = [
@@ -54,5 +100,9 @@ pub fn scenes() -> Vec<(&'static str, NetworkSpec)> {
     list.push(("dead pressure along the first normal", pressure(PressureKind::Dead(None))));
     let forces = vec![NodalLoad { nodes: vec![3, 8], force: [1.0, 2.0, 3.0], factor: None }];
     list.push(("nodal forces", NetworkSpec { forces, ..patch() }));
+    let air = |spec: NetworkSpec| NetworkSpec { stream: Some(stream()), ..spec };
+    list.push(("canopy", air(NetworkSpec { canopies: canopy(), ..patch() })));
+    list.push(("line drag", air(NetworkSpec { line_drag: line_drag(), ..patch() })));
+    list.push(("node drag", air(NetworkSpec { node_drag: node_drag(), ..patch() })));
     list
 }

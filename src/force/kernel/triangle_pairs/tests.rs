@@ -70,7 +70,7 @@ fn every_triangle_has_one_place_and_keeps_its_sense() {
         ("random", random, 0.0),
         ("none", Vec::new(), 0.0),
     ] {
-        let groups = arrange(&all);
+        let (groups, _) = arrange(&all);
         let (mut found, mut expected) = (triangles(&groups), all.clone());
         for list in [&mut found, &mut expected] {
             list.iter_mut().for_each(|nodes| *nodes = turned(*nodes));
@@ -86,7 +86,7 @@ fn every_triangle_has_one_place_and_keeps_its_sense() {
 #[test]
 fn pairs_push_as_their_triangles_do() {
     for (columns, lines) in [(2, 1), (3, 3), (5, 3), (5, 5), (7, 7)] {
-        let groups = arrange(&net(columns, lines));
+        let (groups, _) = arrange(&net(columns, lines));
         assert!(columns < 5 || groups.len() > 1);
         let (mut x, mut v) = (vectors(2), vectors(3));
         let (x, v) = (&*x.records(), &*v.records());
@@ -95,8 +95,11 @@ fn pairs_push_as_their_triangles_do() {
             let power = pass(f.records());
             (rows(f.records(), NODES).to_vec(), power)
         };
-        let pushed = found(&|f| run(PressurePass { law: &Law, groups: &groups, x, v, f }));
-        assert_eq!(pushed, found(&|f| PressurePass { law: &Law, groups: &groups, x, v, f }.run(Portable)));
+        let pushed = found(&|f| run(PressurePass { law: &Law, groups: &groups, factors: &[], x, v, f }));
+        assert_eq!(
+            pushed,
+            found(&|f| PressurePass { law: &Law, groups: &groups, factors: &[], x, v, f }.run(Portable))
+        );
         let (forces, power) = one_by_one(&triangles(&groups), [x, v]);
         assert!((pushed.1 - power).abs() < 1e-12, "{} for {power}", pushed.1);
         for (i, (found, force)) in pushed.0.iter().zip(&forces).enumerate() {
@@ -113,7 +116,7 @@ fn nodes_may_be_met_again() {
     let (mut x, mut v) = (vectors(7), vectors(8));
     let (x, v) = (&*x.records(), &*v.records());
     let mut f = LocalBuffer::new(0);
-    let power = run(PressurePass { law: &Law, groups: &[group], x, v, f: f.records() });
+    let power = run(PressurePass { law: &Law, groups: &[group], factors: &[], x, v, f: f.records() });
     let each = group.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>();
     let (forces, expected) = one_by_one(&each, [x, v]);
     assert!((power - expected).abs() < 1e-13);

@@ -1,0 +1,101 @@
+//! The stream that canopies, lines and payloads meet: wind over time and height, density over height.
+//!
+//! ```text
+//! w(t, z) = table(t) + sum of gusts(t) + profile(altitude + z),      gust(t) = A/2 (1 - cos(2 pi (t - t0)/T))
+//! ```
+//! Profile and atmosphere are functions of the height above sea level.
+
+use crate::force::law::atmosphere::density;
+use crate::force::law::series::{SampledTable, Table, interpolate};
+use crate::model::spec::{AtmosphereSpec, GustSpec, Series, StreamSpec};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A stream in a run.
+#[derive(Debug)]
+pub struct Stream {
+    /// [m/s] wind over time
+    table: Arc<Table<3>>,
+    /// whether the wind is held at a velocity, which stands in the table
+    held: AtomicBool,
+    gusts: Vec<GustSpec>,
+    /// [m, m/s] over the height above sea level
+    profile: Option<Series<[f64; 3]>>,
+    atmosphere: AtmosphereSpec,
+    /// [m] height of z = 0 above sea level
+    altitude: f64,
+}
+
+/// The air at a place and time.
+#[derive(Clone, Copy, Debug)]
+pub struct AirState {
+    /// [m/s] wind, and [1/s] its slope over height
+    pub wind: [Vector3<f64>; 2],
+    /// [kg/m^3] density, and [kg/m^4] its slope over height
+    pub density: [f64; 2],
+}
+
+/// [m/s] a one-minus-cosine gust at time `t` [s].
+fn gust(GustSpec { velocity, start, duration }: &GustSpec, t: f64) -> Vector3<f64> {
+    let phase = (t - start) / duration;
+    if !(0.0..=1.0).contains(&phase) {
+        return Vector3::zeros();
+    }
+    0.5 * (1.0 - (TAU * phase).cos()) * Vector3::from(*velocity)
+}
+
+impl Stream {
+    /// A stream whose wind has at least one row and increasing times.
+    pub fn new(spec: StreamSpec) -> Arc<Self> {
+        let StreamSpec { wind, gusts, profile, atmosphere, altitude } = spec;
+        let (table, held) = (Table::new(wind), AtomicBool::new(false));
+        Arc::new(Stream { table, held, gusts, profile, atmosphere, altitude })
+    }
+
+    /// Replaces the wind by a constant velocity [m/s] at all heights, or goes back to it.
+    pub fn hold(&self, wind: Option<[f64; 3]>) {
+        self.held.store(wind.is_some(), Ordering::Relaxed);
+        self.table.hold(wind);
+    }
+
+    fn is_held(&self) -> bool {
+        self.held.load(Ordering::Relaxed)
+    }
+
+    /// [m/s] The part of the wind that is the same at all heights.
+    pub fn uniform_wind(&self, t: f64) -> Vector3<f64> {
+        let gusts = if self.is_held() { &[][..] } else { &self.gusts };
+        gusts.iter().map(|one| gust(one, t)).fold(Vector3::from(self.table.at(t)), |sum, one| sum + one)
+    }
+
+    /// The air at time `t` [s] and the height `z` [m] of the scene.
+    pub fn at(&self, t: f64, z: f64) -> AirState {
+        let height = self.altitude + z;
+        let (mut wind, mut slope) = (self.uniform_wind(t), Vector3::zeros());
+        if let Some(profile) = self.profile.as_ref().filter(|_| !self.is_held()) {
+            wind += Vector3::from(interpolate(profile, height));
+            slope = Vector3::from(slope_of(profile, height));
+        }
+        AirState { wind: [wind, slope], density: density(self.atmosphere, height) }
+    }
+}
+
+impl SampledTable for Stream {
+    fn sample(&self, h: Option<f64>) {
+        self.table.sample(h);
+    }
+}
+
+/// The slope of a table that is linear between its rows, constant outside them; at a row that of the rows above.
+fn slope_of(series: &Series<[f64; 3]>, at: f64) -> [f64; 3] {
+    match series.t.partition_point(|&t| t <= at) {
+        0 => [0.0; 3],
+        n if n == series.t.len() => [0.0; 3],
+        n => {
+            let width = series.t[n] - series.t[n - 1];
+            std::array::from_fn(|i| (series.value[n][i] - series.value[n - 1][i]) / width)
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Rigged parachutes: a canopy cut to the pattern of its gores, with lines, riser and payload, as named groups.
+//!
+//! The axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals point
+//! outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there is no
+//! vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the lines,
+//! line by line; end of the riser and its inner nodes; particles of a rigid payload.
+
+mod assembly;
+mod cruciform;
+mod kind;
+mod profile;
+mod taylor;
+
+use super::source::{FaultSink, MAX_NODES, check_count, check_length};
+use super::{Mesh, MeshError};
+use assembly::Assembly;
+pub use kind::CanopyType;
+use profile::Profile;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// [-] largest number of gores and of segments of any part
+const MOST: usize = 10_000;
+/// [-] largest part of the nominal area that the vent may take
+const MOST_VENT: f64 = 0.5;
+/// [-] least height of the confluence below the skirt over the length of the lines: flatter lines define no axis
+const LEAST_HEIGHT: f64 = 1e-3;
+
+/// A parachute. The pattern is cut so that cloth, slots and vent together have the area pi D0^2/4.
+///
+/// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the cloth,
+/// and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along gaps),
+/// `vent-lines`, `lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload`
+/// (nodes).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParachuteParameters {
+    /// How the canopy is cut.
+    #[serde(rename = "type")]
+    pub kind: CanopyType,
+    /// [m] nominal diameter D0, the diameter of a circle with the area of cloth, slots and vent
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub nominal_diameter: f64,
+    /// [-] number of gores, which is that of the lines; even with vent lines, a multiple of 4 for a cruciform canopy
+    #[schemars(range(min = 3))]
+    pub gores: usize,
+    /// [m] diameter of the circle through the vent's corners; no vent if absent. The vent takes at most half of the
+    /// nominal area
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub vent_diameter: Option<f64>,
+    /// [-] rows of cloth from the vent to the skirt, shared over rings and bands by their width; along an arm of a
+    /// cruciform canopy
+    #[schemars(range(min = 1))]
+    pub radial_segments: usize,
+    /// [-] edges across a gore in every row; 1 if absent
+    #[serde(default = "one")]
+    #[schemars(range(min = 1))]
+    pub gore_segments: usize,
+    /// [rad] angle of a cone's surface below the horizontal
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone_angle: Option<f64>,
+    /// [rad] angles of two or three cones, from the apex outwards
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone_angles: Option<Vec<f64>>,
+    /// [-] where the cone angle changes, as rising parts of the gore's length; equal parts if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone_breaks: Option<Vec<f64>>,
+    /// [-] length of an extended skirt over the diameter of the flat part; 0.1 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skirt_extension: Option<f64>,
+    /// [-] width over length of the strips of a cruciform canopy; 1/3 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arm_ratio: Option<f64>,
+    /// [-] number of rings of a ringslot canopy
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rings: Option<usize>,
+    /// [-] area of the slots of a ringslot canopy over the nominal area
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slot_porosity: Option<f64>,
+    /// [-] diameter of the disc over D0; `disk`, `gap` and `band` are scaled together to give the nominal area; 0.72 if
+    /// absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disk: Option<f64>,
+    /// [-] height of the gap over D0; 0.042 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// [-] height of the band over D0; 0.121 if absent
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<f64>,
+    /// Whether n/2 lines cross the vent, each from corner to corner without a node between; if absent, with a vent except
+    /// that of type `annular`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vent_lines: Option<bool>,
+    /// Suspension lines from the skirt to the confluence; without them there is only the canopy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lines: Option<LineParameters>,
+    /// A line from the confluence down to the payload; the payload is at the confluence if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub riser: Option<LineParameters>,
+    /// A rigid payload; a point if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload: Option<PayloadParameters>,
+    /// A reefing line around the skirt.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reefing: Option<ReefingParameters>,
+    /// The shape at the start.
+    #[serde(default)]
+    pub start: StartShape,
+}
+
+/// Straight lines of equal segments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LineParameters {
+    /// [m] length
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length: f64,
+    /// [-] number of edges of each line; 1 if absent
+    #[serde(default = "one")]
+    #[schemars(range(min = 1))]
+    pub segments: usize,
+}
+
+/// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.
+///
+/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--), (-+-)
+/// and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead from the end
+/// of the riser to them. Their masses come from `mass.points` with the group `payload`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadParameters {
+    /// [m] edges of a box of even density along x, y and z
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub sides: Option<[f64; 3]>,
+    /// [m] radii of gyration sqrt(I/m) about x, y and z through the centre; each square below the sum of the others
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii_of_gyration: Option<[f64; 3]>,
+    /// [m] distance from the end of the riser down to the centre, more than the half height of the particles
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub below_riser: f64,
+}
+
+/// A reefing line: a ring of edges from line to line along the skirt. Their springs get their rest length, pi times the
+/// diameter over the number of gores, from the rule for the group `reefing`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReefingParameters {
+    /// [m] length of the reefing line over pi; with the start `inflated` the skirt starts at this size
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub diameter: f64,
+}
+
+/// The shape at the start. Masses and rest lengths are those of the pattern in any shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartShape {
+    /// The pattern as it is cut, above straight lines.
+    #[default]
+    Flat,
+    /// The shape of Taylor (1919) under an even pressure: no stress across the gores, whose cloth is slack there. For
+    /// patterns that are wide enough everywhere: flat ones, and the extended skirt.
+    Inflated,
+}
+
+fn one() -> usize {
+    1
+}
+
+/// Sizes of a parachute's pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParachuteSizes {
+    /// [m^2] nominal area S0 of cloth, gaps and vent
+    pub nominal_area: f64,
+    /// [m^2] area of the cloth
+    pub cloth_area: f64,
+    /// [m] constructed diameter: of the circle inside the skirt, as constructed
+    pub constructed_diameter: f64,
+    /// [m] length of the gore's centre line from the apex to the skirt; of a strip of a cruciform canopy
+    pub gore_length: f64,
+}
+
+impl ParachuteParameters {
+    /// Reports every value out of range; `at` is the JSON pointer of this section.
+    pub fn check(&self, at: &str, faults: FaultSink<'_>) {
+        check_length(at, "nominal_diameter", self.nominal_diameter, faults);
+        check_count(at, "gores", self.gores, [3, MOST], faults);
+        check_count(at, "radial_segments", self.radial_segments, [1, MOST], faults);
+        check_count(at, "gore_segments", self.gore_segments, [1, MOST], faults);
+        let rows = self.radial_segments.saturating_add(self.rings.unwrap_or(1)).saturating_add(2);
+        let of_canopy = self.gores.saturating_mul(self.gore_segments).saturating_mul(rows);
+        let of_lines = self.lines.map_or(0, |lines| self.gores.saturating_mul(lines.segments));
+        if of_canopy.saturating_add(of_lines) > MAX_NODES {
+            let value = format!("about {} nodes", of_canopy.saturating_add(of_lines));
+            faults(at, value, format!("at most {MAX_NODES} nodes"), "take fewer segments".into());
+        }
+        self.check_kind(at, faults);
+        self.check_vent(at, faults);
+        for (key, lines) in [("lines", self.lines), ("riser", self.riser)] {
+            if let Some(LineParameters { length, segments }) = lines {
+                let at = format!("{at}/{key}");
+                check_length(&at, "length", length, faults);
+                check_count(&at, "segments", segments, [1, MOST], faults);
+            }
+        }
+        for (key, given) in [("riser", self.riser.is_some()), ("payload", self.payload.is_some())] {
+            if given && self.lines.is_none() {
+                let hint = "give `lines`, or leave it out".to_owned();
+                faults(&format!("{at}/{key}"), "without lines".into(), "only below suspension lines".into(), hint);
+            }
+        }
+        if let Some(payload) = &self.payload {
+            payload.check(&format!("{at}/payload"), faults);
+        }
+        if let Some(reefing) = &self.reefing {
+            check_length(&format!("{at}/reefing"), "diameter", reefing.diameter, faults);
+        }
+        if self.start == StartShape::Inflated && self.lines.is_none() {
+            let hint = "give `lines`, or start flat".to_owned();
+            faults(&format!("{at}/start"), "inflated".into(), "an inflated start needs lines".into(), hint);
+        }
+    }
+
+    fn check_vent(&self, at: &str, faults: FaultSink<'_>) {
+        let Some(vent) = self.vent_diameter else {
+            if self.vent_lines == Some(true) {
+                let hint = "give `vent_diameter`, or leave it out".to_owned();
+                faults(&format!("{at}/vent_lines"), "true".into(), "vent lines need a vent".into(), hint);
+            }
+            return;
+        };
+        check_length(at, "vent_diameter", vent, faults);
+        let most = self.nominal_diameter * MOST_VENT.sqrt();
+        if self.nominal_diameter > 0.0 && vent > most && vent.is_finite() {
+            let allowed = format!("at most {most:.6}, half of the nominal area");
+            let hint = "the canopy would be more vent than cloth; make the vent smaller".to_owned();
+            faults(&format!("{at}/vent_diameter"), vent.to_string(), allowed, hint);
+        }
+        if self.has_vent_lines() && self.gores % 2 != 0 {
+            let hint =
+                "each vent line joins opposite corners of the vent; say \"vent_lines\": false without them".to_owned();
+            faults(&format!("{at}/gores"), self.gores.to_string(), "an even number with vent lines".into(), hint);
+        }
+    }
+
+    fn has_vent_lines(&self) -> bool {
+        self.vent_diameter.is_some() && self.vent_lines.unwrap_or(self.kind != CanopyType::Annular)
+    }
+
+    /// The sizes of the pattern; the parameters must have passed [`ParachuteParameters::check`].
+    ///
+    /// # Errors
+    /// A vent that leaves no cloth, and too few rows.
+    pub fn sizes(&self) -> Result<ParachuteSizes, MeshError> {
+        if self.kind == CanopyType::Cruciform {
+            return Ok(cruciform::Cross::of(self).sizes());
+        }
+        let profile = Profile::of(self)?;
+        let Profile { nominal_area, cloth_area, gore_length, .. } = profile;
+        let constructed_diameter = 2.0 * profile.rows.iter().map(|row| row.apothem).fold(0.0, f64::max);
+        Ok(ParachuteSizes { nominal_area, cloth_area, constructed_diameter, gore_length })
+    }
+
+    /// Makes the mesh; the parameters must have passed [`ParachuteParameters::check`].
+    ///
+    /// # Errors
+    /// A vent that leaves no cloth, too few rows, lines that are too short, and a start shape that does not exist.
+    pub fn build(&self) -> Result<Mesh, MeshError> {
+        let mut parts = Assembly::default();
+        match self.kind {
+            CanopyType::Cruciform => cruciform::Cross::of(self).add_to(&mut parts),
+            _ => parts.add_gores(self, &Profile::of(self)?),
+        }
+        if let Some(lines) = self.lines {
+            parts.add_rig(self, lines)?;
+        }
+        if self.reefing.is_some() {
+            parts.add_reefing();
+        }
+        if self.start == StartShape::Inflated {
+            parts.inflate(self)?;
+        }
+        Ok(parts.into_mesh())
+    }
+}
+
+impl PayloadParameters {
+    fn check(&self, at: &str, faults: FaultSink<'_>) {
+        let positive = |v: &[f64; 3]| v.iter().all(|c| c.is_finite() && *c > 0.0);
+        match (self.sides, self.radii_of_gyration) {
+            (Some(sides), None) if !positive(&sides) => {
+                faults(
+                    &format!("{at}/box"),
+                    format!("{sides:?}"),
+                    "three lengths above 0".into(),
+                    "give metres".into(),
+                );
+            }
+            (None, Some(radii)) if !positive(&radii) || self.half_axes().is_none() => {
+                let allowed =
+                    "three lengths above 0, the square of each below the sum of the other two squares".to_owned();
+                let hint = "no body has other moments of inertia".to_owned();
+                faults(&format!("{at}/radii_of_gyration"), format!("{radii:?}"), allowed, hint);
+            }
+            (Some(_), None) | (None, Some(_)) => {}
+            _ => {
+                let hint = "keep or add one".to_owned();
+                faults(at, "its size".into(), "exactly one of box and radii_of_gyration".into(), hint);
+            }
+        }
+        check_length(at, "below_riser", self.below_riser, faults);
+        if let Some([_, _, height]) =
+            self.half_axes().filter(|axes| self.below_riser > 0.0 && axes[2] >= self.below_riser)
+        {
+            let allowed = format!("above {height:.6}, the half height of the particles");
+            let hint = "lower the payload: its slings must pull upwards".to_owned();
+            faults(&format!("{at}/below_riser"), self.below_riser.to_string(), allowed, hint);
+        }
+    }
+
+    /// [m] Distances of the particles from the centre along x, y and z: a_x^2 = (k_y^2 + k_z^2 - k_x^2)/2 of the radii of
+    /// gyration k, and cyclic; `None` if no body has these.
+    pub(crate) fn half_axes(&self) -> Option<[f64; 3]> {
+        let squares = match (self.sides, self.radii_of_gyration) {
+            (Some(sides), _) => sides.map(|side| side * side / 12.0),
+            (None, Some(radii)) => {
+                let [x, y, z] = radii.map(|k| k * k);
+                [y + z - x, z + x - y, x + y - z].map(|sum| 0.5 * sum)
+            }
+            (None, None) => return None,
+        };
+        squares.iter().all(|s| *s > 0.0).then(|| squares.map(f64::sqrt))
+    }
+}
+
+/// [m] Distance of the skirt's corners from the axis at which a reefing line of this diameter is taut.
+fn reefed_radius(reefing: ReefingParameters, gores: usize) -> f64 {
+    let n = gores as f64;
+    0.5 * PI * reefing.diameter / (n * (PI / n).sin())
+}

@@ -1,0 +1,275 @@
+//! The parts of a parachute put together: nodes, triangles, named edges.
+
+use super::profile::Profile;
+use super::taylor::{Meridian, SkirtHold};
+use super::{LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
+use crate::mesh::{Group, Groups, Mesh, MeshError, topology};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::{PI, TAU};
+
+/// [-] part by which a row of the inflated shape may be wider than the pattern, for patterns of many small steps
+const WIDER: f64 = 1e-3;
+
+/// A parachute in the making.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assembly {
+    pub nodes: Vec<Vector3<f64>>,
+    pub triangles: Vec<[u32; 3]>,
+    /// edges by the name of their group; those of triangles too
+    pub edges: Vec<(&'static str, [u32; 2])>,
+    pub node_groups: BTreeMap<&'static str, Vec<u32>>,
+    /// nodes at which lines begin, counter-clockwise
+    pub corners: Vec<u32>,
+    /// rows of gores, from the vent or apex to the skirt
+    rows: Vec<Vec<u32>>,
+    /// [m] distance along a radial from the apex of the pattern to the first row
+    tip: f64,
+    /// nodes of each line from the corner to the confluence, ends included
+    lines: Vec<Vec<u32>>,
+    displacement: Vec<[f64; 3]>,
+}
+
+impl Assembly {
+    pub fn add_node(&mut self, place: Vector3<f64>) -> u32 {
+        self.nodes.push(place);
+        self.nodes.len() as u32 - 1
+    }
+
+    fn at(&self, node: u32) -> Vector3<f64> {
+        self.nodes[node as usize]
+    }
+
+    /// Adds a canopy of gores.
+    pub fn add_gores(&mut self, p: &ParachuteParameters, profile: &Profile) {
+        let (n, across) = (p.gores, p.gore_segments);
+        // The radials run along the corners, which are farther from the axis than the gores' centre lines.
+        let to_corner = 1.0 / (PI / n as f64).cos();
+        for row in &profile.rows {
+            let corner = |gore: usize| {
+                let (sin, cos) = (TAU * (gore % n) as f64 / n as f64).sin_cos();
+                Vector3::new(row.apothem * to_corner * cos, row.apothem * to_corner * sin, row.height)
+            };
+            let nodes = if row.apothem == 0.0 {
+                vec![self.add_node(corner(0))]
+            } else {
+                let places = (0..n * across).map(|i| {
+                    let part = (i % across) as f64 / across as f64;
+                    (1.0 - part) * corner(i / across) + part * corner(i / across + 1)
+                });
+                places.collect::<Vec<_>>().into_iter().map(|place| self.add_node(place)).collect()
+            };
+            self.rows.push(nodes);
+        }
+        for (i, pair) in profile.rows.windows(2).enumerate() {
+            self.add_band(i, across, !pair[1].after_gap);
+        }
+        let [first, last] = [0, self.rows.len() - 1];
+        let outer = self.rows[last].clone();
+        self.add_ring("skirt", last);
+        self.corners = outer.iter().copied().step_by(across).collect();
+        self.node_groups.insert("skirt", outer);
+        let inner = self.rows[first].clone();
+        if inner.len() == 1 {
+            self.node_groups.insert("apex", inner);
+        } else {
+            self.tip = (profile.rows[0].apothem * to_corner).hypot(profile.apex_height - profile.rows[0].height);
+            self.add_ring("vent", first);
+            if p.has_vent_lines() {
+                let corner = |gore: usize| inner[gore * across];
+                self.edges.extend((0..n / 2).map(|gore| ("vent-lines", [corner(gore), corner(gore + n / 2)])));
+            }
+            self.node_groups.insert("vent", inner);
+        }
+        for i in (1..profile.rows.len()).filter(|&i| profile.rows[i].after_gap) {
+            self.add_ring("rims", i - 1);
+            self.add_ring("rims", i);
+        }
+    }
+
+    /// Radials and cloth between row `i` and the next one.
+    fn add_band(&mut self, i: usize, across: usize, cloth: bool) {
+        let (inner, outer) = (&self.rows[i], &self.rows[i + 1]);
+        let node = |row: &[u32], at: usize| row[at % row.len()];
+        for at in (0..outer.len()).step_by(across) {
+            self.edges.push(("radials", [node(inner, at), node(outer, at)]));
+        }
+        for at in (0..outer.len()).filter(|_| cloth) {
+            let [a, b, c, d] = [node(inner, at), node(outer, at), node(outer, at + 1), node(inner, at + 1)];
+            // Diagonals mirror each other about the centre of the gore; those on it take turns from row to row.
+            let to_centre = match (2 * (at % across) + 1).cmp(&across) {
+                std::cmp::Ordering::Less => true,
+                std::cmp::Ordering::Equal => i.is_multiple_of(2),
+                std::cmp::Ordering::Greater => false,
+            };
+            match (inner.len(), to_centre) {
+                (1, _) => self.triangles.push([a, b, c]),
+                (_, true) => self.triangles.extend([[a, b, d], [b, c, d]]),
+                (_, false) => self.triangles.extend([[a, b, c], [a, c, d]]),
+            }
+        }
+    }
+
+    /// Names the edges along a row.
+    fn add_ring(&mut self, name: &'static str, row: usize) {
+        let row = &self.rows[row];
+        let next = row.iter().skip(1).chain(row.first());
+        self.edges.extend(row.iter().zip(next).map(|(&a, &b)| (name, [a, b])));
+    }
+
+    /// Adds a straight line between two nodes; returns all its nodes.
+    fn add_line(&mut self, name: &'static str, [from, to]: [u32; 2], segments: usize) -> Vec<u32> {
+        let (start, end) = (self.at(from), self.at(to));
+        let part = |i: usize| i as f64 / segments as f64;
+        let inner: Vec<u32> = (1..segments).map(|i| self.add_node(start.lerp(&end, part(i)))).collect();
+        let nodes = [&[from], &inner[..], &[to]].concat();
+        self.edges.extend(nodes.windows(2).map(|pair| (name, [pair[0], pair[1]])));
+        nodes
+    }
+
+    /// Adds lines, confluence, riser and payload.
+    ///
+    /// # Errors
+    /// Lines that do not reach the axis.
+    pub fn add_rig(&mut self, p: &ParachuteParameters, lines: LineParameters) -> Result<(), MeshError> {
+        let from_axis = |node: &u32| self.at(*node).xy().norm();
+        let radius = self.corners.iter().map(from_axis).fold(0.0, f64::max);
+        let height = (lines.length * lines.length - radius * radius).sqrt();
+        // Also false for the root of a negative number.
+        if !(height >= LEAST_HEIGHT * lines.length) {
+            return Err(MeshError::Parameter {
+                pointer: "/parachute/lines/length".to_owned(),
+                value: lines.length.to_string(),
+                allowed: format!(
+                    "above {:.6}: the skirt's corners are {radius:.6} m from the axis, where the lines meet",
+                    radius / (1.0 - LEAST_HEIGHT * LEAST_HEIGHT).sqrt()
+                ),
+                hint: "take longer lines; usual ones have 0.8 to 1.0 nominal diameters".to_owned(),
+            });
+        }
+        let confluence = self.add_node(Vector3::new(0.0, 0.0, -height));
+        for corner in self.corners.clone() {
+            let nodes = self.add_line("lines", [corner, confluence], lines.segments);
+            self.lines.push(nodes);
+        }
+        let mut end = confluence;
+        if let Some(riser) = p.riser {
+            end = self.add_node(self.at(confluence) - Vector3::z() * riser.length);
+            self.add_line("riser", [confluence, end], riser.segments);
+        }
+        self.node_groups.insert("confluence", vec![confluence]);
+        let axes = p.payload.and_then(|payload| Some((payload.half_axes()?, payload.below_riser)));
+        let payload = match axes {
+            None => vec![end],
+            Some((axes, below)) => {
+                let centre = self.at(end) - Vector3::z() * below;
+                let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+                let particle = |s: [f64; 3]| centre + Vector3::from(s).component_mul(&Vector3::from(axes));
+                let particles = signs.map(|signs| self.add_node(particle(signs)));
+                self.edges.extend(particles.map(|particle| ("slings", [end, particle])));
+                let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+                self.edges.extend(pairs.map(|pair| ("payload-bars", pair.map(|i: usize| particles[i]))));
+                particles.to_vec()
+            }
+        };
+        self.node_groups.insert("payload", payload);
+        Ok(())
+    }
+
+    /// Adds the reefing line from corner to corner.
+    pub fn add_reefing(&mut self) {
+        let next = self.corners.iter().skip(1).chain(self.corners.first());
+        let ring: Vec<_> = self.corners.iter().zip(next).map(|(&a, &b)| ("reefing", [a, b])).collect();
+        self.edges.extend(ring);
+    }
+
+    /// Displaces canopy and lines to Taylor's shape; the confluence stays where it is.
+    ///
+    /// # Errors
+    /// A pattern that is too narrow for the shape.
+    pub fn inflate(&mut self, p: &ParachuteParameters) -> Result<(), MeshError> {
+        let Some(lines) = p.lines else { return Ok(()) };
+        let refuse = |allowed: String| MeshError::Parameter {
+            pointer: "/parachute/start".to_owned(),
+            value: "inflated".to_owned(),
+            allowed,
+            hint: "start \"flat\": the constructed shape of such a canopy is near its inflated one".to_owned(),
+        };
+        let Some(first) = self.rows.first().and_then(|row| row.first()) else {
+            return Err(refuse("a canopy of gores".to_owned()));
+        };
+        // Arc lengths along the first radial.
+        let mut from = self.at(*first);
+        let mut at = self.tip;
+        let mut arcs = Vec::new();
+        for row in &self.rows {
+            let corner = self.at(row[0]);
+            at += (corner - from).norm();
+            from = corner;
+            arcs.push(at);
+        }
+        let none = || refuse("a canopy and lines that have this shape".to_owned());
+        let mut meridian = Meridian::of(at, SkirtHold::Lines(lines.length)).ok_or_else(none)?;
+        if let Some(ring) = p.reefing.map(|reefing| reefed_radius(reefing, p.gores))
+            && ring < meridian.at(at)[0]
+        {
+            meridian = Meridian::of(at, SkirtHold::Ring(ring)).ok_or_else(none)?;
+        }
+        let Some(confluence) = self.lines.first().and_then(|line| line.last()).map(|node| self.at(*node)) else {
+            return Ok(());
+        };
+        let skirt = meridian.at(at)[0];
+        let skirt_height = confluence.z + (lines.length * lines.length - skirt * skirt).sqrt();
+        let mut moved = self.nodes.clone();
+        for (row, arc) in self.rows.iter().zip(arcs) {
+            let [radius, height] = meridian.at(arc);
+            let pattern = self.at(row[0]).xy().norm();
+            if radius > pattern * (1.0 + WIDER) {
+                let excess = 100.0 * (radius / pattern - 1.0);
+                return Err(refuse(format!(
+                    "a pattern that is wide enough: Taylor's shape stretches the gores by {excess:.1} % at {arc:.3} m from the apex"
+                )));
+            }
+            let scale = if pattern > 0.0 { radius / pattern } else { 0.0 };
+            for &node in row {
+                let place = self.at(node);
+                moved[node as usize] = Vector3::new(scale * place.x, scale * place.y, skirt_height + height);
+            }
+        }
+        for line in &self.lines {
+            let [Some(&from), Some(&to)] = [line.first(), line.last()] else { continue };
+            let (start, end) = (moved[from as usize], moved[to as usize]);
+            for (i, &node) in line.iter().enumerate() {
+                moved[node as usize] = start.lerp(&end, i as f64 / (line.len() - 1) as f64);
+            }
+        }
+        self.displacement = moved.iter().zip(&self.nodes).map(|(to, from)| (to - from).into()).collect();
+        Ok(())
+    }
+
+    /// The mesh: edges of the cloth first, sorted by their nodes, then the others.
+    pub fn into_mesh(self) -> Mesh {
+        let mut edges = topology::unique_edges(&self.triangles);
+        let cloth = edges.len() as u32;
+        let key = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+        let mut known: HashMap<[u32; 2], u32> = edges.iter().copied().zip(0..).collect();
+        let mut members: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
+        for (name, pair) in self.edges {
+            let edge = *known.entry(key(pair)).or_insert_with(|| {
+                edges.push(pair);
+                edges.len() as u32 - 1
+            });
+            members.entry(name).or_default().push(edge);
+        }
+        let mut groups: Groups =
+            members.into_iter().map(|(name, edges)| (name.to_owned(), Group::of_edges(edges))).collect();
+        for (name, nodes) in self.node_groups {
+            groups.entry(name.to_owned()).or_default().nodes = Group::of_nodes(nodes).nodes;
+        }
+        groups.insert("cloth".to_owned(), Group::of_edges(0..cloth));
+        let triangles = (0..self.triangles.len() as u32).collect();
+        groups.insert("canopy".to_owned(), Group { triangles, ..Group::default() });
+        let nodes = self.nodes.into_iter().map(Into::into).collect();
+        Mesh { nodes, edges, triangles: self.triangles, groups, displacement: self.displacement, ..Mesh::default() }
+    }
+}

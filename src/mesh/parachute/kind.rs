@@ -1,0 +1,164 @@
+//! The types of canopies, and the parameters that belong to some of them only.
+
+use super::ParachuteParameters;
+use crate::mesh::source::FaultSink;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// [-] length of an extended skirt over the diameter of the flat part, if not given
+const SKIRT_EXTENSION: f64 = 0.1;
+/// [-] width over length of a strip of a cruciform canopy, if not given
+const ARM_RATIO: f64 = 1.0 / 3.0;
+/// [-] diameter of the disc, height of the gap and of the band over D0, if not given: those of the Viking canopy. The
+/// Tianwen-1 canopy has 0.722, 0.043 and 0.122 (Space: Science & Technology 2022, 9805457, table 3).
+const VIKING: [f64; 3] = [0.72, 0.042, 0.121];
+
+/// How the canopy is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CanopyType {
+    /// A flat disc of triangular gores.
+    FlatCircular,
+    /// A cone; needs `cone_angle`.
+    Conical,
+    /// Two cones, the outer one steeper; needs `cone_angles`.
+    Biconical,
+    /// Three cones; needs `cone_angles`.
+    Triconical,
+    /// Half a sphere.
+    Hemispherical,
+    /// A flat disc with a cylinder below it, `skirt_extension` long.
+    ExtendedSkirt,
+    /// A flat ring; needs `vent_diameter`, and has no vent lines unless they are asked for.
+    Annular,
+    /// Two crossing strips of the ratio `arm_ratio`; `gores` counts its lines, a multiple of four.
+    Cruciform,
+    /// Flat rings with slots between them; needs `rings` and `slot_porosity`.
+    Ringslot,
+    /// A flat disc, a gap and a cylinder: `disk`, `gap` and `band`.
+    DiskGapBand,
+}
+
+impl CanopyType {
+    fn name(self) -> String {
+        serde_json::to_value(self).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    }
+}
+
+impl ParachuteParameters {
+    /// [-] Length of the extended skirt over the diameter of the flat part.
+    pub(super) fn skirt_extension(&self) -> f64 {
+        self.skirt_extension.unwrap_or(SKIRT_EXTENSION)
+    }
+
+    /// [-] Width over length of a strip.
+    pub(super) fn arm_ratio(&self) -> f64 {
+        self.arm_ratio.unwrap_or(ARM_RATIO)
+    }
+
+    /// [-] Where the cone angle changes, as parts of the gore's length; equal parts if not given.
+    pub(super) fn cone_breaks(&self) -> Vec<f64> {
+        let count = self.cone_angles.as_ref().map_or(1, Vec::len);
+        let equal = || (1..count).map(|i| i as f64 / count as f64).collect();
+        self.cone_breaks.clone().unwrap_or_else(equal)
+    }
+
+    /// [-] Diameter of the disc, heights of gap and band, in proportion to each other.
+    pub(super) fn disk_gap_band(&self) -> [f64; 3] {
+        [self.disk.unwrap_or(VIKING[0]), self.gap.unwrap_or(VIKING[1]), self.band.unwrap_or(VIKING[2])]
+    }
+
+    /// Reports parameters that the type does not have, that it needs, or that are out of range.
+    pub(super) fn check_kind(&self, at: &str, faults: FaultSink<'_>) {
+        use CanopyType::{Biconical, Conical, Cruciform, DiskGapBand, ExtendedSkirt, Ringslot, Triconical};
+        let owners: [(&str, bool, &[CanopyType]); 10] = [
+            ("cone_angle", self.cone_angle.is_some(), &[Conical]),
+            ("cone_angles", self.cone_angles.is_some(), &[Biconical, Triconical]),
+            ("cone_breaks", self.cone_breaks.is_some(), &[Biconical, Triconical]),
+            ("skirt_extension", self.skirt_extension.is_some(), &[ExtendedSkirt]),
+            ("arm_ratio", self.arm_ratio.is_some(), &[Cruciform]),
+            ("rings", self.rings.is_some(), &[Ringslot]),
+            ("slot_porosity", self.slot_porosity.is_some(), &[Ringslot]),
+            ("disk", self.disk.is_some(), &[DiskGapBand]),
+            ("gap", self.gap.is_some(), &[DiskGapBand]),
+            ("band", self.band.is_some(), &[DiskGapBand]),
+        ];
+        for (key, given, types) in owners {
+            if given && !types.contains(&self.kind) {
+                let names: Vec<String> = types.iter().map(|t| format!("\"{}\"", t.name())).collect();
+                let hint = "leave it out, or change the type".to_owned();
+                faults(&format!("{at}/{key}"), "given".into(), format!("only with type {}", names.join(" or ")), hint);
+            }
+        }
+        let needed = |key: &str, faults: FaultSink<'_>| {
+            let allowed = format!("a value: type \"{}\" needs it", self.kind.name());
+            faults(&format!("{at}/{key}"), "(missing)".into(), allowed, "give it".into());
+        };
+        let mut number = |key: &str, value: Option<f64>, [low, high]: [f64; 2]| {
+            if let Some(value) = value.filter(|v| !(*v > low && *v < high)) {
+                let allowed =
+                    if high.is_finite() { format!("above {low} and below {high}") } else { format!("above {low}") };
+                faults(&format!("{at}/{key}"), value.to_string(), allowed, "correct it".into());
+            }
+        };
+        number("cone_angle", self.cone_angle, [0.0, FRAC_PI_2]);
+        number("skirt_extension", self.skirt_extension, [0.0, f64::INFINITY]);
+        number("arm_ratio", self.arm_ratio, [0.0, 1.0]);
+        number("slot_porosity", self.slot_porosity, [0.0, 0.5]);
+        for (key, value) in [("disk", self.disk), ("gap", self.gap), ("band", self.band)] {
+            number(key, value, [0.0, f64::INFINITY]);
+        }
+        match self.kind {
+            Conical if self.cone_angle.is_none() => needed("cone_angle", faults),
+            Biconical | Triconical => self.check_cones(at, faults),
+            Ringslot => {
+                match self.rings {
+                    None => needed("rings", faults),
+                    Some(rings) if !(2..=1000).contains(&rings) => {
+                        faults(&format!("{at}/rings"), rings.to_string(), "2 to 1000".into(), "correct it".into());
+                    }
+                    Some(_) => {}
+                }
+                if self.slot_porosity.is_none() {
+                    needed("slot_porosity", faults);
+                }
+            }
+            CanopyType::Annular if self.vent_diameter.is_none() => needed("vent_diameter", faults),
+            Cruciform => {
+                if self.gores % 4 != 0 || self.gores < 8 {
+                    let hint =
+                        "each of the four ends carries a quarter of the lines, one at each of its corners".to_owned();
+                    faults(&format!("{at}/gores"), self.gores.to_string(), "a multiple of 4, at least 8".into(), hint);
+                }
+                if self.vent_diameter.is_some() {
+                    let hint = "leave it out".to_owned();
+                    faults(
+                        &format!("{at}/vent_diameter"),
+                        "given".into(),
+                        "no vent in a cruciform canopy".into(),
+                        hint,
+                    );
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn check_cones(&self, at: &str, faults: FaultSink<'_>) {
+        let count = if self.kind == CanopyType::Biconical { 2 } else { 3 };
+        let shown = |list: &Option<Vec<f64>>| list.as_ref().map_or("(missing)".to_owned(), |list| format!("{list:?}"));
+        let angles = self.cone_angles.as_deref().unwrap_or_default();
+        if angles.len() != count || !angles.iter().all(|a| (0.0..FRAC_PI_2).contains(a)) {
+            let allowed = format!("{count} angles from 0 to below pi/2, from the apex outwards");
+            faults(&format!("{at}/cone_angles"), shown(&self.cone_angles), allowed, "give radians".into());
+        }
+        let ends: Vec<f64> = [vec![0.0], self.cone_breaks.clone().unwrap_or_default(), vec![1.0]].concat();
+        let rises = ends.windows(2).all(|pair| pair[0] < pair[1]);
+        if self.cone_breaks.is_some() && (ends.len() != count + 1 || !rises) {
+            let allowed = format!("{} rising numbers between 0 and 1", count - 1);
+            let hint = "where the angle changes, as parts of the gore's length".to_owned();
+            faults(&format!("{at}/cone_breaks"), shown(&self.cone_breaks), allowed, hint);
+        }
+    }
+}

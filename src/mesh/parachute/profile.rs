@@ -1,0 +1,249 @@
+//! The profile of a gore: rows of nodes from the vent to the skirt.
+//!
+//! A gore is a sequence of flat trapezoids. A row crosses it straight, at the apothem r (the distance of the gore's
+//! centre line from the axis) and the height z; its width is 2 r tan(pi/n). With n gores the trapezoids between two rows
+//! have the area n tan(pi/n) (r1 + r2) ds, ds being the distance of the rows along the centre line.
+
+use super::ParachuteParameters;
+use super::kind::CanopyType;
+use crate::mesh::MeshError;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// [-] relative error of the nominal area at which the size of a canopy counts as found
+const AREA_TOLERANCE: f64 = 1e-15;
+
+/// A row of nodes across a gore.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    /// [m] distance of the gore's centre line from the axis
+    pub apothem: f64,
+    /// [m] height above the skirt
+    pub height: f64,
+    /// whether there is no cloth between this row and the one before
+    pub after_gap: bool,
+}
+
+/// The curve of a part of the centre line, from the apex outwards; radii and heights [m] in the pattern's own frame.
+#[derive(Clone, Copy, Debug)]
+enum Curve {
+    /// a straight line between two points (r, z)
+    Straight([[f64; 2]; 2]),
+    /// a circle of this radius from an angle to its widest place, the angle being 0 at the apex [m, rad]
+    Arc { radius: f64, from: f64 },
+}
+
+impl Curve {
+    fn length(self) -> f64 {
+        match self {
+            Self::Straight([from, to]) => (to[0] - from[0]).hypot(to[1] - from[1]),
+            Self::Arc { radius, from } => radius * (FRAC_PI_2 - from),
+        }
+    }
+
+    /// The point at a part of its length.
+    fn at(self, part: f64) -> [f64; 2] {
+        match self {
+            Self::Straight([from, to]) => [0, 1].map(|c| (1.0 - part) * from[c] + part * to[c]),
+            // The skirt is exactly as wide as the sphere.
+            Self::Arc { radius, .. } if part == 1.0 => [radius, -radius],
+            Self::Arc { radius, from } => {
+                let (sin, cos) = (from + (FRAC_PI_2 - from) * part).sin_cos();
+                [radius * sin, radius * cos - radius]
+            }
+        }
+    }
+
+    /// The rest of it from where it is `apothem` from the axis; `None` if it does not reach farther.
+    fn beyond(self, apothem: f64) -> Option<Self> {
+        match self {
+            Self::Straight([from, to]) => {
+                let part = (apothem - from[0]) / (to[0] - from[0]);
+                let start = [apothem, (1.0 - part) * from[1] + part * to[1]];
+                (0.0..1.0).contains(&part).then_some(Self::Straight([start, to]))
+            }
+            Self::Arc { radius, .. } => {
+                (apothem < radius).then(|| Self::Arc { radius, from: (apothem / radius).asin() })
+            }
+        }
+    }
+}
+
+/// A part of the centre line, of cloth or open.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    curve: Curve,
+    cloth: bool,
+}
+
+/// The rows of a canopy, from the vent or the apex to the skirt.
+#[derive(Clone, Debug)]
+pub(super) struct Profile {
+    /// rows; the first is the vent's, or the apex with an apothem of 0
+    pub rows: Vec<Row>,
+    /// [m^2] nominal area S0: cloth, gaps and vent
+    pub nominal_area: f64,
+    /// [m^2] cloth
+    pub cloth_area: f64,
+    /// [m] height of the pattern's apex above the skirt; a vent is cut out below it
+    pub apex_height: f64,
+    /// [m] length of the gore's centre line from the apex to the skirt
+    pub gore_length: f64,
+}
+
+impl Profile {
+    /// The profile whose nominal area is that of the nominal diameter.
+    ///
+    /// # Errors
+    /// A vent or a gap that leaves no cloth, and too few rows.
+    pub fn of(p: &ParachuteParameters) -> Result<Self, MeshError> {
+        let wanted = 0.25 * PI * p.nominal_diameter * p.nominal_diameter;
+        let mut size = 0.5 * p.nominal_diameter;
+        // The area is nearly the square of the size, but for the shape of a curved profile near its vent.
+        for _ in 0..100 {
+            let found = Self::of_size(p, size)?.nominal_area;
+            size *= (wanted / found).sqrt();
+            if (found / wanted - 1.0).abs() < AREA_TOLERANCE {
+                break;
+            }
+        }
+        Self::of_size(p, size)
+    }
+
+    /// The profile of a pattern of this size [m].
+    fn of_size(p: &ParachuteParameters, size: f64) -> Result<Self, MeshError> {
+        let vent = 0.5 * p.vent_diameter.unwrap_or(0.0) * (PI / p.gores as f64).cos();
+        let pieces = pieces(p, size, vent);
+        let (pieces, before) = after_vent(pieces, vent).ok_or_else(|| too_much_vent(p))?;
+        let counts = share_rows(p, &pieces)?;
+        let first = pieces.first().map_or([0.0; 2], |piece| piece.curve.at(0.0));
+        let mut rows = vec![Row { apothem: vent, height: first[1], after_gap: false }];
+        for (piece, &count) in pieces.iter().zip(&counts) {
+            rows.extend((1..=count).map(|i| {
+                let [apothem, height] = piece.curve.at(i as f64 / count as f64);
+                Row { apothem, height, after_gap: !piece.cloth }
+            }));
+        }
+        let skirt = rows.last().map_or(0.0, |row| row.height);
+        rows.iter_mut().for_each(|row| row.height -= skirt);
+        let width = p.gores as f64 * (PI / p.gores as f64).tan();
+        let band = |pair: &[Row]| {
+            let step = (pair[1].apothem - pair[0].apothem).hypot(pair[1].height - pair[0].height);
+            (width * (pair[0].apothem + pair[1].apothem) * step, step)
+        };
+        let (mut nominal_area, mut cloth_area, mut gore_length) = (width * vent * before, 0.0, before);
+        for pair in rows.windows(2) {
+            let (area, step) = band(pair);
+            nominal_area += area;
+            gore_length += step;
+            cloth_area += if pair[1].after_gap { 0.0 } else { area };
+        }
+        Ok(Self { rows, nominal_area, cloth_area, apex_height: -skirt, gore_length })
+    }
+}
+
+fn too_much_vent(p: &ParachuteParameters) -> MeshError {
+    MeshError::Parameter {
+        pointer: "/parachute/vent_diameter".to_owned(),
+        value: p.vent_diameter.unwrap_or(0.0).to_string(),
+        allowed: "a vent inside the first part of the canopy".to_owned(),
+        hint: "make the vent smaller, it leaves no cloth there".to_owned(),
+    }
+}
+
+/// The pieces of a type's centre line, from the apex; `vent` [m] is the apothem of the vent.
+fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
+    let straight = |corners: &[[f64; 2]]| -> Vec<Piece> {
+        corners.windows(2).map(|pair| Piece { curve: Curve::Straight([pair[0], pair[1]]), cloth: true }).collect()
+    };
+    let cones = |angles: &[f64], breaks: &[f64]| {
+        let ends: Vec<f64> = [&[0.0], breaks, &[1.0]].concat();
+        let mut corners = vec![[0.0, 0.0]];
+        let mut at = [0.0, 0.0];
+        for (angle, pair) in angles.iter().zip(ends.windows(2)) {
+            let length = size * (pair[1] - pair[0]);
+            at = [at[0] + length * angle.cos(), at[1] - length * angle.sin()];
+            corners.push(at);
+        }
+        straight(&corners)
+    };
+    match p.kind {
+        CanopyType::FlatCircular | CanopyType::Annular | CanopyType::Cruciform => straight(&[[0.0, 0.0], [size, 0.0]]),
+        CanopyType::Conical => cones(&[p.cone_angle.unwrap_or(0.0)], &[]),
+        CanopyType::Biconical | CanopyType::Triconical => {
+            cones(p.cone_angles.as_deref().unwrap_or_default(), &p.cone_breaks())
+        }
+        CanopyType::Hemispherical => vec![Piece { curve: Curve::Arc { radius: size, from: 0.0 }, cloth: true }],
+        CanopyType::ExtendedSkirt => straight(&[[0.0, 0.0], [size, 0.0], [size, -2.0 * size * p.skirt_extension()]]),
+        CanopyType::Ringslot => ringslot(p, size, vent),
+        CanopyType::DiskGapBand => {
+            let [disk, gap, band] = p.disk_gap_band();
+            let unit = size / (0.5 * disk);
+            let z = [0.0, gap, gap + band].map(|z| -unit * z);
+            let mut pieces = straight(&[[0.0, 0.0], [size, z[0]], [size, z[1]], [size, z[2]]]);
+            pieces[1].cloth = false;
+            pieces
+        }
+    }
+}
+
+/// Rings of equal width, with slots of equal width between them. The slots' area is the porosity times the nominal area:
+/// with m slots of width g, apothem h of the skirt and h_v of the vent it is n tan(pi/n) g m (h + h_v).
+fn ringslot(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
+    let rings = p.rings.unwrap_or(1).max(1);
+    let slots = (rings - 1) as f64;
+    let gap = if rings > 1 { p.slot_porosity.unwrap_or(0.0) * size * size / (slots * (size + vent)) } else { 0.0 };
+    let ring = (size - vent - slots * gap) / rings as f64;
+    let mut pieces = Vec::new();
+    let mut at = vent;
+    for i in 0..rings {
+        // The first ring begins at the apex here: the part inside the vent is cut off with that of other types.
+        let from = if i == 0 { 0.0 } else { at };
+        let to = if i + 1 == rings { size } else { at + ring };
+        pieces.push(Piece { curve: Curve::Straight([[from, 0.0], [to, 0.0]]), cloth: true });
+        if i + 1 < rings {
+            pieces.push(Piece { curve: Curve::Straight([[to, 0.0], [to + gap, 0.0]]), cloth: false });
+        }
+        at = to + gap;
+    }
+    pieces
+}
+
+/// The pieces outside the vent, and the length of the centre line inside it [m].
+fn after_vent(mut pieces: Vec<Piece>, vent: f64) -> Option<(Vec<Piece>, f64)> {
+    let first = pieces.first_mut()?;
+    first.curve = first.curve.beyond(vent)?;
+    // The tip of a gore is a flat triangle from the apex to the vent.
+    let [r, z] = first.curve.at(0.0);
+    Some((pieces, r.hypot(z)))
+}
+
+/// The number of rows of each piece: one for a gap, and `radial_segments` shared over the cloth by length, at least one
+/// for each piece.
+fn share_rows(p: &ParachuteParameters, pieces: &[Piece]) -> Result<Vec<usize>, MeshError> {
+    let cloth = || pieces.iter().filter(|piece| piece.cloth);
+    let count = cloth().count();
+    if p.radial_segments < count {
+        return Err(MeshError::Parameter {
+            pointer: "/parachute/radial_segments".to_owned(),
+            value: p.radial_segments.to_string(),
+            allowed: format!("at least {count}: this canopy has {count} parts of cloth from the vent to the skirt"),
+            hint: "take more".to_owned(),
+        });
+    }
+    let total: f64 = cloth().map(|piece| piece.curve.length()).sum();
+    let spare = p.radial_segments - count;
+    let mut counts = Vec::new();
+    let (mut length, mut given) = (0.0, 0);
+    for piece in pieces {
+        if !piece.cloth {
+            counts.push(1);
+            continue;
+        }
+        // Rounding the running sum keeps the total.
+        length += piece.curve.length();
+        let until = (spare as f64 * length / total).round() as usize;
+        counts.push(1 + until - given);
+        given = until;
+    }
+    Ok(counts)
+}

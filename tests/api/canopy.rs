@@ -1,0 +1,216 @@
+//! Canopies in the case file: what is found by topology, what is refused, and how runs of them behave.
+
+use crate::common::parachute::Parachute;
+use crate::common::run::{apart, case_of, changed, run, run_with};
+use canopy_fem::case::Case;
+use canopy_fem::case::spec::SystemSpec;
+use canopy_fem::model::spec::{CanopySpec, NetworkSpec};
+use serde_json::{Value, json};
+
+const SMALL: Parachute = Parachute { gores: 8, rings: 4, line_segments: 2, nominal_diameter: 2.0, line_length: 2.0 };
+
+fn network(case: &Case) -> &NetworkSpec {
+    match &case.problem().system {
+        SystemSpec::Network(spec) => spec,
+        SystemSpec::Pendulum(_) => panic!("a network"),
+    }
+}
+
+fn canopy(sets: &[(&str, &str)]) -> CanopySpec {
+    network(&case_of(&SMALL.case(1.7, 4.0, 6.0), sets)).canopies[0].clone()
+}
+
+const CANOPY: &str = "system.network.aero.canopy";
+
+#[test]
+fn skirt_and_apex_are_found_by_topology() {
+    let found = canopy(&[]);
+    let mut skirt: Vec<usize> = found.skirt.iter().map(|&node| node as usize).collect();
+    skirt.sort_unstable();
+    assert_eq!((skirt, found.apex), (SMALL.skirt(), vec![0]));
+    assert_eq!(found.confluence, [SMALL.payload() as u32]);
+}
+
+/// Rings of triangles lie between rings of nodes at equal distances.
+#[test]
+fn the_coefficient_follows_the_arc_length() {
+    let table = "[[0, 1], [1, 5]]";
+    let found = canopy(&[(&format!("{CANOPY}.table.pressure_coefficient"), table)]);
+    for (t, dcp) in found.triangles.iter().zip(&found.pressure_coefficient) {
+        let spec = SMALL.mesh(0.0).2[*t as usize];
+        let ring = |node: usize| if node == 0 { 0.0 } else { ((node - 1) / 8 + 1) as f64 };
+        let place = spec.iter().map(|&node| ring(node)).sum::<f64>() / 12.0;
+        assert!((dcp - 1.0 - 4.0 * place).abs() < 1e-12, "triangle {t}: {dcp} at {place}");
+    }
+}
+
+/// Turned the other way round, the triangles are pushed to the same side.
+#[test]
+fn the_air_pushes_outwards_whichever_way_triangles_turn() {
+    let case = SMALL.case(1.7, 4.0, 6.0);
+    let mut turned = case.clone();
+    for triangle in
+        turned.pointer_mut("/system/network/mesh/explicit/triangles").and_then(Value::as_array_mut).expect("a list")
+    {
+        triangle.as_array_mut().expect("three").swap(1, 2);
+    }
+    let [one, other] = [case, turned].map(|case| run(&case_of(&case, &[("time.end", "0.05")])));
+    assert!(apart(&one, &other) < 1e-12);
+    assert!(one.positions[0][2] > one.positions[SMALL.skirt()[0]][2], "the apex is pushed away from the payload");
+}
+
+#[test]
+fn a_canopy_without_what_it_needs_is_refused() {
+    let rows = [
+        (vec![(format!("{CANOPY}.confluence"), "null")], "confluence", "where the lines meet"),
+        (vec![(format!("{CANOPY}.confluence"), "{\"ids\": [1]}")], "confluence", "one of the canopy"),
+        (vec![(format!("{CANOPY}.skirt"), "{\"ids\": [40]}")], "skirt", "no triangle of the canopy"),
+        (vec![(format!("{CANOPY}.on"), "{\"ids\": [0, 13]}")], "on", "one outer boundary"),
+        (vec![(format!("{CANOPY}.table"), "null")], "canopy", "exactly one of table and schedule"),
+        (
+            vec![(format!("{CANOPY}.table.pressure_coefficient"), "[[0, 1], [0, 2]]")],
+            "table/pressure_coefficient/1",
+            "arc lengths strictly",
+        ),
+        (
+            vec![(format!("{CANOPY}.table.pressure_coefficient"), "[[0, 1], [2, 2]]")],
+            "table/pressure_coefficient/1",
+            "from 0 at the apex",
+        ),
+        (vec![(format!("{CANOPY}.tabel"), "1")], "canopy/tabel", "did you mean \"table\""),
+        (
+            vec![("system.network.aero.law".to_owned(), "{\"pressure_coefficient\": {\"cp\": 1.2}}")],
+            "aero/law",
+            "not together with canopy",
+        ),
+        (
+            vec![(
+                "system.network.aero.drag".to_owned(),
+                "[{\"on\": \"outer\", \"diameter\": 0.1, \"coefficient\": 1}]",
+            )],
+            "drag/0/on",
+            "a selection of edges",
+        ),
+        (
+            vec![("system.network.aero.drag".to_owned(), "[{\"on\": \"lines\", \"drag_area\": 1}]")],
+            "drag/0/on",
+            "a selection of nodes",
+        ),
+        (
+            vec![("system.network.aero.drag".to_owned(), "[{\"on\": \"all\", \"drag_area\": 1, \"diameter\": 2}]")],
+            "drag/0",
+            "either diameter and coefficient",
+        ),
+        (
+            vec![("system.network.aero.drag".to_owned(), "[{\"on\": \"all\", \"drag_area\": 0}]")],
+            "drag/0/drag_area",
+            "above 0",
+        ),
+        (vec![("system.network.aero.atmosphere".to_owned(), "{\"density\": -1}")], "atmosphere/density", "above 0"),
+        (
+            vec![
+                ("system.network.aero.atmosphere".to_owned(), "\"isa\""),
+                ("system.network.aero.altitude".to_owned(), "90000"),
+            ],
+            "atmosphere",
+            "86000",
+        ),
+        (vec![("system.network.aero.wind".to_owned(), "{\"sum\": []}")], "wind/sum", "at least one"),
+        (
+            vec![(
+                "system.network.aero.wind".to_owned(),
+                "{\"sum\": [[0, 0, 1], {\"gust\": {\"velocity\": [1, 0, 0], \"start\": 0, \"duration\": 0}}]}",
+            )],
+            "wind/sum/1/gust/duration",
+            "above 0",
+        ),
+        (
+            vec![("system.network.aero.wind".to_owned(), "{\"profile\": [[10, 0, 0, 1], [0, 0, 0, 1]]}")],
+            "wind/profile/1",
+            "heights strictly",
+        ),
+        (
+            vec![("system.network.aero.wind".to_owned(), "{\"file\": \"no-such.csv\"}")],
+            "wind/file",
+            "separated by commas",
+        ),
+    ];
+    for (sets, pointer, words) in rows {
+        let sets: Vec<(String, String)> = sets.into_iter().map(|(k, v)| (k, v.to_owned())).collect();
+        let made = Case::from_text(SMALL.case(1.7, 4.0, 6.0).to_string(), "test.json", "".into(), &sets);
+        let message = made.err().unwrap_or_else(|| panic!("{sets:?} was taken")).to_string();
+        assert!(message.contains(&format!("{pointer}:")) && message.contains(words), "{sets:?}: {message}");
+    }
+}
+
+/// Two canopies over one payload, in a list: each has its own speed and axis.
+#[test]
+fn a_cluster_has_an_air_speed_for_each_canopy() {
+    let one = run(&case_of(&SMALL.case(1.7, 4.0, 6.0), &[("time.end", "0.1")]));
+    let case = cluster(2, &SMALL);
+    let both = run(&case_of(&case, &[("time.end", "0.1")]));
+    let n = one.positions.len();
+    for (i, position) in one.positions.iter().enumerate() {
+        for copy in 0..2 {
+            let found = both.positions[copy * n + i];
+            let shift = 10.0 * copy as f64;
+            for c in 0..3 {
+                let expected = position[c] + if c == 0 { shift } else { 0.0 };
+                assert!((found[c] - expected).abs() < 1e-9, "canopy {copy}, node {i}: {found:?}, {position:?}");
+            }
+        }
+    }
+}
+
+/// Parachutes side by side that know nothing of each other, each a canopy of a list.
+fn cluster(count: usize, parachute: &Parachute) -> Value {
+    let mut case = parachute.case(1.7, 4.0, 6.0);
+    let (mut nodes, mut edges, mut triangles, mut canopies) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut masses = Vec::new();
+    for copy in 0..count {
+        let (more, springs, corners) = parachute.mesh(10.0 * copy as f64);
+        let first = nodes.len();
+        let ids: Vec<usize> = (triangles.len()..triangles.len() + corners.len()).collect();
+        canopies.push(json!({
+            "on": {"ids": ids}, "table": {"pressure_coefficient": 1.7},
+            "confluence": {"ids": [first + parachute.payload()]}
+        }));
+        masses.extend((0..more.len()).map(|i| if i == parachute.payload() { 4.0 } else { 0.0 }));
+        nodes.extend(more);
+        edges.extend(springs.into_iter().map(|ends| ends.map(|i| i + first)));
+        triangles.extend(corners.into_iter().map(|ends| ends.map(|i| i + first)));
+    }
+    let network = &mut case["system"]["network"];
+    network["mesh"]["explicit"] = json!({"nodes": nodes, "springs": edges, "triangles": triangles});
+    network["mass"]["nodal"] = json!(masses);
+    network["aero"]["canopy"] = json!(canopies);
+    case
+}
+
+/// A scene of several blocks of nodes: the same bytes with one thread and with two.
+#[test]
+fn threads_change_no_bits() {
+    let large = Parachute { gores: 48, rings: 40, line_segments: 12, ..SMALL };
+    let case = case_of(&cluster(2, &large), &[("time.end", "0.0005"), ("time.step", "1e-5")]);
+    for method in ["velocity-verlet", "rk4", "newmark"] {
+        let case = changed(&case, &[("time.method", method)]);
+        let [one, two] = [1, 2].map(|threads| run_with(&case, threads).state);
+        assert_eq!((one.x, one.v), (two.x, two.v), "{method}");
+    }
+}
+
+/// Long implicit steps converge to the stated residual, whichever tangent is used.
+#[test]
+fn newton_converges_in_long_steps() {
+    for strategy in ["auto", "full", "quasi", "modified"] {
+        let sets = [
+            ("time.method", "newmark"),
+            ("time.step", "0.02"),
+            ("time.end", "2"),
+            ("solver", &format!("{{\"newton\": {{\"strategy\": \"{strategy}\"}}}}")),
+        ];
+        let ran = run(&case_of(&SMALL.case(1.7, 4.0, 6.0), &sets));
+        assert!(ran.outcome.status == canopy_fem::drive::Status::Completed, "{strategy}: {:?}", ran.outcome);
+        println!("{strategy}: at most {} iterations, {:?}", ran.most_iterations, ran.outcome);
+    }
+}
