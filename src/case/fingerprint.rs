@@ -77,8 +77,16 @@ impl Fingerprint {
             }
         }
         made.text("solver", &problem.solver)?;
-        let OutputSpec { frames_every, fields, probes, history_every, history_derived, checkpoint_every: _, format } =
-            &problem.output;
+        let OutputSpec {
+            frames_every,
+            fields,
+            probes,
+            gauges,
+            history_every,
+            history_derived,
+            checkpoint_every: _,
+            format,
+        } = &problem.output;
         made.text("output.frames.every", frames_every)?;
         made.text("output.fields", fields)?;
         made.text("output.compression", &format.compression)?;
@@ -92,6 +100,9 @@ impl Fingerprint {
         }
         for probe in probes {
             made.sum("output.probes", &(&probe.name, &probe.nodes))?;
+        }
+        for gauge in gauges {
+            made.sum("output.gauges", gauge)?;
         }
         Ok(made)
     }
@@ -130,6 +141,8 @@ impl Fingerprint {
             mass,
             fixed,
             springs,
+            // These are among the gauges.
+            strengths: _,
             gravity,
             air,
             stream,

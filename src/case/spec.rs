@@ -4,6 +4,7 @@ use crate::drive::clock::{FixedSteps, Step};
 use crate::drive::{Explain, RunSpec};
 use crate::integrate::implicit::SolverSpec;
 use crate::integrate::registry::MethodChoice;
+use crate::model::observables::GaugeQuantity;
 use crate::model::spec::{NetworkSpec, PendulumSpec};
 use crate::model::stop::Stop;
 use crate::vtk::VtuFormat;
@@ -102,6 +103,8 @@ pub struct OutputSpec {
     pub fields: Vec<Field>,
     /// probes, in the order of the case
     pub probes: Vec<ProbeSpec>,
+    /// gauges of the case, in its order, then those of springs with a strength
+    pub gauges: Vec<GaugeSpec>,
     /// how often `history.csv` has a row
     pub history_every: RowEvery,
     /// whether it is the default, which follows from the length of the run
@@ -134,4 +137,33 @@ pub struct ProbeSpec {
     pub name: String,
     /// nodes, ascending
     pub nodes: Vec<u32>,
+}
+
+/// Something that is measured at every step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GaugeSpec {
+    /// name in `gauges.csv`
+    pub name: String,
+    /// what
+    pub of: GaugeQuantity,
+    /// where
+    pub on: GaugePlaces,
+    /// [-] steps per row, at least 1
+    pub every: u64,
+    /// [N] strength of the springs, if it is known
+    pub strength: Option<f64>,
+}
+
+/// Where a gauge measures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum GaugePlaces {
+    /// on nodes, ascending
+    Nodes(Vec<u32>),
+    /// on the springs of these edges, ascending
+    Springs {
+        /// edges
+        edges: Vec<u32>,
+        /// only the springs of this [rule](crate::model::observables::SpringPlace::rule)
+        rule: Option<usize>,
+    },
 }

@@ -19,6 +19,7 @@ use crate::format_number::figures;
 use crate::model::stop::Stop;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::folder::{CHECKPOINT, ResultFolder, SUMMARY};
+use crate::output::gauges::Peak;
 use crate::output::recorder::{CheckpointSpec, Recorder, RecorderSpec};
 use crate::output::sanitize::file_stem;
 use crate::output::summary::Summary;
@@ -168,7 +169,8 @@ impl<'a> PreparedRun<'a> {
         }
         .run(observers, stop)?;
         let summary = Summary::new(problem, scene, &outcome, limit.step, stopwatch.read());
-        let summary = Summary { resumed_from, case_digest, startup: self.account.read(), ..summary };
+        let peaks = recorder.peaks();
+        let summary = Summary { resumed_from, case_digest, peaks, startup: self.account.read(), ..summary };
         summary.write(&folder.file(SUMMARY))?;
         // The checkpoint of an interrupt, which the case did not ask for.
         if outcome.status == Status::Completed && every.is_none() {
@@ -284,6 +286,9 @@ fn report(
             seen.farthest.distance, seen.farthest.node
         );
     }
+    if !failed {
+        summary.peaks.iter().filter_map(peak).for_each(|line| text.push_str(&line));
+    }
     let _ = writeln!(text, "  results         {}", results.display());
     if outcome.status == Status::Interrupted {
         let path = folder.file(CHECKPOINT);
@@ -291,6 +296,28 @@ fn report(
             writeln!(text, "  checkpoint      {}; the same command with --resume goes on from there", path.display());
     }
     text
+}
+
+/// A line of the report for a value that a reader looks for first: opening load, speed of descent, largest loads.
+fn peak(Peak { name, quantity, unit, value, t, last, steady, strength, safety_factor }: &Peak) -> Option<String> {
+    let [value, t, last] = [value, t, last].map(|number| figures(*number, 4));
+    let line = match (quantity.as_str(), strength, safety_factor) {
+        ("drag", ..) => format!("  opening load    {value} {unit} at t = {t} s ({name}, drag)"),
+        ("axial_speed", ..) => {
+            let steady = if *steady { "steady" } else { "at the end, still changing" };
+            format!("  speed           {last} {unit} {steady} ({name}, against the air)")
+        }
+        (_, Some(strength), Some(factor)) => format!(
+            "  line load       {value} {unit} at t = {t} s ({name}), strength {} {unit}: safety factor {}",
+            figures(*strength, 4),
+            figures(*factor, 3)
+        ),
+        ("tension_sum" | "tension_max" | "force_max" | "reaction_max" | "acceleration_max", ..) => {
+            format!("  peak            {value} {unit} at t = {t} s ({name}, {quantity})")
+        }
+        _ => return None,
+    };
+    Some(line + "\n")
 }
 
 fn already_done(summary: &Summary, problem: &Problem, out: &Path) -> String {

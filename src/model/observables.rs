@@ -3,6 +3,71 @@
 use super::state::StateRef;
 use super::system::System;
 use crate::model::forces::Forces;
+use crate::model::point::Point;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A vector quantity of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeQuantity {
+    /// [m] position
+    Position,
+    /// [m] displacement from the mesh as given
+    Displacement,
+    /// [m/s] velocity
+    Velocity,
+    /// [m/s^2] acceleration, 0 in held directions
+    Acceleration,
+    /// [N] net force, 0 in held directions
+    Force,
+    /// [N] reaction of the support, 0 in free directions
+    Reaction,
+}
+
+/// What a gauge measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum GaugeQuantity {
+    /// Tension of the springs on the selected edges with their axial dashpots, N: `tension_sum`, `tension_max`.
+    Tension,
+    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` and the largest on a node `force_max`.
+    Force,
+    /// Reaction of the supports on the selected nodes, N: the sum `reaction_x`, `reaction_y`, `reaction_z` and the
+    /// largest on a node `reaction_max`.
+    Reaction,
+    /// Acceleration of the selected nodes, m/s^2: the mean `acceleration_x`, `acceleration_y`, `acceleration_z` and the
+    /// largest `acceleration_max`.
+    Acceleration,
+    /// Velocity of the selected nodes, m/s: the mean `velocity_x`, `velocity_y`, `velocity_z`.
+    Velocity,
+    /// Speed of the selected nodes, m/s: `speed_mean`, `speed_max`.
+    Speed,
+    /// Distance of the selected nodes from where they are on the mesh as given, m: `displacement_mean`,
+    /// `displacement_max`.
+    Displacement,
+    /// Position of the selected nodes, m: the mean `position_x`, `position_y`, `position_z`.
+    Position,
+}
+
+/// One of the springs of a scene: its rule and its number within the rule, in the scene's order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpringPlace {
+    /// rule of the case that has springs, counted from 0
+    pub rule: u32,
+    /// number within the rule
+    pub number: u32,
+}
+
+/// What a canopy shows of itself, with units, in the order of [`Observables::canopy_values`].
+pub const CANOPY_QUANTITIES: [(&str, &str); 7] = [
+    ("projected_diameter", "m"),
+    ("skirt_diameter", "m"),
+    ("volume", "m^3"),
+    ("axial_speed", "m/s"),
+    ("dynamic_pressure", "Pa"),
+    ("drag_area", "m^2"),
+    ("drag", "N"),
+];
 
 /// Observable quantities of a system. All slices are in the user's numbering.
 pub trait Observables: System {
@@ -38,4 +103,49 @@ pub trait Observables: System {
 
     /// [m/s] largest node speed.
     fn max_speed(&self, at: StateRef<'_>) -> f64;
+
+    /// A quantity of one node (user's number). `at` is an accepted point.
+    fn node_value(&self, quantity: NodeQuantity, at: &Point, node: u32) -> [f64; 3] {
+        let n = self.reference().len();
+        let (mut a, mut b) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        let state = at.state.as_ref();
+        match quantity {
+            NodeQuantity::Force => self.node_forces(state, &at.forces, &mut a),
+            NodeQuantity::Reaction => self.node_reactions(&at.forces, &mut a),
+            NodeQuantity::Velocity => self.trace(state, &mut b, &mut a),
+            NodeQuantity::Position | NodeQuantity::Displacement => self.trace(state, &mut a, &mut b),
+            NodeQuantity::Acceleration => {}
+        }
+        let node = node as usize;
+        match quantity {
+            NodeQuantity::Displacement => std::array::from_fn(|i| a[node][i] - self.reference()[node][i]),
+            _ => a[node],
+        }
+    }
+
+    /// The springs on some edges (user's numbers, ascending), of one rule or of all.
+    fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
+        let _ = (edges, rule);
+        Vec::new()
+    }
+
+    /// [N] Tension of a spring with its axial dashpot.
+    fn spring_tension(&self, at: StateRef<'_>, spring: SpringPlace) -> f64 {
+        let _ = (at, spring);
+        f64::NAN
+    }
+
+    /// Number of canopies that the air fills.
+    fn canopies(&self) -> usize {
+        0
+    }
+
+    /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
+    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and flat
+    /// covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
+    /// against the motion along the axis.
+    fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
+        let _ = (canopy, at);
+        [f64::NAN; CANOPY_QUANTITIES.len()]
+    }
 }

@@ -61,6 +61,17 @@ pub struct SpringGroup {
     pub dashpot: Option<DashpotSpec>,
 }
 
+/// The strength of the springs of a group; they do not break.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StrengthSpec {
+    /// place of the group in [`NetworkSpec::springs`]
+    pub group: usize,
+    /// what reports call it
+    pub name: String,
+    /// [N] of each spring
+    pub strength: f64,
+}
+
 /// A factor or vector over time, linear between its rows, held constant outside them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series<T> {
@@ -248,6 +259,8 @@ pub struct NetworkSpec {
     pub fixed: Vec<[bool; 3]>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
+    /// strengths of groups, for reports only
+    pub strengths: Vec<StrengthSpec>,
     /// [m/s^2] gravity, if any
     pub gravity: Option<[f64; 3]>,
     /// the air that blows through cloth, if any

@@ -1,6 +1,7 @@
 //! The files of a run, used by the writing thread.
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -11,10 +12,11 @@ use super::csv::{CsvFile, write_fault};
 use super::folder::{CHECKPOINT, SUMMARY};
 use super::frame::{Fields, Frame};
 use super::frame_files::FrameFiles;
+use super::gauges::GaugeRow;
 use super::pvd::{Collection, CollectionMark};
 use super::resume::FilePrefix;
 use super::resume::ResumeError;
-use super::rows::{HISTORY_HEADER, HistoryRow, PROBES_HEADER, write_probes};
+use super::rows::{GAUGES_HEADER, HISTORY_HEADER, HistoryRow, PROBES_HEADER, write_probes};
 use super::sanitize::csv_field;
 use crate::case::spec::ProbeSpec;
 use crate::drive::observer::ObserveError;
@@ -26,6 +28,9 @@ pub const FRAMES: &str = "frames";
 pub const HISTORY: &str = "history.csv";
 /// Chosen nodes at each frame time.
 pub const PROBES: &str = "probes.csv";
+
+/// Gauges at every step, or every so many.
+pub const GAUGES: &str = "gauges.csv";
 
 /// The data of the run for the writing thread; everything in the user's numbering.
 #[derive(Clone, Debug)]
@@ -44,6 +49,8 @@ pub struct FilesSpec<'a> {
     pub fields: Fields,
     /// nodes to follow; `probes.csv` is written only if there are any
     pub probes: &'a [ProbeSpec],
+    /// names and quantities of the gauges' channels; `gauges.csv` is written only if there are any
+    pub gauges: Vec<[String; 2]>,
     /// encoding of the frames' arrays
     pub format: VtuFormat,
 }
@@ -57,6 +64,8 @@ pub struct FilesProgress {
     pub history: FilePrefix,
     /// rows of the probes, if there are any
     pub probes: Option<FilePrefix>,
+    /// rows of the gauges, if there are any
+    pub gauges: Option<FilePrefix>,
 }
 
 /// The open files of a run.
@@ -68,6 +77,9 @@ pub struct ResultFiles {
     probes: Option<CsvFile>,
     /// names, quoted for csv
     followed: Vec<ProbeSpec>,
+    gauges: Option<CsvFile>,
+    /// name and quantity of every channel, as in a row
+    channels: Vec<String>,
     checkpoint: PathBuf,
     /// buffer for the bytes of a checkpoint
     encoded: Vec<u8>,
@@ -90,6 +102,8 @@ impl ResultFiles {
             history: CsvFile::create(&path(HISTORY), HISTORY_HEADER)?,
             probes,
             followed: quoted(spec.probes),
+            gauges: (!spec.gauges.is_empty()).then(|| CsvFile::create(&path(GAUGES), GAUGES_HEADER)).transpose()?,
+            channels: labels(&spec.gauges),
             checkpoint: path(CHECKPOINT),
             encoded: Vec::new(),
             frames_kept: 0,
@@ -103,9 +117,10 @@ impl ResultFiles {
     /// When the files have changed, are in use, or cannot be opened or changed.
     pub fn reopen(spec: &FilesSpec<'_>, mark: &FilesProgress) -> Result<Self, ResumeError> {
         let path = |name: &str| spec.folder.join(name);
-        let (history, probes, summary) = (path(HISTORY), path(PROBES), path(SUMMARY));
+        let (history, probes, gauges, summary) = (path(HISTORY), path(PROBES), path(GAUGES), path(SUMMARY));
         mark.history.check(&history)?;
         mark.probes.map(|mark| mark.check(&probes)).transpose()?;
+        mark.gauges.map(|mark| mark.check(&gauges)).transpose()?;
         let mut collection = Collection::read(&path(&format!("{}.pvd", spec.stem)), mark.collection)?;
         FrameFiles::check(spec, mark.collection.frames)?;
         let history = CsvFile::reopen(&history, mark.history)?;
@@ -124,6 +139,8 @@ impl ResultFiles {
             history,
             probes: mark.probes.map(|mark| CsvFile::reopen(&probes, mark)).transpose()?,
             followed: quoted(spec.probes),
+            gauges: mark.gauges.map(|mark| CsvFile::reopen(&gauges, mark)).transpose()?,
+            channels: labels(&spec.gauges),
             checkpoint: path(CHECKPOINT),
             encoded: Vec::new(),
             frames_kept: mark.collection.frames,
@@ -137,12 +154,13 @@ impl ResultFiles {
     pub fn checkpoint(&mut self, mut checkpoint: Checkpoint) -> Result<(), ObserveError> {
         let history = self.history.sync()?;
         let probes = self.probes.as_mut().map(CsvFile::sync).transpose()?;
+        let gauges = self.gauges.as_mut().map(CsvFile::sync).transpose()?;
         self.frames.sync(self.collection.frames())?;
         if self.collection.frames() > 0 {
             self.collection.write(Durability::Synced)?;
         }
         self.frames_kept = self.collection.frames();
-        checkpoint.files = FilesProgress { collection: self.collection.mark(), history, probes };
+        checkpoint.files = FilesProgress { collection: self.collection.mark(), history, probes, gauges };
         let path = &self.checkpoint;
         checkpoint.encode(&mut self.encoded).map_err(|e| write_fault(path, e))?;
         replace(path, &self.encoded, Durability::Synced).map_err(|e| write_fault(path, e))
@@ -183,11 +201,17 @@ impl ResultFiles {
         self.history.line(|buffer| row.write(buffer))
     }
 
+    /// Appends a value of a gauge.
+    pub fn gauge(&mut self, &GaugeRow { t, channel, value }: &GaugeRow) -> Result<(), ObserveError> {
+        let (Some(file), Some(label)) = (&mut self.gauges, self.channels.get(channel)) else { return Ok(()) };
+        file.line(|out| write!(out, "{t:?},{label},{value:?}"))
+    }
+
     /// Writes lines and frames that have waited long enough.
     pub fn flush_if_due(&mut self) -> Result<(), ObserveError> {
         self.history.flush_if_due()?;
-        if let Some(probes) = &mut self.probes {
-            probes.flush_if_due()?;
+        for file in self.probes.iter_mut().chain(&mut self.gauges) {
+            file.flush_if_due()?;
         }
         self.collection.write_if_due()
     }
@@ -199,9 +223,15 @@ impl ResultFiles {
     pub fn finish(&mut self) -> Result<(), ObserveError> {
         let history = self.history.flush();
         let probes = self.probes.as_mut().map_or(Ok(()), CsvFile::flush);
+        let gauges = self.gauges.as_mut().map_or(Ok(()), CsvFile::flush);
         let collection = if self.collection.frames() > 0 { self.collection.write(Durability::Visible) } else { Ok(()) };
-        history.and(probes).and(collection)
+        history.and(probes).and(gauges).and(collection)
     }
+}
+
+/// Name and quantity of channels as they stand in a row.
+fn labels(channels: &[[String; 2]]) -> Vec<String> {
+    channels.iter().map(|[name, quantity]| format!("{},{quantity}", csv_field(name))).collect()
 }
 
 fn quoted(probes: &[ProbeSpec]) -> Vec<ProbeSpec> {

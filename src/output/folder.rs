@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::atomic::part_path;
-use super::files::{FRAMES, HISTORY, PROBES};
+use super::files::{FRAMES, GAUGES, HISTORY, PROBES};
 use super::frame_files::frames_in;
 use super::sanitize::file_stem;
 
@@ -67,7 +67,7 @@ pub struct ResultFolder {
 
 impl ResultFolder {
     /// Makes `dir` ready for the case `name`: creates it if needed and locks it. Refuses earlier results unless `force`
-    /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `checkpoint.bin`,
+    /// is given, which removes these files only: `summary.json`, `history.csv`, `probes.csv`, `gauges.csv`, `checkpoint.bin`,
     /// `NAME.pvd`, `frames/NAME_<number>.vtu`, the last two also for the case of `summary.json`, and `frames` if it is
     /// then empty. Other files are kept. A link is removed, never followed; a linked `frames` is refused.
     ///
@@ -149,7 +149,7 @@ impl ResultFolder {
         let mut found = Vec::new();
         let stems: Vec<String> = [self.stem.clone()].into_iter().chain(self.other_stem()).collect();
         let collections = stems.iter().map(|stem| format!("{stem}.pvd"));
-        for name in [SUMMARY, HISTORY, PROBES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections) {
+        for name in [SUMMARY, HISTORY, PROBES, GAUGES, CHECKPOINT].map(str::to_owned).into_iter().chain(collections) {
             let path = self.dir.join(name);
             for path in [part_path(&path), path] {
                 if let Some(there) = metadata_of(&path)? {

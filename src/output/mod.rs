@@ -1,4 +1,4 @@
-//! Results: a ParaView time series, `history.csv`, `probes.csv` and `summary.json` in one folder.
+//! Results: a ParaView time series, `history.csv`, `probes.csv`, `gauges.csv` and `summary.json` in one folder.
 //!
 //! The integrating thread only copies numbers into reused buffers ([`recorder`]). One background thread (`writer`)
 //! formats and writes them (`files`). So a slow disk costs memory for a few frames and then time, but no row is lost or
@@ -15,6 +15,7 @@ pub(crate) mod files;
 pub mod folder;
 pub mod frame;
 pub(crate) mod frame_files;
+pub mod gauges;
 pub mod hermite;
 pub(crate) mod pvd;
 pub mod recorder;

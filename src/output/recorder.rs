@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::checkpoint::Checkpoint;
 use super::frame::{Fields, Frame};
+use super::gauges::{ChannelPeak, Gauges, Peak};
 use super::hermite::interpolate;
 use super::request::{check, files_spec};
 use super::rows::HistoryRow;
@@ -22,7 +23,7 @@ pub use super::request::{MOST_FRAMES, RecorderError, RecorderSpec};
 pub use super::schedule::CheckpointSpec;
 
 /// State of a recorder; part of a checkpoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecorderState {
     /// number of the next frame time
     next_frame: u64,
@@ -32,9 +33,11 @@ pub struct RecorderState {
     waiting: Option<HistoryRow>,
     /// interval of the rows; a run that is extended keeps it
     history_every: RowEvery,
+    /// largest values of the gauges so far
+    peaks: Vec<ChannelPeak>,
 }
 
-/// The observer that writes `NAME.pvd`, its frames, `history.csv` and `probes.csv`.
+/// The observer that writes `NAME.pvd`, its frames, `history.csv`, `probes.csv` and `gauges.csv`.
 ///
 /// Frames show t = 0, every multiple of `frames_every`, and the end. A frame within 1e-9 of a step from the end of the
 /// step is that end; any other is [interpolated](super::hermite) within its step, with forces, reactions and tensions
@@ -46,6 +49,7 @@ pub struct Recorder<'a> {
     frames_every: Option<f64>,
     history_every: RowEvery,
     rows: RowSchedule,
+    gauges: Gauges,
     schedule: Schedule,
     /// [s] time of the newest frame
     shown: Option<f64>,
@@ -74,9 +78,10 @@ impl<'a> Recorder<'a> {
     /// When the request is out of range or a file cannot be created.
     pub fn new(picture: &'a dyn Observables, spec: &RecorderSpec) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let writer = ResultWriter::start(&files_spec(picture, spec))?;
+        let gauges = Gauges::new(picture, &spec.gauges, spec.history_every, spec.end);
+        let writer = ResultWriter::start(&files_spec(picture, spec, &gauges))?;
         let mark = RecorderState { history_every: spec.history_every, ..RecorderState::default() };
-        Ok(Self::around(picture, spec, writer, mark))
+        Ok(Self::around((picture, gauges), spec, writer, mark))
     }
 
     /// Reopens the files of an earlier run and cuts them off at its checkpoint.
@@ -89,18 +94,27 @@ impl<'a> Recorder<'a> {
         checkpoint: &Checkpoint,
     ) -> Result<Self, RecorderError> {
         check(spec, picture.reference().len())?;
-        let writer = ResultWriter::resume(&files_spec(picture, spec), &checkpoint.files)?;
-        Ok(Self::around(picture, spec, writer, checkpoint.recorder))
+        let RecorderState { history_every, peaks, .. } = &checkpoint.recorder;
+        let mut gauges = Gauges::new(picture, &spec.gauges, *history_every, spec.end);
+        gauges.take_up(peaks);
+        let writer = ResultWriter::resume(&files_spec(picture, spec, &gauges), &checkpoint.files)?;
+        Ok(Self::around((picture, gauges), spec, writer, checkpoint.recorder.clone()))
     }
 
-    fn around(picture: &'a dyn Observables, spec: &RecorderSpec, writer: ResultWriter, mark: RecorderState) -> Self {
-        let RecorderState { next_frame, shown, waiting, history_every } = mark;
+    fn around(
+        (picture, gauges): (&'a dyn Observables, Gauges),
+        spec: &RecorderSpec,
+        writer: ResultWriter,
+        mark: RecorderState,
+    ) -> Self {
+        let RecorderState { next_frame, shown, waiting, history_every, peaks: _ } = mark;
         Self {
             picture,
             fields: spec.fields,
             frames_every: spec.frames_every,
             history_every,
             rows: RowSchedule::of(history_every),
+            gauges,
             schedule: Schedule::at(spec.frames_every, next_frame),
             shown,
             waiting,
@@ -116,6 +130,17 @@ impl<'a> Recorder<'a> {
     /// [s] time of the newest frame.
     pub fn shown(&self) -> Option<f64> {
         self.shown
+    }
+
+    /// The largest values that gauges have measured.
+    pub fn peaks(&self) -> Vec<Peak> {
+        self.gauges.peaks()
+    }
+
+    /// Measures gauges at the end of a step, and writes the rows that are due.
+    fn measure(&mut self, step: u64, at: &Point, credible: bool) -> Result<(), ObserveError> {
+        let Self { gauges, writer, picture, .. } = self;
+        gauges.step(*picture, (step, at, credible), |row| writer.send(Message::Gauge(row)))
     }
 
     /// Makes the recorder also write `checkpoint.bin`.
@@ -195,6 +220,8 @@ impl Observer for Recorder<'_> {
         self.schedule = Schedule::new(self.frames_every, state.t);
         self.rows.skip(state.t);
         self.write_row(HistoryRow { t: state.t, ledger, ..HistoryRow::default() }, state)?;
+        self.gauges.skip(state.t);
+        self.measure(0, at, true)?;
         self.send_frame(state, &at.forces)
     }
 
@@ -202,7 +229,9 @@ impl Observer for Recorder<'_> {
     fn wants(&self, step: UpcomingStep) -> Wants {
         let (mut rows, checkpoint) = (self.rows, Wants::end_if(self.keeps_at(step.t)));
         rows.skip(step.from);
-        Wants { states: self.schedule.states(step).max(checkpoint.states), strain: rows.due(step.step, step.t) }
+        let measured = Wants::end_if(self.gauges.wants(step.step, [step.from, step.t]));
+        let states = self.schedule.states(step).max(checkpoint.states).max(measured.states);
+        Wants { states, strain: rows.due(step.step, step.t) }
     }
 
     fn accepted(&mut self, step: AcceptedStep<'_>) -> Result<(), ObserveError> {
@@ -219,6 +248,9 @@ impl Observer for Recorder<'_> {
                 _ => {}
             }
         }
+        if let Some(end) = step.end.filter(|_| !self.gauges.is_empty()) {
+            self.measure(step.step, end, step.credible)?;
+        }
         let row = HistoryRow {
             t: step.t,
             step: step.step,
@@ -233,6 +265,7 @@ impl Observer for Recorder<'_> {
 
     fn resumed(&mut self, at: &Point, _ledger: LedgerRow) -> Result<(), ObserveError> {
         self.rows.skip(at.state.t);
+        self.gauges.skip(at.state.t);
         if let Some(checkpoints) = &mut self.checkpoints {
             checkpoints.skip(at.state.t);
         }
@@ -245,7 +278,8 @@ impl Observer for Recorder<'_> {
             return Ok(());
         }
         let Self { shown, waiting, history_every, .. } = *self;
-        let mark = RecorderState { next_frame: self.schedule.position(), shown, waiting, history_every };
+        let (next_frame, gauges) = (self.schedule.position(), &self.gauges);
+        let mark = || RecorderState { next_frame, shown, waiting, history_every, peaks: gauges.kept() };
         match self.checkpoints.as_mut().and_then(|checkpoints| checkpoints.checkpoint_if_due(run, mark)) {
             Some(checkpoint) => self.writer.checkpoint(checkpoint),
             None => Ok(()),
@@ -261,6 +295,10 @@ impl Observer for Recorder<'_> {
         let state = last.state.as_ref();
         if let Some(row) = self.waiting.take().filter(|row| row.t == state.t) {
             self.write_row(row, state)?;
+        }
+        if !self.gauges.is_empty() {
+            let Self { gauges, writer, picture, failed, .. } = self;
+            gauges.last(*picture, (last, !*failed), |row| writer.send(Message::Gauge(row)))?;
         }
         let good = self.last_good.take().filter(|_| self.failed);
         if let Some(LastGood { point, shown }) = &good {

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::files::FilesSpec;
 use super::frame::Fields;
+use super::gauges::Gauges;
 use super::resume::ResumeError;
 use super::sanitize::file_stem;
-use crate::case::spec::{ProbeSpec, Problem, RowEvery};
+use crate::case::spec::{GaugePlaces, GaugeSpec, ProbeSpec, Problem, RowEvery};
 use crate::drive::observer::ObserveError;
-use crate::model::observables::Observables;
+use crate::model::observables::{GaugeQuantity, Observables};
 use crate::vtk::VtuFormat;
 
 /// Largest number of frames of a run; their numbers have six digits.
@@ -29,6 +30,8 @@ pub struct RecorderSpec {
     pub fields: Fields,
     /// nodes to follow at each frame time
     pub probes: Vec<ProbeSpec>,
+    /// what to measure at every step
+    pub gauges: Vec<GaugeSpec>,
     /// interval of the history rows
     pub history_every: RowEvery,
     /// encoding of the frames' arrays
@@ -46,6 +49,7 @@ impl RecorderSpec {
             end: problem.time.end,
             fields: output.fields.as_slice().into(),
             probes: output.probes.clone(),
+            gauges: output.gauges.clone(),
             history_every: output.history_every,
             format: output.format,
         }
@@ -88,6 +92,14 @@ pub enum RecorderError {
         /// number of nodes
         nodes: usize,
     },
+    /// A gauge measures nothing, or where there is nothing.
+    #[error("gauge \"{name}\" needs {needed}")]
+    BadGauge {
+        /// the gauge
+        name: String,
+        /// what is needed
+        needed: String,
+    },
     /// The files cannot be created.
     #[error(transparent)]
     Files(#[from] ObserveError),
@@ -97,7 +109,8 @@ pub enum RecorderError {
 }
 
 /// The data of a request for the writing thread.
-pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpec) -> FilesSpec<'a> {
+pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpec, gauges: &Gauges) -> FilesSpec<'a> {
+    let channels = gauges.channels().iter();
     FilesSpec {
         folder: spec.out_dir.clone(),
         stem: file_stem(&spec.name),
@@ -106,6 +119,7 @@ pub(super) fn files_spec<'a>(picture: &'a dyn Observables, spec: &'a RecorderSpe
         edges: picture.edges(),
         fields: spec.fields,
         probes: &spec.probes,
+        gauges: channels.map(|channel| [channel.name.clone(), channel.quantity.to_owned()]).collect(),
         format: spec.format,
     }
 }
@@ -132,6 +146,19 @@ pub(super) fn check(spec: &RecorderSpec, nodes: usize) -> Result<(), RecorderErr
     for probe in &spec.probes {
         if let Some(&node) = probe.nodes.iter().find(|&&node| node as usize >= nodes) {
             return Err(RecorderError::ProbeOutOfRange { name: probe.name.clone(), node, nodes });
+        }
+    }
+    for GaugeSpec { name, of, on, every, .. } in &spec.gauges {
+        let bad = |needed: &str| Err(RecorderError::BadGauge { name: name.clone(), needed: needed.to_owned() });
+        match on {
+            GaugePlaces::Springs { .. } if *of != GaugeQuantity::Tension => return bad("nodes for this quantity"),
+            GaugePlaces::Nodes(_) if *of == GaugeQuantity::Tension => return bad("edges for tensions"),
+            GaugePlaces::Nodes(list) if list.is_empty() => return bad("at least one node"),
+            GaugePlaces::Nodes(list) if list.iter().any(|&node| node as usize >= nodes) => {
+                return bad(&format!("nodes below {nodes}"));
+            }
+            _ if *every == 0 => return bad("at least 1 step a row"),
+            _ => {}
         }
     }
     Ok(())

@@ -13,6 +13,9 @@ pub const HISTORY_HEADER: &str =
 /// The header line of `probes.csv`; other programs rely on it.
 pub const PROBES_HEADER: &str = "t,name,node,x,y,z,vx,vy,vz";
 
+/// The header line of `gauges.csv`; other programs rely on it.
+pub const GAUGES_HEADER: &str = "t,name,quantity,value";
+
 /// One row of `history.csv`: a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HistoryRow {

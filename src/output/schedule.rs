@@ -152,7 +152,7 @@ impl CheckpointSchedule {
     pub(super) fn checkpoint_if_due(
         &mut self,
         run: &Resumable<'_>,
-        recorder: RecorderState,
+        recorder: impl FnOnce() -> RecorderState,
     ) -> Option<Box<Checkpoint>> {
         let last = run.occasion == Occasion::LastStep;
         let asked = self.intervals.as_mut().is_some_and(|i| i.reached(run.at.state.t) || last);
@@ -160,7 +160,7 @@ impl CheckpointSchedule {
             Box::new(Checkpoint {
                 case: self.case.clone(),
                 snapshot: run.snapshot(),
-                recorder,
+                recorder: recorder(),
                 // Set by the writing thread, after it has written all that was sent before.
                 files: FilesProgress::default(),
                 spent: self.stopwatch.read(),

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{Durability, replace};
 use super::csv::write_fault;
+use super::gauges::Peak;
 use crate::case::spec::Problem;
 use crate::drive::observer::{LedgerRow, ObserveError};
 use crate::drive::{Failure, Outcome, Status};
@@ -104,6 +105,9 @@ pub struct Summary {
     pub energy_error: f64,
     /// the energy account at the end
     pub final_ledger: LedgerRow,
+    /// largest values of the gauges; not given without gauges
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub peaks: Vec<Peak>,
     /// what went wrong; null for a run that did not fail
     pub failure: Option<Failure>,
     /// [s] time of the checkpoint the run was last resumed from; null for a run in one piece
@@ -141,6 +145,7 @@ impl Summary {
             critical_step: Some(critical_step).filter(|s| s.is_finite()),
             energy_error: outcome.energy_error,
             final_ledger: outcome.ledger,
+            peaks: Vec::new(),
             failure: outcome.failure.clone(),
             resumed_from: None,
             case: problem.case_json.clone(),

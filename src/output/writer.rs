@@ -8,6 +8,7 @@ use super::checkpoint::Checkpoint;
 use super::csv::LONGEST_DELAY;
 use super::files::{FilesProgress, FilesSpec, ResultFiles};
 use super::frame::{Frame, FrameSize};
+use super::gauges::GaugeRow;
 use super::resume::ResumeError;
 use super::rows::HistoryRow;
 use crate::drive::observer::ObserveError;
@@ -38,6 +39,8 @@ pub(super) enum Message {
     Frame(Frame),
     /// a row of the history
     Row(HistoryRow),
+    /// a value of a gauge
+    Gauge(GaugeRow),
     /// \[s\] the frames after this time are to be removed
     WithdrawAfter(f64),
     /// to be written after everything sent before it; see [`ResultWriter::checkpoint`]
@@ -217,6 +220,7 @@ fn listen(files: &mut ResultFiles, ends: &mut WriterChannels) -> Result<(), Obse
                 ends.written(frame);
             }
             Ok(Message::Row(row)) => files.row(&row)?,
+            Ok(Message::Gauge(row)) => files.gauge(&row)?,
             Ok(Message::WithdrawAfter(t)) => files.withdraw_after(t)?,
             Ok(Message::Checkpoint(checkpoint)) => {
                 files.checkpoint(*checkpoint)?;
@@ -247,6 +251,7 @@ mod tests {
             edges: &[],
             fields: Fields::default(),
             probes: &[],
+            gauges: Vec::new(),
             format: VtuFormat::default(),
         };
         let mut writer = ResultWriter::start(&spec).expect("a writer");

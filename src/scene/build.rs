@@ -1,6 +1,7 @@
 //! From a plain specification to force terms in internal numbering.
 
 use super::Load;
+use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
@@ -61,6 +62,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         springs: Vec::new(),
         loads: Vec::new(),
         tables: Vec::new(),
+        shapes: Vec::new(),
         stream: spec
             .stream
             .clone()
@@ -75,7 +77,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     builder.drag();
     builder.loads(&start);
     builder.rayleigh(&mass, &reference);
-    let Builder { terms, springs, loads, mut tables, stream, .. } = builder;
+    let Builder { terms, springs, loads, mut tables, stream, shapes: canopies, .. } = builder;
     tables.extend(stream.clone().map(|stream| stream as Arc<dyn SampledTable>));
     // What is held stands still: its velocity is 0, and here it loses a sign that steps of different kinds would treat
     // differently.
@@ -105,6 +107,7 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
         corners,
         tables,
         stream,
+        canopies,
         terms,
         springs,
         threads,
@@ -119,6 +122,7 @@ struct Builder<'a> {
     springs: Vec<SpringBatch>,
     loads: Vec<(Load, Arc<Scale>)>,
     tables: Vec<Arc<dyn SampledTable>>,
+    shapes: Vec<CanopyShape>,
     stream: Option<Arc<Stream>>,
 }
 
@@ -212,6 +216,7 @@ impl Builder<'_> {
             let (triangles, pressure_coefficient) = (triangles.into(), pressure_coefficient.into());
             let (stream, filling) = (stream.clone(), canopy.filling);
             let data = CanopyData { triangles, pressure_coefficient, skirt, apex, confluence, stream, filling };
+            self.shapes.push(CanopyShape::new(data.clone()));
             self.terms.push(Box::new(Canopy::new(data)));
         }
     }

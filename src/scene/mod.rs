@@ -6,6 +6,7 @@
 mod bound;
 mod branches;
 mod build;
+mod canopy_shape;
 mod check;
 mod external;
 mod graph;

@@ -1,6 +1,7 @@
 //! A spring network: mass, force terms and fixed degrees of freedom.
 
 use super::Load;
+use super::canopy_shape::CanopyShape;
 use super::external::ExternalForces;
 use super::graph::Graph;
 use super::numbering::Numbering;
@@ -48,6 +49,7 @@ pub struct Network {
     pub(super) external: Option<ExternalForces>,
     /// the air around it, shared with the terms
     pub(super) stream: Option<Arc<Stream>>,
+    pub(super) canopies: Vec<CanopyShape>,
     /// whether a term depends on nodes of the whole scene: then steps of several blocks are made one by one
     couples_blocks: bool,
     sweep: Sweep,
@@ -90,6 +92,7 @@ pub(super) struct Parts {
     /// load and wind tables, shared with the terms
     pub tables: Vec<Arc<dyn SampledTable>>,
     pub stream: Option<Arc<Stream>>,
+    pub canopies: Vec<CanopyShape>,
     pub terms: Vec<Box<dyn ForceTerm>>,
     pub springs: Vec<SpringBatch>,
     pub threads: Threads,
@@ -127,6 +130,7 @@ impl Network {
             springs: p.springs,
             external: None,
             stream: p.stream,
+            canopies: p.canopies,
             couples_blocks: false,
             sweep: Sweep::new(0, &mut []),
             threads: p.threads,
@@ -214,6 +218,11 @@ impl Network {
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
         }
+    }
+
+    /// [N] Reaction at a degree of freedom; 0 where it is free.
+    pub(super) fn reaction(&self, forces: &Forces, dof: u32) -> f64 {
+        self.fixed_dofs.binary_search(&dof).map_or(0.0, |place| forces.reactions[place])
     }
 
     fn has_role(&self, role: Role) -> bool {

@@ -2,10 +2,12 @@
 
 use super::network::{Network, by_node, node_state};
 use crate::force::law::damped_springs::axial_force;
+use crate::force::law::slack::tension;
 use crate::force::law::spring::SpringOutput;
 use crate::model::forces::Forces;
 use crate::model::motion::motion;
-use crate::model::observables::Observables;
+use crate::model::observables::{CANOPY_QUANTITIES, NodeQuantity, Observables, SpringPlace};
+use crate::model::point::Point;
 use crate::model::state::StateRef;
 use crate::model::step_block::strain_of;
 
@@ -63,6 +65,47 @@ impl Observables for Network {
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
         motion(at.v, &self.mass).largest_square.sqrt()
+    }
+
+    fn node_value(&self, quantity: NodeQuantity, at: &Point, node: u32) -> [f64; 3] {
+        let internal = self.numbering.internal[node as usize] as usize;
+        let of = |dofs: &[f64]| by_node(dofs)[internal];
+        match quantity {
+            NodeQuantity::Position => of(&at.state.x).into(),
+            NodeQuantity::Displacement => {
+                let reference = self.mesh.nodes[node as usize];
+                let x = of(&at.state.x);
+                std::array::from_fn(|i| x[i] - reference[i])
+            }
+            NodeQuantity::Velocity => of(&at.state.v).into(),
+            NodeQuantity::Acceleration => of(&at.forces.total).component_mul(&of(&self.inverse_mass)).into(),
+            NodeQuantity::Force => of(&at.forces.total).into(),
+            NodeQuantity::Reaction => std::array::from_fn(|i| self.reaction(&at.forces, (3 * internal + i) as u32)),
+        }
+    }
+
+    fn springs_on(&self, edges: &[u32], rule: Option<usize>) -> Vec<SpringPlace> {
+        let batches = self.springs.iter().zip(0_u32..).filter(|(_, number)| rule.is_none_or(|r| r == *number as usize));
+        let places = batches.flat_map(|(batch, rule)| {
+            let chosen = batch.edges.iter().zip(0_u32..).filter(|(edge, _)| edges.binary_search(edge).is_ok());
+            chosen.map(move |(_, number)| SpringPlace { rule, number })
+        });
+        places.collect()
+    }
+
+    fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
+        let Some(batch) = self.springs.get(rule as usize) else { return f64::NAN };
+        let (data, i) = (&batch.data, number as usize);
+        let elastic = tension(data.slack, data.stiffness.at(i), data.stretch(by_node(at.x), i).elongation).force;
+        if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }
+    }
+
+    fn canopies(&self) -> usize {
+        self.canopies.len()
+    }
+
+    fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
+        self.shape_of_canopy(canopy, at)
     }
 }
 

@@ -26,9 +26,10 @@ use std::sync::Arc;
 use super::diagnostics::Faults;
 use super::pointer::Pointer;
 use super::schema::{CaseFile, System};
-use super::spec::{Problem, SystemSpec};
+use super::spec::{GaugePlaces, GaugeSpec, Problem, SystemSpec};
 use crate::drive::clock::Step;
-use crate::model::spec::PendulumSpec;
+use crate::model::observables::GaugeQuantity;
+use crate::model::spec::{NetworkSpec, PendulumSpec, StrengthSpec};
 use crate::preflight;
 use geometry::Geometry;
 use numbers::{not_negative, positive};
@@ -74,7 +75,16 @@ pub(crate) fn build(
         Some(SystemSpec::Pendulum(_)) => select::NodeSet::Bob,
         _ => geometry.as_deref().map_or(select::NodeSet::Unknown, select::NodeSet::Mesh),
     };
-    let output = output::output(file.output.as_ref(), nodes, timing.as_ref().map(|t| t.spec), faults);
+    let (groups, strengths) = match &system {
+        Some(SystemSpec::Network(spec)) => (Some(&spec.springs[..]), strengths(spec)),
+        _ => (None, Vec::new()),
+    };
+    let places = (nodes, groups);
+    let output = output::output(file.output.as_ref(), places, timing.as_ref().map(|t| t.spec), faults);
+    let output = output.map(|mut output| {
+        output.gauges.extend(strengths);
+        output
+    });
     let timing = timing?;
     let problem = Problem {
         name: file.name.clone(),
@@ -89,6 +99,15 @@ pub(crate) fn build(
         case_json: serde_json::Value::Null,
     };
     Some((problem, geometry))
+}
+
+/// Gauges for the springs with a strength.
+fn strengths(spec: &NetworkSpec) -> Vec<GaugeSpec> {
+    let gauge = |StrengthSpec { group, name, strength }: &StrengthSpec| {
+        let on = GaugePlaces::Springs { edges: spec.springs[*group].edges.clone(), rule: Some(*group) };
+        GaugeSpec { name: name.clone(), of: GaugeQuantity::Tension, on, every: 1, strength: Some(*strength) }
+    };
+    spec.strengths.iter().map(gauge).collect()
 }
 
 /// A name that is usable in a file name, a table and a title.

@@ -4,6 +4,7 @@ use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
 use super::numbers::not_negative;
+use super::springs::SpringSections;
 use super::{canopy, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
@@ -28,7 +29,8 @@ pub(super) fn network(
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
     let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
-    let groups = springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
+    let SpringSections { groups, strengths } =
+        springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
     let rayleigh = rayleigh(&at.key("damping"), network.damping.as_ref(), faults);
@@ -61,6 +63,7 @@ pub(super) fn network(
         mass: masses,
         fixed,
         springs: groups,
+        strengths,
         gravity: network.gravity,
         air,
         stream,

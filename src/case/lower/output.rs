@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::numbers::positive;
-use super::select::NodeSet;
+use super::select::{self, NodeSet};
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Every, Field, Output, Probe};
-use crate::case::spec::{OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::case::schema::{Every, Field, Gauge, Output, Probe};
+use crate::case::spec::{GaugePlaces, GaugeSpec, OutputSpec, ProbeSpec, RowEvery, TimeSpec};
+use crate::model::observables::GaugeQuantity;
+use crate::model::spec::SpringGroup;
 use crate::vtk::VtuFormat;
 
 /// [-] Largest number of rows of `history.csv` with the default interval, including the first and the last state.
@@ -19,7 +21,7 @@ const MOST_FRAMES: f64 = 999_999.0;
 /// Checks the `output` section and fills in its defaults; `None` if the times are unknown.
 pub(super) fn output(
     output: Option<&Output>,
-    nodes: NodeSet<'_>,
+    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
     time: Option<TimeSpec>,
     faults: &mut Faults<'_>,
 ) -> Option<OutputSpec> {
@@ -34,11 +36,13 @@ pub(super) fn output(
         faults.add(&at.key("history").key("every"), "a whole number of 1 or more");
     }
     let probes = probes(&at.key("probes"), &section.probes, nodes, faults);
+    let gauges = gauges(&at.key("gauges"), &section.gauges, (nodes, springs), faults);
     let rows = HISTORY_ROWS - 2;
     Some(OutputSpec {
         frames_every: section.frames.map(|f| f.every),
         fields: unique(&section.fields),
         probes,
+        gauges,
         checkpoint_every: section.checkpoint.map(|c| c.every),
         format: VtuFormat { compression: section.compression, precision: section.precision, ..VtuFormat::default() },
         history_derived: history.is_none(),
@@ -87,4 +91,74 @@ fn probes(at: &Pointer, list: &[Probe], nodes: NodeSet<'_>, faults: &mut Faults<
         }
     }
     probes
+}
+
+/// Checks and resolves gauges; without `springs` they are not known.
+fn gauges(
+    at: &Pointer,
+    list: &[Gauge],
+    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
+    faults: &mut Faults<'_>,
+) -> Vec<GaugeSpec> {
+    let mut names = BTreeSet::new();
+    let mut gauges = Vec::new();
+    for (i, gauge) in list.iter().enumerate() {
+        let at = at.index(i);
+        super::name(&at.key("name"), &gauge.name, faults);
+        if faults.readable(&at.key("name")) && !names.insert(gauge.name.as_str()) {
+            faults.add(&at.key("name"), "a name that no other gauge has");
+        }
+        if gauge.every == Some(0) {
+            faults.add(&at.key("every"), "a whole number of 1 or more");
+        }
+        let on = match (gauge.of, nodes) {
+            (GaugeQuantity::Tension | GaugeQuantity::Reaction | GaugeQuantity::Acceleration, NodeSet::Bob) => {
+                faults.add(
+                    &at.key("of"),
+                    "\"position\", \"displacement\", \"velocity\", \"speed\" or \"force\" for a pendulum",
+                );
+                None
+            }
+            (GaugeQuantity::Tension, _) => springs_of(&at.key("on"), gauge, (nodes, springs), faults),
+            _ => match gauge.on.nodes() {
+                Some(selection) => nodes.select(&at.key("on"), &selection, faults).map(GaugePlaces::Nodes),
+                None => {
+                    faults.add(&at.key("on"), "a selection of nodes; only the tension is measured on edges");
+                    None
+                }
+            },
+        };
+        if let Some(on) = on {
+            let (name, every) = (gauge.name.clone(), gauge.every.unwrap_or(1).max(1));
+            gauges.push(GaugeSpec { name, of: gauge.of, on, every, strength: None });
+        }
+    }
+    gauges
+}
+
+/// The edges of a gauge of tension that have springs.
+fn springs_of(
+    at: &Pointer,
+    gauge: &Gauge,
+    (nodes, springs): (NodeSet<'_>, Option<&[SpringGroup]>),
+    faults: &mut Faults<'_>,
+) -> Option<GaugePlaces> {
+    let Some(selection) = gauge.on.edges() else {
+        faults.add(at, "a selection of edges: the tension is measured on springs");
+        return None;
+    };
+    let NodeSet::Mesh(geometry) = nodes else { return None };
+    let flags = select::edges(at, &selection, geometry, faults)?;
+    let springs = springs?;
+    let mut has_spring = vec![false; flags.len()];
+    for &edge in springs.iter().flat_map(|group| &group.edges) {
+        has_spring[edge as usize] = true;
+    }
+    let chosen = flags.iter().zip(&has_spring).zip(0_u32..).filter(|((flag, spring), _)| **flag && **spring);
+    let edges: Vec<u32> = chosen.map(|(_, edge)| edge).collect();
+    if edges.is_empty() {
+        faults.add_hint(at, "edges with springs", "no rule of the springs section puts a spring on them");
+        return None;
+    }
+    Some(GaugePlaces::Springs { edges, rule: None })
 }

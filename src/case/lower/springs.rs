@@ -2,7 +2,7 @@
 
 use super::geometry::Geometry;
 use super::mass;
-use super::numbers::not_negative;
+use super::numbers::{not_negative, positive};
 use super::select;
 use super::stiffness::{Springs, Stiffness, dashpot, dashpot_number, rest_lengths, stiffness};
 use crate::case::diagnostics::Faults;
@@ -10,8 +10,17 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{Slack, SpringGroup};
+use crate::model::spec::{Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
+
+/// The springs of a case.
+#[derive(Debug, Default)]
+pub(super) struct SpringSections {
+    /// by rule, in the order of the rules
+    pub groups: Vec<SpringGroup>,
+    /// strengths of groups
+    pub strengths: Vec<StrengthSpec>,
+}
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
 pub(super) fn springs(
@@ -21,10 +30,10 @@ pub(super) fn springs(
     step: Option<Step>,
     mass: &mut [f64],
     faults: &mut Faults<'_>,
-) -> Vec<SpringGroup> {
+) -> SpringSections {
     let bare = vec![false; geometry.map_or(0, |g| g.mesh.edges.len())];
     let mut claimed = Claimed { by_rule: bare.clone(), by_any: bare };
-    let mut groups = Vec::new();
+    let mut sections = SpringSections::default();
     let mut geometry = geometry;
     for (i, rule) in rules.iter().enumerate() {
         let at = at.index(i);
@@ -42,13 +51,21 @@ pub(super) fn springs(
             && !edges.is_empty()
             && let Some(group) = group(&at, RuleEdges { rule, values, edges, rest_length, step }, geometry, faults)
         {
-            groups.push(group);
+            let number = sections.groups.len();
+            if let Some(strength) = rule.strength {
+                let name = match &rule.on {
+                    EdgeSelection::Group(group) => format!("springs[{i}] {group}"),
+                    _ => format!("springs[{i}]"),
+                };
+                sections.strengths.push(StrengthSpec { group: number, name, strength });
+            }
+            sections.groups.push(group);
         }
     }
     if geometry.is_some() {
         warn_bare(&claimed.by_any, faults);
     }
-    groups
+    sections
 }
 
 /// Values of a rule that need no edge.
@@ -62,6 +79,9 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     let stiffness = stiffness(at, rule, faults);
     if let Some(density) = rule.linear_density {
         not_negative(&at.key("linear_density"), density, faults);
+    }
+    if let Some(strength) = rule.strength {
+        positive(&at.key("strength"), strength, faults);
     }
     let slack_at = at.key("slack");
     let slack = match rule.slack {

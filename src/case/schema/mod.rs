@@ -27,9 +27,9 @@ pub use aero::{
 pub use loads::{Load, PressureKindKey};
 pub use method::Method;
 pub use network::{Damping, Initial, Mass, Network, PointMass, Support};
-pub use output::{Every, EveryCheckpoint, EverySteps, Field, Output, Probe};
+pub use output::{Every, EveryCheckpoint, EverySteps, Field, Gauge, Output, Probe};
 pub use per_node::{PerNode, Vectors};
-pub use select::{Ball, EdgeSelection, NodeSelection};
+pub use select::{Ball, EdgeSelection, GaugeSelection, NodeSelection};
 pub use solver::{Newton, Solver};
 pub use springs::{Dashpot, DashpotRule, Membrane, SlackRule, SpringRule};
 pub use time::{Study, Time};

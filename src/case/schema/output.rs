@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::select::NodeSelection;
+use super::select::{GaugeSelection, NodeSelection};
+use crate::model::observables::GaugeQuantity;
 use crate::vtk::{Compression, Precision};
 
 /// What is written.
@@ -18,6 +19,11 @@ pub struct Output {
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
+    /// What is measured at every step, for `gauges.csv` and the largest values in `summary.json`. Steps are then made one
+    /// by one, which costs explicit methods on small nets up to a few times their time. Canopies measure themselves
+    /// without a gauge, at the rows of `history.csv`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gauges: Vec<Gauge>,
     /// Rows of `history.csv`; not given: the interval at which the file has at most 10,000 rows, computed for the end
     /// with which the run began.
     pub history: Option<EverySteps>,
@@ -90,4 +96,22 @@ pub struct Probe {
     pub name: String,
     /// Which nodes.
     pub on: NodeSelection,
+}
+
+/// Something that is measured at every step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gauge {
+    /// Name in `gauges.csv`; no two gauges share one.
+    #[schemars(length(min = 1, max = 200))]
+    pub name: String,
+    /// Where: edges for `tension`, else nodes.
+    pub on: GaugeSelection,
+    /// What: sums, means and largest values over the selection.
+    pub of: GaugeQuantity,
+    /// [-] Steps per row of `gauges.csv`, 1 if not given; the first and the last state always have a row. Largest values
+    /// are found at every step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
+    pub every: Option<u64>,
 }

@@ -57,6 +57,65 @@ pub enum EdgeSelection {
     Group(String),
 }
 
+/// Some nodes or some edges of the mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GaugeSelection {
+    /// Every node, or every edge.
+    All,
+    /// The nodes of all boundary loops of the triangles, or the edges of exactly one triangle.
+    Boundary,
+    /// The nodes of the boundary loop that encloses all others.
+    Outer,
+    /// The nodes of every other boundary loop: the edges of holes.
+    Inner,
+    /// Edges between triangles.
+    Interior,
+    /// The radial seam lines of the mesh, as given by its `seams`.
+    Seams,
+    /// Edges that belong to no triangle: chains, suspension lines.
+    Lines,
+    /// [-] The nodes, or the edges, with these numbers, counted from 0.
+    Ids(Vec<u32>),
+    /// [m] The nodes inside an axis-aligned box, its faces included: lowest corner, highest corner.
+    Box([[f64; 3]; 2]),
+    /// The nodes inside a sphere, its surface included.
+    Sphere(Ball),
+    /// The nodes, or the edges, of the mesh's group with this name.
+    Group(String),
+}
+
+impl GaugeSelection {
+    /// The nodes it selects; `None` if it can only select edges.
+    pub fn nodes(&self) -> Option<NodeSelection> {
+        Some(match self {
+            Self::All => NodeSelection::All,
+            Self::Boundary => NodeSelection::Boundary,
+            Self::Outer => NodeSelection::Outer,
+            Self::Inner => NodeSelection::Inner,
+            Self::Ids(list) => NodeSelection::Ids(list.clone()),
+            Self::Box(corners) => NodeSelection::Box(*corners),
+            Self::Sphere(ball) => NodeSelection::Sphere(*ball),
+            Self::Group(name) => NodeSelection::Group(name.clone()),
+            Self::Interior | Self::Seams | Self::Lines => return None,
+        })
+    }
+
+    /// The edges it selects; `None` if it can only select nodes.
+    pub fn edges(&self) -> Option<EdgeSelection> {
+        Some(match self {
+            Self::All => EdgeSelection::All,
+            Self::Boundary => EdgeSelection::Boundary,
+            Self::Interior => EdgeSelection::Interior,
+            Self::Seams => EdgeSelection::Seams,
+            Self::Lines => EdgeSelection::Lines,
+            Self::Ids(list) => EdgeSelection::Ids(list.clone()),
+            Self::Group(name) => EdgeSelection::Group(name.clone()),
+            Self::Outer | Self::Inner | Self::Box(_) | Self::Sphere(_) => return None,
+        })
+    }
+}
+
 impl NodeSelection {
     /// The key of the selection in a case file.
     pub fn keyword(&self) -> &'static str {

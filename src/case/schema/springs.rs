@@ -30,6 +30,11 @@ pub struct SpringRule {
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
+    /// [N] Strength of each spring. A run then measures its largest tension, at every step, and reports how many times
+    /// this is as much. It does not break.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub strength: Option<f64>,
     /// When the spring is slack; not given: it acts in tension and in compression.
     pub slack: Option<SlackRule>,
     /// A dashpot beside the spring.

@@ -57,7 +57,7 @@ pub struct CanopyData {
 }
 
 /// [m^2] The drag area at time `t` [s].
-fn drag_area(FillingSpec { drag_area, start, duration, exponent }: FillingSpec, t: f64) -> f64 {
+pub fn drag_area(FillingSpec { drag_area, start, duration, exponent }: FillingSpec, t: f64) -> f64 {
     drag_area * ((t - start) / duration).clamp(0.0, 1.0).powf(exponent)
 }
 

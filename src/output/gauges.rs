@@ -1,0 +1,345 @@
+//! Gauges: what `gauges.csv` and the peaks in `summary.json` hold.
+
+use super::schedule::RowSchedule;
+use crate::case::spec::{GaugePlaces, GaugeSpec, RowEvery};
+use crate::model::observables::{CANOPY_QUANTITIES, GaugeQuantity, NodeQuantity, Observables, SpringPlace};
+use crate::model::point::Point;
+use serde::{Deserialize, Serialize};
+
+/// [-] Share of a run at its end over which a value must not change to count as steady.
+const LAST_PART: f64 = 0.1;
+/// [-] Relative change over that part below which it is steady.
+const STEADY: f64 = 0.01;
+
+/// A column of values: one quantity of one gauge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// name of the gauge
+    pub name: String,
+    /// what it measures
+    pub quantity: &'static str,
+    unit: &'static str,
+    /// whether the peak is the value of the largest magnitude, as of components
+    signed: bool,
+    /// [N]
+    strength: Option<f64>,
+}
+
+/// What is kept of a channel from step to step; part of a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChannelPeak {
+    /// largest value
+    value: f64,
+    /// [s] its time
+    t: f64,
+    /// newest value
+    last: f64,
+    /// [s] time and value with which the last part of the run begins
+    late: [f64; 2],
+}
+
+impl Default for ChannelPeak {
+    fn default() -> Self {
+        ChannelPeak { value: f64::NAN, t: f64::NAN, last: f64::NAN, late: [f64::NEG_INFINITY, f64::NAN] }
+    }
+}
+
+/// The largest value of a quantity of a gauge, for `summary.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Peak {
+    /// name of the gauge
+    pub name: String,
+    /// what it measures
+    pub quantity: String,
+    /// its unit
+    pub unit: String,
+    /// largest value; of components and speeds along an axis, that of the largest magnitude
+    pub value: f64,
+    /// \[s\] when it was reached first
+    pub t: f64,
+    /// value at the end
+    pub last: f64,
+    /// whether the value changed by less than 1 % over the last tenth of the run
+    pub steady: bool,
+    /// \[N\] strength of the springs, if the case gives one
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength: Option<f64>,
+    /// \[-\] strength over the largest value; null without tension
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub safety_factor: Option<f64>,
+}
+
+/// A value of a channel, to be written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaugeRow {
+    /// \[s\] time
+    pub t: f64,
+    /// number of the channel
+    pub channel: usize,
+    /// the value
+    pub value: f64,
+}
+
+/// Where a gauge measures, as the scene knows it.
+#[derive(Debug)]
+enum Places {
+    Nodes(Vec<u32>),
+    Springs(Vec<SpringPlace>),
+    Canopy(usize),
+}
+
+#[derive(Debug)]
+struct Gauge {
+    places: Places,
+    of: GaugeQuantity,
+    rows: RowSchedule,
+    /// its first channel, and how many it has
+    channels: std::ops::Range<usize>,
+    /// [s] time of its newest row
+    written: f64,
+}
+
+/// The gauges of a run.
+#[derive(Debug)]
+pub(super) struct Gauges {
+    gauges: Vec<Gauge>,
+    channels: Vec<Channel>,
+    peaks: Vec<ChannelPeak>,
+    values: Vec<f64>,
+    every_step: bool,
+    /// the rows at which a canopy without any gauge is measured
+    sampled: Option<RowSchedule>,
+    /// [s] end of the run
+    end: f64,
+}
+
+/// Names and units of the channels of a quantity.
+fn quantities(of: GaugeQuantity) -> &'static [(&'static str, &'static str)] {
+    match of {
+        GaugeQuantity::Tension => &[("tension_sum", "N"), ("tension_max", "N")],
+        GaugeQuantity::Force => &[("force_x", "N"), ("force_y", "N"), ("force_z", "N"), ("force_max", "N")],
+        GaugeQuantity::Reaction => {
+            &[("reaction_x", "N"), ("reaction_y", "N"), ("reaction_z", "N"), ("reaction_max", "N")]
+        }
+        GaugeQuantity::Acceleration => &[
+            ("acceleration_x", "m/s^2"),
+            ("acceleration_y", "m/s^2"),
+            ("acceleration_z", "m/s^2"),
+            ("acceleration_max", "m/s^2"),
+        ],
+        GaugeQuantity::Velocity => &[("velocity_x", "m/s"), ("velocity_y", "m/s"), ("velocity_z", "m/s")],
+        GaugeQuantity::Speed => &[("speed_mean", "m/s"), ("speed_max", "m/s")],
+        GaugeQuantity::Displacement => &[("displacement_mean", "m"), ("displacement_max", "m")],
+        GaugeQuantity::Position => &[("position_x", "m"), ("position_y", "m"), ("position_z", "m")],
+    }
+}
+
+impl Gauges {
+    /// The gauges of a request. Canopies are measured too: at every step if there are other gauges, else only at the
+    /// rows of the history, because the steps between can then be made in blocks.
+    pub fn new(picture: &dyn Observables, specs: &[GaugeSpec], history: RowEvery, end: f64) -> Self {
+        let mut made = Gauges {
+            gauges: Vec::new(),
+            channels: Vec::new(),
+            peaks: Vec::new(),
+            values: Vec::new(),
+            every_step: !specs.is_empty(),
+            sampled: (specs.is_empty() && picture.canopies() > 0).then(|| RowSchedule::of(history)),
+            end,
+        };
+        for GaugeSpec { name, of, on, every, strength } in specs {
+            let places = match on {
+                GaugePlaces::Nodes(nodes) => Places::Nodes(nodes.clone()),
+                GaugePlaces::Springs { edges, rule } => Places::Springs(picture.springs_on(edges, *rule)),
+            };
+            let rows = RowSchedule::Steps((*every).max(1));
+            made.add((name, *strength), quantities(*of), (places, *of), rows);
+        }
+        for canopy in 0..picture.canopies() {
+            let name = if picture.canopies() == 1 { "canopy".to_owned() } else { format!("canopy {canopy}") };
+            let places = (Places::Canopy(canopy), GaugeQuantity::Speed);
+            made.add((&name, None), &CANOPY_QUANTITIES, places, RowSchedule::of(history));
+        }
+        made
+    }
+
+    fn add(
+        &mut self,
+        (name, strength): (&str, Option<f64>),
+        quantities: &'static [(&'static str, &'static str)],
+        (places, of): (Places, GaugeQuantity),
+        rows: RowSchedule,
+    ) {
+        let first = self.channels.len();
+        for &(quantity, unit) in quantities {
+            let signed = quantity.ends_with("_x")
+                || quantity.ends_with("_y")
+                || quantity.ends_with("_z")
+                || quantity == "axial_speed"
+                || quantity == "dynamic_pressure";
+            let strength = strength.filter(|_| quantity == "tension_max");
+            self.channels.push(Channel { name: name.to_owned(), quantity, unit, signed, strength });
+        }
+        let channels = first..self.channels.len();
+        self.peaks.resize(self.channels.len(), ChannelPeak::default());
+        self.values.resize(self.channels.len(), f64::NAN);
+        self.gauges.push(Gauge { places, of, rows, channels, written: f64::NAN });
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.gauges.is_empty()
+    }
+
+    /// All channels, in the order of the rows.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// What a checkpoint keeps.
+    pub fn kept(&self) -> Vec<ChannelPeak> {
+        self.peaks.clone()
+    }
+
+    /// Takes up what a checkpoint kept.
+    pub fn take_up(&mut self, kept: &[ChannelPeak]) {
+        if kept.len() == self.peaks.len() {
+            self.peaks.copy_from_slice(kept);
+        }
+    }
+
+    /// Skips the rows up to `t` [s].
+    pub fn skip(&mut self, t: f64) {
+        self.gauges.iter_mut().map(|gauge| &mut gauge.rows).chain(&mut self.sampled).for_each(|rows| rows.skip(t));
+    }
+
+    /// Whether the state at the end of step number `step`, at `t` [s], is measured; `from` [s] is its start.
+    pub fn wants(&self, step: u64, [from, t]: [f64; 2]) -> bool {
+        self.every_step
+            || self.sampled.is_some_and(|mut rows| {
+                rows.skip(from);
+                rows.due(step, t)
+            })
+    }
+
+    /// Measures at the end of a step (number 0 is the start) and adds it to the peaks where it is credible; calls `write`
+    /// for the rows that are due.
+    pub fn step<E>(
+        &mut self,
+        picture: &dyn Observables,
+        (step, at, credible): (u64, &Point, bool),
+        mut write: impl FnMut(GaugeRow) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let t = at.state.t;
+        if step > 0 && !self.every_step && !self.sampled.as_mut().is_some_and(|rows| rows.due(step, t)) {
+            return Ok(());
+        }
+        self.measure(picture, at);
+        if credible {
+            self.note(t);
+        }
+        for gauge in &mut self.gauges {
+            if step == 0 || gauge.rows.due(step, t) {
+                gauge.written = t;
+                let mut rows =
+                    gauge.channels.clone().map(|channel| GaugeRow { t, channel, value: self.values[channel] });
+                rows.try_for_each(&mut write)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Measures the last state of a run and calls `write` for gauges without a row there.
+    pub fn last<E>(
+        &mut self,
+        picture: &dyn Observables,
+        (at, credible): (&Point, bool),
+        mut write: impl FnMut(GaugeRow) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let t = at.state.t;
+        self.measure(picture, at);
+        if credible {
+            self.note(t);
+        }
+        for gauge in self.gauges.iter().filter(|gauge| gauge.written != t) {
+            let mut rows = gauge.channels.clone().map(|channel| GaugeRow { t, channel, value: self.values[channel] });
+            rows.try_for_each(&mut write)?;
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self, picture: &dyn Observables, at: &Point) {
+        for gauge in &self.gauges {
+            let to = &mut self.values[gauge.channels.clone()];
+            match &gauge.places {
+                Places::Canopy(canopy) => to.copy_from_slice(&picture.canopy_values(*canopy, at.state.as_ref())),
+                Places::Springs(springs) => {
+                    let tensions = springs.iter().map(|&spring| picture.spring_tension(at.state.as_ref(), spring));
+                    let (sum, most) = tensions.fold((0.0, f64::NEG_INFINITY), |(sum, most), t| (sum + t, t.max(most)));
+                    to.copy_from_slice(&[sum, most]);
+                }
+                Places::Nodes(nodes) => nodal(picture, (gauge.of, nodes), at, to),
+            }
+        }
+    }
+
+    fn note(&mut self, t: f64) {
+        for ((peak, channel), &value) in self.peaks.iter_mut().zip(&self.channels).zip(&self.values) {
+            let more = if channel.signed { value.abs() > peak.value.abs() } else { value > peak.value };
+            if more || peak.value.is_nan() {
+                (peak.value, peak.t) = (value, t);
+            }
+            peak.last = value;
+            if peak.late[0] < (1.0 - LAST_PART) * self.end {
+                peak.late = [t, value];
+            }
+        }
+    }
+
+    /// The peaks so far.
+    pub fn peaks(&self) -> Vec<Peak> {
+        let peaks = self.peaks.iter().zip(&self.channels).filter(|(peak, _)| peak.t.is_finite());
+        let peak = |(peak, channel): (&ChannelPeak, &Channel)| {
+            let &ChannelPeak { value, t, last, late: [from, late] } = peak;
+            Peak {
+                name: channel.name.clone(),
+                quantity: channel.quantity.to_owned(),
+                unit: channel.unit.to_owned(),
+                value,
+                t,
+                last,
+                steady: from >= (1.0 - LAST_PART) * self.end && (last - late).abs() <= STEADY * last.abs(),
+                strength: channel.strength,
+                safety_factor: channel.strength.filter(|_| value > 0.0).map(|strength| strength / value),
+            }
+        };
+        peaks.map(peak).collect()
+    }
+}
+
+/// The values of a gauge on nodes.
+fn nodal(picture: &dyn Observables, (of, nodes): (GaugeQuantity, &[u32]), at: &Point, to: &mut [f64]) {
+    let quantity = match of {
+        GaugeQuantity::Force | GaugeQuantity::Tension => NodeQuantity::Force,
+        GaugeQuantity::Reaction => NodeQuantity::Reaction,
+        GaugeQuantity::Acceleration => NodeQuantity::Acceleration,
+        GaugeQuantity::Velocity | GaugeQuantity::Speed => NodeQuantity::Velocity,
+        GaugeQuantity::Displacement => NodeQuantity::Displacement,
+        GaugeQuantity::Position => NodeQuantity::Position,
+    };
+    let (mut sum, mut norms, mut most) = ([0.0; 3], 0.0, 0.0_f64);
+    for &node in nodes {
+        let value = picture.node_value(quantity, at, node);
+        let [x, y, z] = value;
+        let norm = (x * x + y * y + z * z).sqrt();
+        sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+        (norms, most) = (norms + norm, most.max(norm));
+    }
+    let share = 1.0 / nodes.len() as f64;
+    let [x, y, z] = sum;
+    match of {
+        GaugeQuantity::Speed | GaugeQuantity::Displacement => to.copy_from_slice(&[share * norms, most]),
+        GaugeQuantity::Force | GaugeQuantity::Reaction | GaugeQuantity::Tension => to.copy_from_slice(&[x, y, z, most]),
+        GaugeQuantity::Acceleration => to.copy_from_slice(&[share * x, share * y, share * z, most]),
+        GaugeQuantity::Velocity | GaugeQuantity::Position => to.copy_from_slice(&[share * x, share * y, share * z]),
+    }
+}
