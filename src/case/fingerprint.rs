@@ -140,6 +140,8 @@ impl Fingerprint {
             mesh,
             mass,
             fixed,
+            releases,
+            cuts,
             springs,
             // These are among the gauges.
             strengths: _,
@@ -158,7 +160,13 @@ impl Fingerprint {
         self.sum("system.network.mesh", mesh)?;
         self.sum("system.network.mass", mass)?;
         self.sum("system.network.supports", fixed)?;
+        if !releases.is_empty() {
+            self.sum("system.network.supports", releases)?;
+        }
         self.sum("system.network.springs", springs)?;
+        if !cuts.is_empty() {
+            self.sum("system.network.springs", cuts)?;
+        }
         self.text("system.network.gravity", gravity)?;
         self.sum("system.network.aero", air)?;
         if stream.is_some() {

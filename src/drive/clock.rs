@@ -94,6 +94,66 @@ impl FixedSteps {
     }
 }
 
+/// Fixed steps of a scene with events: a step within which an event lies is made in two.
+#[derive(Clone, Debug)]
+pub struct EventSteps {
+    steps: FixedSteps,
+    /// number of every step that ends at an event within one of `steps`, and its end [s], ascending
+    divided: Vec<(u64, f64)>,
+    /// [s] times at which events are passed, ascending
+    events: Vec<f64>,
+}
+
+impl EventSteps {
+    /// The steps of a run; `events` [s] ascend and lie after 0. An event that rounding parts from the end of a step is
+    /// passed there.
+    pub fn new(steps: FixedSteps, events: &[f64]) -> Self {
+        let mut made = EventSteps { steps, divided: Vec::new(), events: Vec::new() };
+        for &event in events {
+            let ratio = event / steps.step;
+            let nearest = ratio.round();
+            if nearest >= 1.0 && (ratio - nearest).abs() <= SLACK.max(4.0 * f64::EPSILON * nearest) {
+                made.events.push(steps.tick(nearest as u64).t);
+            } else {
+                if event < steps.end {
+                    let within = (ratio as u64).min(steps.count - 1);
+                    made.divided.push((within + made.divided.len() as u64 + 1, event));
+                }
+                made.events.push(event);
+            }
+        }
+        made
+    }
+
+    /// Number of steps.
+    pub fn count(&self) -> u64 {
+        self.steps.count + self.divided.len() as u64
+    }
+
+    /// [s] Times at which events are passed.
+    pub fn events(&self) -> &[f64] {
+        &self.events
+    }
+
+    /// Step number `k`, counted from 1.
+    pub fn tick(&self, k: u64) -> Tick {
+        let before = self.divided.partition_point(|(n, _)| *n < k);
+        let whole = self.steps.tick(k - before as u64);
+        let own = self.divided.get(before).filter(|(n, _)| *n == k).map(|(_, t)| *t);
+        let last = before.checked_sub(1).and_then(|i| self.divided.get(i)).filter(|(n, _)| *n + 1 == k);
+        if own.is_none() && last.is_none() {
+            return whole;
+        }
+        let start = match (last, k - before as u64) {
+            (Some((_, t)), _) => *t,
+            (None, 1) => 0.0,
+            (None, n) => self.steps.tick(n - 1).t,
+        };
+        let t = own.unwrap_or(whole.t);
+        Tick { h: t - start, t }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,5 +175,23 @@ mod tests {
         assert_eq!(clock.tick(3).h, 0.3);
         assert!((clock.tick(4).h - 0.1).abs() < 1e-15);
         assert_eq!(FixedSteps::new(5.0, 1.0).tick(1), Tick { h: 1.0, t: 1.0 });
+    }
+
+    /// Events within a step divide it, also two in one step; those at the end of a step do not.
+    #[test]
+    fn events_divide_steps() {
+        let steps = EventSteps::new(FixedSteps::new(0.25, 1.0), &[0.125, 0.5, 0.625, 0.6875]);
+        assert_eq!(steps.count(), 7);
+        let ends: Vec<f64> = (1..=7).map(|k| steps.tick(k).t).collect();
+        assert_eq!(ends, [0.125, 0.25, 0.5, 0.625, 0.6875, 0.75, 1.0]);
+        let mut from = 0.0;
+        for k in 1..=7 {
+            let Tick { h, t } = steps.tick(k);
+            assert_eq!(h, t - from, "{k}");
+            from = t;
+        }
+        let plain = EventSteps::new(FixedSteps::new(0.1, 1.0), &[0.3]);
+        assert_eq!((plain.count(), plain.events()), (10, &[3.0 * 0.1][..]));
+        assert!((1..=10).all(|k| plain.tick(k) == FixedSteps::new(0.1, 1.0).tick(k)));
     }
 }

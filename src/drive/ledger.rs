@@ -5,7 +5,7 @@
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
 //! Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest lengths or gravity, the energy
-//! that springs and weight gain at once is external work too. `numerical` is the remainder: the energy that the scheme
+//! that springs and weight gain at once is external work too. The energy of springs that are cut is dissipated. `numerical` is the remainder: the energy that the scheme
 //! itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
@@ -95,6 +95,13 @@ impl Ledger {
     pub fn changed(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
         let now = self.row(system, before.kinetic, &at.forces.tallies);
         self.work.external += (now.elastic - before.elastic) + (now.gravity - before.gravity);
+        self.close(system, before.kinetic, &at.forces.tallies)
+    }
+
+    /// Accounts for springs that are cut: their energy is lost, as that of a line that recoils.
+    pub fn cut(&mut self, system: &dyn System, at: &Point, before: &LedgerRow) -> LedgerRow {
+        let now = self.row(system, before.kinetic, &at.forces.tallies);
+        self.work.dissipated += before.elastic - now.elastic;
         self.close(system, before.kinetic, &at.forces.tallies)
     }
 

@@ -130,6 +130,32 @@ impl Run<'_> {
         self.state.policy.next(self.state.steps, self.state.from.state.t)
     }
 
+    /// Passes the events that the accepted state has reached, and restarts the scheme and adaptive steps there. A
+    /// snapshot is always of the state after them.
+    fn pass_events(&mut self, stepper: &mut Stepper<'_>) -> Result<(), RunError> {
+        let (scene, state) = (self.scene, &mut *self.state);
+        if state.passed == scene.events().len() {
+            return Ok(());
+        }
+        let passed = state.policy.passed(scene, state.from.state.t);
+        if passed == state.passed {
+            return Ok(());
+        }
+        state.passed = passed;
+        scene.pass_events(passed);
+        state.counters.evaluate(scene, state.from.state.as_ref(), &mut state.from.forces);
+        state.row = state.ledger.cut(scene, &state.from, &state.row);
+        if let StepPolicy::Adaptive(policy) = &mut state.policy {
+            policy.forget_history();
+            policy.recount(scene);
+        }
+        state.watch.scene_changed(scene);
+        state.scene_limits = SceneLimits::of(scene);
+        stepper.start(&state.from)?;
+        stepper.restart(&state.from);
+        Ok(())
+    }
+
     /// Whether a scene of this extent [m] counts as diverged.
     fn has_left(&self, extent: f64) -> bool {
         extent.is_nan() || extent > self.state.limit
@@ -171,6 +197,8 @@ pub(crate) struct RunState {
     watch: Watch,
     pub row: LedgerRow,
     pub steps: u64,
+    /// events of the scene that are passed
+    passed: usize,
     /// [m] extent beyond which the scene counts as diverged
     limit: f64,
     scene_limits: SceneLimits,
@@ -203,14 +231,14 @@ impl RunState {
             return Err(RunError::OtherState { found, needed });
         }
         scene.sample_tables(spec.step.fixed());
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (None, state.t));
         let mut from = Point { state, forces: scene.new_forces() };
         let mut counters = Counters::default();
         timed(Phase::Forces, || counters.evaluate(scene, from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         let (ledger, row) = Ledger::open(scene, &from);
         let watch = Watch::open(scene, spec.method.info, &row);
-        let policy = StepPolicy::of(scene, stepper, spec, None);
-        Ok(RunState { counters, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
+        Ok(RunState { counters, passed, ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row }) })
     }
 
     /// A run at a snapshot. Starts the scheme.
@@ -225,16 +253,17 @@ impl RunState {
         scene.sample_tables(spec.step.fixed());
         let Snapshot { step: steps, t, x, v, carried, counters, ledger, row, watch, failure, doubt, adaptive } =
             snapshot;
+        let (policy, passed) = StepPolicy::at(scene, stepper, spec, (adaptive, t));
         let mut from = Point { state: State { t, x, v }, forces: scene.new_forces() };
         // Already counted in the step that led to this state.
         timed(Phase::Forces, || scene.evaluate(from.state.as_ref(), &mut from.forces));
         stepper.start(&from)?;
         stepper.restore(&carried)?;
         let watch = Watch::restore(scene, spec.method.info, watch);
-        let policy = StepPolicy::of(scene, stepper, spec, adaptive);
         Ok(RunState {
             counters,
             steps,
+            passed,
             failure,
             doubt,
             ..RunState::new_at(scene, RunStart { from, policy, ledger, watch, row })
@@ -254,6 +283,7 @@ impl RunState {
             watch,
             row,
             steps: 0,
+            passed: 0,
             limit: if size > 0.0 { BLOW_UP * size } else { f64::INFINITY },
             scene_limits: SceneLimits::of(scene),
             failure: None,

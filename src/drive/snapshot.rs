@@ -1,7 +1,7 @@
 //! All that a run needs to continue from a step as if it had never stopped.
 
 use super::adaptive::AdaptiveState;
-use super::clock::{FixedSteps, Step};
+use super::clock::{EventSteps, FixedSteps, Step};
 use super::error::RunError;
 use super::failure::Failure;
 use super::ledger::Ledger;
@@ -65,7 +65,7 @@ impl RunSpec<'_> {
             }
             return Ok(());
         };
-        let clock = FixedSteps::new(step_size, self.end);
+        let clock = EventSteps::new(FixedSteps::new(step_size, self.end), scene.events());
         let there = if step == 0 { 0.0 } else { clock.tick(step).t };
         if step > clock.count() || there.to_bits() != t.to_bits() {
             return Err(RunError::NotOnTheWay { t, step, steps: clock.count(), end: self.end });

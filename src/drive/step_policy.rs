@@ -1,7 +1,7 @@
 //! The choice of the next step of a run: of fixed size, or of the size that a tolerance allows.
 
 use super::adaptive::{Adaptive, AdaptiveSpec, AdaptiveState, PlannedStep};
-use super::clock::{FixedSteps, Step, Tick};
+use super::clock::{EventSteps, FixedSteps, Step, Tick};
 use super::outcome::RunSpec;
 use crate::integrate::registry::Family;
 use crate::integrate::stepper::Stepper;
@@ -9,15 +9,32 @@ use crate::scene::Scene;
 
 /// Steps of one size, or of the size a tolerance allows.
 pub(super) enum StepPolicy {
-    Fixed(FixedSteps),
+    Fixed(EventSteps),
     Adaptive(Box<Adaptive>),
 }
 
 impl StepPolicy {
+    /// The policy of a run at time `t` [s], and how many events it has passed; the scene is then at that time.
+    pub fn at(
+        scene: &dyn Scene,
+        stepper: &Stepper<'_>,
+        spec: RunSpec<'_>,
+        (state, t): (Option<AdaptiveState>, f64),
+    ) -> (Self, usize) {
+        scene.pass_events(0);
+        let mut policy = Self::of(scene, stepper, spec, state);
+        let passed = policy.passed(scene, t);
+        scene.pass_events(passed);
+        if let StepPolicy::Adaptive(adaptive) = &mut policy {
+            adaptive.recount(scene);
+        }
+        (policy, passed)
+    }
+
     /// Starts at t = 0, or continues from the adaptive steps of an earlier run.
-    pub fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
+    fn of(scene: &dyn Scene, stepper: &Stepper<'_>, spec: RunSpec<'_>, state: Option<AdaptiveState>) -> Self {
         match spec.step {
-            Step::Fixed(step) => StepPolicy::Fixed(FixedSteps::new(step, spec.end)),
+            Step::Fixed(step) => StepPolicy::Fixed(EventSteps::new(FixedSteps::new(step, spec.end), scene.events())),
             Step::Adaptive(tolerance) => {
                 // Kang's filter also damps slow motion.
                 let coherent = spec.method.info.family == Family::MatrixFree;
@@ -38,6 +55,15 @@ impl StepPolicy {
             StepPolicy::Fixed(clock) => (steps < clock.count()).then(|| clock.tick(steps + 1)),
             StepPolicy::Adaptive(policy) => policy.next(t).map(|PlannedStep { h, t, .. }| Tick { h, t }),
         }
+    }
+
+    /// [-] How many of a scene's events a run has passed that is at time `t` [s].
+    pub fn passed(&self, scene: &dyn Scene, t: f64) -> usize {
+        let events = match self {
+            StepPolicy::Fixed(clock) => clock.events(),
+            StepPolicy::Adaptive(_) => scene.events(),
+        };
+        events.partition_point(|event| event - t <= 4.0 * f64::EPSILON * event)
     }
 
     /// What adaptive steps keep.

@@ -173,6 +173,10 @@ pub enum DivergenceKind {
     },
 }
 
+fn mass_that_moves(scene: &dyn Scene) -> f64 {
+    scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum()
+}
+
 impl Watch {
     /// A watch of a run from its first state.
     pub fn open(scene: &dyn Scene, method: &MethodInfo, first: &LedgerRow) -> Self {
@@ -188,7 +192,7 @@ impl Watch {
     pub fn restore(scene: &dyn Scene, method: &MethodInfo, account: EnergyAccount) -> Self {
         let stiffness = scene.nodal_stiffness().iter().sum::<f64>();
         let start = scene.initial_state();
-        let mass = scene.inverse_mass().iter().filter(|m| **m > 0.0).map(|m| 1.0 / m).sum();
+        let mass = mass_that_moves(scene);
         let (load_energy, reach) = (load_energy(scene, start.as_ref(), 1.0), farthest(&start.x));
         let (overshoots, dissipates) = (method.family == Family::Explicit, method.family != Family::MatrixFree);
         Watch { account, load_energy, stiffness, mass, reach, overshoots, dissipates }
@@ -199,6 +203,13 @@ impl Watch {
         let a = &mut self.account;
         a.late_load_energy = a.late_load_energy.max(self.load_energy * a.longest.powi(2));
         self.load_energy = load_energy(scene, scene.initial_state().as_ref(), 1.0);
+    }
+
+    /// After supports are released or springs are cut.
+    pub fn scene_changed(&mut self, scene: &dyn Scene) {
+        self.loads_changed(scene);
+        self.stiffness = scene.nodal_stiffness().iter().sum::<f64>();
+        self.mass = mass_that_moves(scene);
     }
 
     /// What a snapshot keeps.

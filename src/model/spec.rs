@@ -72,6 +72,24 @@ pub struct StrengthSpec {
     pub strength: f64,
 }
 
+/// Springs of a group that carry no force from a time on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CutSpec {
+    /// [s] when, above 0
+    pub t: f64,
+    /// place of the group in [`NetworkSpec::springs`]
+    pub group: usize,
+}
+
+/// Directions of nodes that are held until a time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReleaseSpec {
+    /// [s] when, above 0
+    pub t: f64,
+    /// the nodes, with those of x, y, z that become free
+    pub nodes: Vec<(u32, [bool; 3])>,
+}
+
 /// A factor or vector over time, linear between its rows, held constant outside them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series<T> {
@@ -248,6 +266,16 @@ pub struct RayleighSpec {
     pub stiffness: f64,
 }
 
+impl ReleaseSpec {
+    /// Frees what it frees, `[n_nodes][3]`; nodes beyond are passed over.
+    pub fn apply(&self, fixed: &mut [[bool; 3]]) {
+        for (node, directions) in &self.nodes {
+            let held = fixed.get_mut(*node as usize).into_iter().flatten();
+            held.zip(directions).for_each(|(held, free)| *held &= !free);
+        }
+    }
+}
+
 /// All data of a network scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NetworkSpec {
@@ -255,8 +283,12 @@ pub struct NetworkSpec {
     pub mesh: Mesh,
     /// [kg] lumped mass of every node
     pub mass: Vec<f64>,
-    /// which of x, y, z is fixed, `[n_nodes][3]`
+    /// which of x, y, z is fixed at t = 0, `[n_nodes][3]`
     pub fixed: Vec<[bool; 3]>,
+    /// what becomes free later
+    pub releases: Vec<ReleaseSpec>,
+    /// springs that are cut
+    pub cuts: Vec<CutSpec>,
     /// springs by rule
     pub springs: Vec<SpringGroup>,
     /// strengths of groups, for reports only
@@ -286,6 +318,22 @@ pub struct NetworkSpec {
 }
 
 impl NetworkSpec {
+    /// Which of x, y, z is fixed for ever, `[n_nodes][3]`.
+    pub fn always_fixed(&self) -> Vec<[bool; 3]> {
+        let mut fixed = self.fixed.clone();
+        self.releases.iter().for_each(|release| release.apply(&mut fixed));
+        fixed
+    }
+
+    /// [s] The times of all releases and cuts, ascending.
+    pub fn events(&self) -> Vec<f64> {
+        let mut times: Vec<f64> =
+            self.releases.iter().map(|release| release.t).chain(self.cuts.iter().map(|cut| cut.t)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
     /// [m/s] A bound on the speed of the wind.
     pub fn fastest_wind(&self) -> f64 {
         let fastest = |series: &Series<[f64; 3]>| series.value.iter().map(speed).fold(0.0, f64::max);

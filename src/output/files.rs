@@ -22,8 +22,7 @@ use crate::case::spec::ProbeSpec;
 use crate::drive::observer::ObserveError;
 use crate::vtk::VtuFormat;
 
-/// Folder of the frames, beside the .pvd.
-pub const FRAMES: &str = "frames";
+pub use crate::vtk::FRAMES;
 /// One row per step, or per n steps.
 pub const HISTORY: &str = "history.csv";
 /// Chosen nodes at each frame time.

@@ -55,16 +55,16 @@ pub struct Peak {
     pub unit: String,
     /// largest value; of components and speeds along an axis, that of the largest magnitude
     pub value: f64,
-    /// \[s\] when it was reached first
+    /// [s] when it was reached first
     pub t: f64,
     /// value at the end
     pub last: f64,
     /// whether the value changed by less than 1 % over the last tenth of the run
     pub steady: bool,
-    /// \[N\] strength of the springs, if the case gives one
+    /// [N] strength of the springs, if the case gives one
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<f64>,
-    /// \[-\] strength over the largest value; null without tension
+    /// [-] strength over the largest value; null without tension
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub safety_factor: Option<f64>,
 }
@@ -72,7 +72,7 @@ pub struct Peak {
 /// A value of a channel, to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaugeRow {
-    /// \[s\] time
+    /// [s] time
     pub t: f64,
     /// number of the channel
     pub channel: usize,

@@ -31,7 +31,10 @@ pub enum ResumeError {
         fault: CheckpointFault,
     },
     /// The checkpoint is of another case.
-    #[error("{path} belongs to another case: {differences}; resume the case as it was, or solve this one with --force")]
+    #[error(
+        "{path} belongs to another case: {differences}; resume the case as it was, solve this one with --force, or \
+         begin where that run ended with system.network.initial.from"
+    )]
     OtherCase {
         /// the checkpoint
         path: String,

@@ -27,12 +27,12 @@ impl Network {
     pub(super) fn node_bound(&self, at: StateRef<'_>, w: Weights, buffer: &mut BoundBuffer) -> (f64, usize) {
         let BoundBuffer(blocks) = buffer;
         blocks.clear();
-        blocks.resize(self.fixed.len(), Block::default());
-        let mut sink = Diagonal { blocks, fixed: &self.fixed };
+        blocks.resize(self.phase().fixed.len(), Block::default());
+        let mut sink = Diagonal { blocks, fixed: &self.phase().fixed };
         let form = TangentForm { convex: true, symmetric: false };
         self.emit_tangents(at, w, form, &mut sink);
         let (mut most, mut dof) = (0.0, 0);
-        for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.inverse_mass)).enumerate() {
+        for (i, (block, inverse)) in blocks.iter().zip(by_node(&self.phase().inverse_mass)).enumerate() {
             let block = scaled(block, *inverse);
             // Much cheaper than the eigenvalue, which is then needed only a few times in a uniform net.
             if !lies_below(&block, (1.0 + 0.5 * MARGIN) * most) {

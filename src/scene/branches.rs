@@ -144,7 +144,7 @@ impl Network {
         let h = step[1].t - step[0].t;
         let ends = step.map(|at| StepEnd { x: by_node(at.x), v: by_node(at.v) });
         let mut largest: Option<(f64, ElongationCubic, f64)> = None;
-        for (line, k) in self.springs.iter().flat_map(lines) {
+        for (line, k) in self.carrying().flat_map(lines) {
             let gap = line.gap(h, ends);
             if gap.keeps_its_sign() {
                 continue;

@@ -3,6 +3,7 @@
 use super::Load;
 use super::canopy_shape::CanopyShape;
 use super::check::{BuildError, check, check_bars};
+use super::events::Phases;
 use super::network::{Network, SpringBatch};
 use super::numbering::Numbering;
 use crate::force::ForceTerm;
@@ -17,7 +18,7 @@ use crate::force::law::gravity::Gravity;
 use crate::force::law::nodal::{DeadPressure, FORCES, NodalForces};
 use crate::force::law::rayleigh::{RayleighData, RayleighMass, RayleighStiffness};
 use crate::force::law::series::{LoadFactor, SampledTable, Scale, scalar};
-use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::law::triangle::AreaVector;
 use crate::force::schedule::threads::Threads;
@@ -53,7 +54,8 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let reference: Vec<Vector3<f64>> = (0..n).map(|i| Vector3::from(spec.mesh.nodes[at(i)])).collect();
     let displaced = |i: usize| spec.displacement.get(at(i)).map_or(Vector3::zeros(), |&u| Vector3::from(u));
     let start: Arc<[Vector3<f64>]> = (0..n).map(|i| reference[i] + displaced(i)).collect();
-    let fixed: Vec<[bool; 3]> = (0..n).map(|i| spec.fixed[at(i)]).collect();
+    let always = spec.always_fixed();
+    let fixed: Vec<[bool; 3]> = (0..n).map(|i| always[at(i)]).collect();
     let mass: Arc<[f64]> = (0..n).map(|i| spec.mass[at(i)]).collect();
     let mut builder = Builder {
         spec: &spec,
@@ -93,12 +95,13 @@ pub fn build_network_with(spec: NetworkSpec, bars: &[Bars], threads: Threads) ->
     let fillings = spec.canopies.iter().filter_map(|canopy| canopy.filling);
     let fillings = fillings.flat_map(|filling| [filling.start, filling.start + filling.duration]);
     let tabled = winds.flat_map(|wind| &wind.t).chain(factors.flatten().flat_map(|s| &s.t)).copied();
-    let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).collect();
+    let mut corners: Vec<f64> = tabled.chain(gusts).chain(fillings).chain(spec.events()).collect();
     corners.sort_by(f64::total_cmp);
     corners.dedup();
+    let phases = Phases::new(&spec, &mass, &numbering.user);
     Ok(Network::assemble_parts(super::network::Parts {
         numbering,
-        fixed,
+        phases,
         mass,
         start,
         velocity,
@@ -142,7 +145,8 @@ impl Builder<'_> {
             let batch = self.spring_batch(group);
             let coefficient = batch.dashpot.clone();
             let dashpots = group.dashpot.as_ref().map(|dashpot| Dashpots { kind: dashpot.kind, coefficient });
-            self.terms.push(Box::new(DampedSprings::new(batch.data.clone(), dashpots)));
+            let springs = DampedSprings::new(batch.data.clone(), dashpots).cut_with(batch.cut.clone());
+            self.terms.push(Box::new(springs));
             self.springs.push(batch);
         }
     }
@@ -179,7 +183,8 @@ impl Builder<'_> {
         };
         let axial = group.dashpot.as_ref().is_some_and(|d| d.kind == DashpotKind::Axial);
         let given = data.rest_length.clone();
-        SpringBatch { data, given, edges: order.iter().map(|&i| group.edges[i]).collect(), dashpot, axial, in_filter }
+        let (edges, cut) = (order.iter().map(|&i| group.edges[i]).collect(), Cut::default());
+        SpringBatch { data, given, edges, dashpot, axial, in_filter, cut }
     }
 
     fn gravity(&mut self, fixed: &[[bool; 3]], mass: &[f64], start: &Arc<[Vector3<f64>]>) {
@@ -291,6 +296,7 @@ impl Builder<'_> {
                 nodes: data.nodes.clone(),
                 coefficient: Coefficient::from_values(&coefficient),
                 direction: direction.collect(),
+                cut: batch.cut.clone(),
             })));
         }
     }

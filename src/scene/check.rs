@@ -79,6 +79,14 @@ pub enum BuildError {
 /// Rejects a specification that would panic or compute meaningless results.
 pub(super) fn check(spec: &NetworkSpec) -> Result<(), BuildError> {
     nodes(spec)?;
+    for release in &spec.releases {
+        finite("time of a release", &[release.t])?;
+        below("node", &release.nodes.iter().map(|(node, _)| *node).collect::<Vec<_>>(), spec.mesh.nodes.len())?;
+    }
+    for cut in &spec.cuts {
+        finite("time of a cut", &[cut.t])?;
+        below("spring group", &[u32::try_from(cut.group).unwrap_or(u32::MAX)], spec.springs.len())?;
+    }
     spec.springs.iter().try_for_each(|group| springs(group, spec.mesh.edges.len()))?;
     loads(spec)?;
     masses(spec)?;
@@ -246,7 +254,7 @@ fn masses(spec: &NetworkSpec) -> Result<(), BuildError> {
         return Err(BuildError::NothingFree);
     }
     let massless = |(_, (m, f)): &(usize, (&f64, &[bool; 3]))| free(f) && !(**m > 0.0 && m.is_finite());
-    match spec.mass.iter().zip(&spec.fixed).enumerate().find(massless) {
+    match spec.mass.iter().zip(&spec.always_fixed()).enumerate().find(massless) {
         None => Ok(()),
         Some((node, (&mass, _))) => Err(BuildError::Mass { node: node as u32, mass }),
     }

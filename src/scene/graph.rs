@@ -20,13 +20,13 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    fn new(nodes: usize, springs: &[SpringBatch], viscosity: Viscosity) -> Self {
+    fn new<'a>(nodes: usize, springs: impl Iterator<Item = &'a SpringBatch> + Clone, viscosity: Viscosity) -> Self {
         fn links<'a>(b: &'a SpringBatch, weights: &'a Coefficient) -> (&'a [[u32; 2]], &'a Coefficient) {
             (&b.data.nodes, weights)
         }
-        let some = springs.iter().filter(|b| b.in_filter && viscosity == Viscosity::Some);
+        let some = springs.clone().filter(|b| b.in_filter && viscosity == Viscosity::Some);
         Graph {
-            springs: Neighbours::new(nodes, springs.iter().map(|b| links(b, &b.data.stiffness))),
+            springs: Neighbours::new(nodes, springs.map(|b| links(b, &b.data.stiffness))),
             step_dashpots: Neighbours::new(nodes, some.map(|b| links(b, &b.dashpot))),
         }
     }
@@ -41,7 +41,7 @@ fn seconds(springs: &[SpringBatch]) -> Option<f64> {
 
 impl Network {
     fn graph(&self) -> &Graph {
-        self.graph.get_or_init(|| Graph::new(self.mass.len(), &self.springs, self.viscosity()))
+        self.phase().graph.get_or_init(|| Graph::new(self.mass.len(), self.carrying(), self.viscosity()))
     }
 }
 
@@ -79,7 +79,7 @@ impl SpringGraph for Network {
 
     fn step_filter(&self) -> Option<Box<dyn StepFilter>> {
         // A dashpot that was asked for acts along its spring, slack or not.
-        let members = self.springs.iter().map(|batch| (&batch.data, !batch.in_filter));
+        let members = self.carrying().map(|batch| (&batch.data, !batch.in_filter));
         OneSided::new(self.mass.len(), members).map(|filter| Box::new(filter) as Box<dyn StepFilter>)
     }
 }

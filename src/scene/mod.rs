@@ -8,6 +8,7 @@ mod branches;
 mod build;
 mod canopy_shape;
 mod check;
+mod events;
 mod external;
 mod graph;
 pub mod network;
@@ -79,6 +80,17 @@ pub trait Scene: TangentSystem + Observables {
     /// Multiplies the rest lengths of springs as given by factors, `[n_edges]` in the user's numbering.
     fn set_rest_length_factors(&mut self, factors: &[f64]) {
         let _ = factors;
+    }
+
+    /// [s] Times at which supports are released or springs are cut, ascending. A run ends a step there.
+    fn events(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Changes to the state of affairs after this many events. Forces, masses and tangents found before do not fit any
+    /// more. Two runs of one scene cannot overlap.
+    fn pass_events(&self, passed: usize) {
+        let _ = passed;
     }
 
     /// The forces from outside, once they are enabled.

@@ -2,12 +2,12 @@
 
 use super::Load;
 use super::canopy_shape::CanopyShape;
+use super::events::Phases;
 use super::external::ExternalForces;
-use super::graph::Graph;
 use super::numbering::Numbering;
 use crate::force::kernel::batch::{BlockForces, PARTS};
 use crate::force::law::series::{SampledTable, Scale};
-use crate::force::law::spring::{Coefficient, SpringData};
+use crate::force::law::spring::{Coefficient, Cut, SpringData};
 use crate::force::law::stream::Stream;
 use crate::force::schedule::step_block::NodeStateMut;
 use crate::force::schedule::step_boundary::StepBoundary;
@@ -22,16 +22,15 @@ use crate::model::step_block::{self, StepSummary};
 use crate::model::system::{KickDriftBlock, System, TermInfo, single_step};
 use crate::model::workers::Workers;
 use nalgebra::Vector3;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// A scene of springs, masses and what acts on them.
 pub struct Network {
     pub(super) numbering: Numbering,
-    /// which of x, y, z is fixed, by internal node
-    pub(super) fixed: Vec<[bool; 3]>,
-    fixed_dofs: Vec<u32>,
+    pub(super) phases: Phases,
+    /// fixed at t = 0
+    pub(super) fixed_dofs: Vec<u32>,
     pub(super) mass: Arc<[f64]>,
-    pub(super) inverse_mass: Vec<f64>,
     pub(super) start: Arc<[Vector3<f64>]>,
     velocity: Vec<[f64; 3]>,
     gravity: Vector3<f64>,
@@ -56,8 +55,6 @@ pub struct Network {
     pub(super) threads: Threads,
     /// the user's mesh, for pictures
     pub(super) mesh: Mesh,
-    /// made when a scheme first asks for it
-    pub(super) graph: OnceLock<Graph>,
 }
 
 /// Springs of one rule, as the terms hold them, with their way back to the user's edges.
@@ -75,12 +72,14 @@ pub struct SpringBatch {
     pub axial: bool,
     /// whether the dashpots are relative with c = k h, which Kang's filter contains
     pub in_filter: bool,
+    /// whether they are cut, shared with the terms
+    pub cut: Cut,
 }
 
 /// What `build` hands over; all arrays in internal numbering but the mesh.
 pub(super) struct Parts {
     pub numbering: Numbering,
-    pub fixed: Vec<[bool; 3]>,
+    pub phases: Phases,
     pub mass: Arc<[f64]>,
     pub start: Arc<[Vector3<f64>]>,
     pub velocity: Vec<[f64; 3]>,
@@ -109,16 +108,14 @@ pub(super) fn node_state(at: StateRef<'_>) -> NodeState<'_> {
 
 impl Network {
     pub(super) fn assemble_parts(p: Parts) -> Self {
-        let fixed_dofs: Vec<u32> = (0..).zip(p.fixed.as_flattened()).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
-        let inverse_mass =
-            p.fixed.iter().zip(p.mass.iter()).flat_map(|(f, &m)| f.map(|f| if f { 0.0 } else { 1.0 / m }));
+        let fixed = p.phases.current().fixed.as_flattened();
+        let fixed_dofs: Vec<u32> = (0..).zip(fixed).filter(|&(_, &f)| f).map(|(i, _)| i).collect();
         let mut network = Network {
-            inverse_mass: inverse_mass.collect(),
             fixed_dofs,
             infos: Vec::new(),
             parts: Vec::new(),
             numbering: p.numbering,
-            fixed: p.fixed,
+            phases: p.phases,
             mass: p.mass,
             start: p.start,
             velocity: p.velocity,
@@ -135,7 +132,6 @@ impl Network {
             sweep: Sweep::new(0, &mut []),
             threads: p.threads,
             mesh: p.mesh,
-            graph: OnceLock::new(),
         };
         network.arrange();
         network
@@ -217,6 +213,11 @@ impl Network {
         pass([&mut *total, external, dissipative].map(|sum| bytemuck::cast_slice_mut(sum)), tallies);
         for (reaction, &dof) in reactions.iter_mut().zip(&self.fixed_dofs) {
             *reaction = -std::mem::take(&mut total[dof as usize]);
+        }
+        let released = self.phase().released.iter().zip(reactions).zip(&self.fixed_dofs);
+        for ((_, reaction), &dof) in released.filter(|((released, _), _)| **released) {
+            // Minus twice keeps every bit.
+            total[dof as usize] = -std::mem::take(reaction);
         }
     }
 
@@ -302,6 +303,7 @@ impl System for Network {
             total: vec![0.0; self.n_dof()],
             external: sized(Role::External),
             dissipative: sized(Role::Dissipative),
+            // As many in every phase.
             reactions: vec![0.0; self.fixed_dofs.len()],
             tallies: vec![Tally::default(); self.infos.len()],
         }
@@ -328,14 +330,14 @@ impl System for Network {
             return single_step(self, at, out, block);
         }
         let moving = NodeStateMut { t: at.t, first: 0, x: &mut at.x, v: &mut at.v };
-        let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.inverse_mass };
+        let boundary = StepBoundary { block, mass: &self.mass, inverse_mass: &self.phase().inverse_mass };
         self.pass_into(out, |sums, tallies| {
             self.sweep.advance((self, moving), boundary, &self.threads, sums, (tallies, summaries));
         });
     }
 
     fn inverse_mass(&self) -> &[f64] {
-        &self.inverse_mass
+        &self.phase().inverse_mass
     }
 
     fn mass_times(&self, a: &[f64], out: &mut [f64]) {

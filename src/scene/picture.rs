@@ -35,8 +35,8 @@ impl Observables for Network {
 
     fn node_reactions(&self, forces: &Forces, out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
-        let held = self.fixed.as_flattened().iter().enumerate().filter(|(_, held)| **held);
-        for ((dof, _), &reaction) in held.zip(&forces.reactions) {
+        for (&dof, &reaction) in self.fixed_dofs.iter().zip(&forces.reactions) {
+            let dof = dof as usize;
             out[self.numbering.user[dof / 3] as usize][dof % 3] = reaction;
         }
     }
@@ -44,14 +44,17 @@ impl Observables for Network {
     fn edge_tension(&self, at: StateRef<'_>, tension: &mut [f64], strain: &mut [f64]) {
         tension.fill(f64::NAN);
         strain.fill(f64::NAN);
-        for batch in &self.springs {
+        for &edge in self.springs.iter().filter(|batch| batch.cut.get()).flat_map(|batch| &batch.edges) {
+            tension[edge as usize] = 0.0;
+        }
+        for batch in self.carrying() {
             let (places, tension, strain) = (&batch.edges[..], &mut *tension, &mut *strain);
             batch.data.carried(by_node(at.x), SpringOutput { places, tension, strain });
         }
     }
 
     fn add_axial_damping(&self, at: StateRef<'_>, tension: &mut [f64]) {
-        for batch in self.springs.iter().filter(|batch| batch.axial) {
+        for batch in self.carrying().filter(|batch| batch.axial) {
             for (i, &edge) in batch.edges.iter().enumerate() {
                 tension[edge as usize] += axial_force(&batch.data, node_state(at), i, batch.dashpot.at(i));
             }
@@ -60,7 +63,7 @@ impl Observables for Network {
 
     fn max_strain(&self, at: StateRef<'_>) -> f64 {
         let x = by_node(at.x);
-        strain_of(self.springs.iter().map(|b| b.data.largest_stretch(x)).fold(f64::NEG_INFINITY, f64::max))
+        strain_of(self.carrying().map(|b| b.data.largest_stretch(x)).fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn max_speed(&self, at: StateRef<'_>) -> f64 {
@@ -78,7 +81,7 @@ impl Observables for Network {
                 std::array::from_fn(|i| x[i] - reference[i])
             }
             NodeQuantity::Velocity => of(&at.state.v).into(),
-            NodeQuantity::Acceleration => of(&at.forces.total).component_mul(&of(&self.inverse_mass)).into(),
+            NodeQuantity::Acceleration => of(&at.forces.total).component_mul(&of(&self.phase().inverse_mass)).into(),
             NodeQuantity::Force => of(&at.forces.total).into(),
             NodeQuantity::Reaction => std::array::from_fn(|i| self.reaction(&at.forces, (3 * internal + i) as u32)),
         }
@@ -95,6 +98,9 @@ impl Observables for Network {
 
     fn spring_tension(&self, at: StateRef<'_>, SpringPlace { rule, number }: SpringPlace) -> f64 {
         let Some(batch) = self.springs.get(rule as usize) else { return f64::NAN };
+        if batch.cut.get() {
+            return 0.0;
+        }
         let (data, i) = (&batch.data, number as usize);
         let elastic = tension(data.slack, data.stiffness.at(i), data.stretch(by_node(at.x), i).elongation).force;
         if batch.axial { elastic + axial_force(data, node_state(at), i, batch.dashpot.at(i)) } else { elastic }

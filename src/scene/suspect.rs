@@ -40,6 +40,14 @@ impl Scene for Network {
         self.scale_rest_lengths(factors);
     }
 
+    fn events(&self) -> &[f64] {
+        self.phases.times()
+    }
+
+    fn pass_events(&self, passed: usize) {
+        self.begin_phase(passed);
+    }
+
     fn external(&self) -> Option<&ExternalForces> {
         self.external.as_ref()
     }
@@ -57,7 +65,7 @@ impl Scene for Network {
             self.numbering.user.iter().flat_map(|&user| values[user as usize]).collect()
         };
         let (x, mut v) = (own(positions), own(velocities));
-        let held = v.iter_mut().zip(self.fixed.as_flattened()).filter(|(_, held)| **held);
+        let held = v.iter_mut().zip(self.phase().fixed.as_flattened()).filter(|(_, held)| **held);
         held.for_each(|(v, _)| *v = 0.0);
         Some(State { t, x, v })
     }
@@ -81,7 +89,7 @@ impl Scene for Network {
     fn suspect(&self, at: StateRef<'_>, dof: usize) -> Suspect {
         let node = dof / 3;
         let mut strongest = (0.0, None);
-        let mut f = vec![Vector3::zeros(); self.fixed.len()];
+        let mut f = vec![Vector3::zeros(); self.phase().fixed.len()];
         for (part, info) in self.infos.iter().enumerate().filter(|(part, _)| self.term_of(*part).is_some()) {
             self.pass_of(part, node_state(at), &mut f);
             let size = f[node].norm();
@@ -111,10 +119,10 @@ impl Scene for Network {
     fn fastest_spring(&self, dof: usize) -> Option<u32> {
         let node = (dof / 3) as u32;
         let mut fastest: Option<(f64, u32)> = None;
-        for batch in &self.springs {
+        for batch in self.carrying() {
             let here = batch.data.nodes.iter().zip(&batch.edges).enumerate().filter(|(_, (n, _))| n.contains(&node));
             for (i, (nodes, edge)) in here {
-                let inverse = |node: u32| by_node(&self.inverse_mass)[node as usize].max();
+                let inverse = |node: u32| by_node(&self.phase().inverse_mass)[node as usize].max();
                 let square = batch.data.stiffness.at(i) * nodes.map(inverse).iter().sum::<f64>();
                 if fastest.is_none_or(|(most, _)| square > most) {
                     fastest = Some((square, *edge));
@@ -130,7 +138,7 @@ impl Scene for Network {
         let parts: Vec<(&dyn ForceTerm, usize)> = loads.filter_map(|(part, _)| self.term_of(part)).collect();
         self.sum_of(&parts, node_state(at), bytemuck::cast_slice_mut(f), &mut []);
         self.add_laws(at, [bytemuck::cast_slice_mut(f), &mut []]);
-        for (f, &fixed) in f.iter_mut().zip(self.fixed.as_flattened()) {
+        for (f, &fixed) in f.iter_mut().zip(self.phase().fixed.as_flattened()) {
             if fixed {
                 *f = 0.0;
             }
@@ -154,7 +162,7 @@ impl Scene for Network {
             let amount: f64 = g.iter().zip(p).map(|(g, p)| g * p).sum();
             y.iter_mut().zip(u).for_each(|(y, u)| *y += amount * *u);
         }
-        for (y, &fixed) in y.iter_mut().zip(self.fixed.as_flattened()) {
+        for (y, &fixed) in y.iter_mut().zip(self.phase().fixed.as_flattened()) {
             if fixed {
                 *y = 0.0;
             }
@@ -165,7 +173,7 @@ impl Scene for Network {
 impl Network {
     fn most_strained_at(&self, node: u32, x: &[Vector3<f64>]) -> Option<u32> {
         let mut worst: Option<(f64, u32)> = None;
-        for batch in &self.springs {
+        for batch in self.carrying() {
             for (i, nodes) in batch.data.nodes.iter().enumerate().filter(|(_, n)| n.contains(&node)) {
                 let strain = batch.data.strain(x, i).abs();
                 if worst.is_none_or(|(w, _)| strain > w || strain.is_nan()) {

@@ -18,7 +18,7 @@ impl Network {
         let mut recorder = Recorder::default();
         let nothing = Weights { m: 0.0, c: 0.0, k: 0.0 };
         self.emit_tangents(state.as_ref(), nothing, TangentForm::EXACT, &mut recorder);
-        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.fixed };
+        let nodes = Nodes { position: bytemuck::cast_slice(&self.start), fixed: &self.phase().fixed };
         Assembler::new(nodes, &recorder, symmetric)
     }
 
@@ -76,7 +76,7 @@ impl TangentSystem for Network {
     }
 
     fn turns_over(&self, from: &[f64], to: &[f64]) -> bool {
-        self.springs.iter().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
+        self.carrying().any(|batch| batch.data.turns_over(by_node(from), by_node(to)))
     }
 
     fn nodal_stiffness(&self) -> Vec<f64> {
@@ -87,7 +87,8 @@ impl TangentSystem for Network {
 
     fn force_scale(&self, forces: &Forces) -> f64 {
         let (mut internal, mut external, gravity) = (0.0, 0.0, self.gravity());
-        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.inverse_mass)).enumerate() {
+        for (i, (total, inverse)) in by_node(&forces.total).iter().zip(by_node(&self.phase().inverse_mass)).enumerate()
+        {
             let free = inverse.map(|inverse| f64::from(inverse > 0.0));
             let weight = self.mass[i] * gravity;
             let load = by_node(&forces.external).get(i).map_or(weight, |e| *e + weight).component_mul(&free);

@@ -10,6 +10,9 @@ pub mod write;
 pub(crate) use encode::Width;
 use serde::{Deserialize, Serialize};
 
+/// Folder of the frames of a run, beside its .pvd.
+pub const FRAMES: &str = "frames";
+
 /// How the bytes of appended arrays are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {

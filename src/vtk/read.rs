@@ -47,6 +47,45 @@ pub fn named_array(attributes: Vec<Attribute>, name: &str) -> Option<Vec<f64>> {
     })
 }
 
+/// What a frame of a run says of its points, `[n_points][3]`.
+pub struct FramePoints {
+    /// [m] positions
+    pub positions: Vec<[f64; 3]>,
+    /// [m] positions of zero displacement, if they are given
+    pub reference: Option<Vec<[f64; 3]>>,
+    /// [m/s] velocities, if they are given
+    pub velocities: Option<Vec<[f64; 3]>>,
+}
+
+/// Reads the points of a frame.
+///
+/// # Errors
+/// Why this is no frame of one piece.
+pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
+    let DataSet::UnstructuredGrid { pieces, .. } = read(bytes)? else {
+        return Err("holds no unstructured grid".into());
+    };
+    let mut pieces = pieces.into_iter();
+    let (Some(piece), None) = (pieces.next(), pieces.next()) else {
+        return Err("does not hold exactly one piece".into());
+    };
+    let piece = piece_content(piece)?;
+    let values: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
+    let vectors = |values: Vec<f64>| values.as_chunks().0.to_vec();
+    let array = |name| named_array(piece.data.point.clone(), name).map(vectors);
+    let (reference, velocities) = (array("reference_position"), array("velocity"));
+    let positions = vectors(values);
+    for list in [&reference, &velocities].into_iter().flatten() {
+        if list.len() != positions.len() {
+            return Err("is damaged: an array has not one vector per point".into());
+        }
+    }
+    if positions.iter().chain(velocities.iter().flatten()).flatten().any(|value| !value.is_finite()) {
+        return Err("has numbers that are not finite".into());
+    }
+    Ok(FramePoints { positions, reference, velocities })
+}
+
 /// The whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the library leaves out; arrays
 /// of other types are not listed.
 ///

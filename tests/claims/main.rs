@@ -19,6 +19,7 @@ mod elastic_pendulum;
 mod energy_ledger;
 mod energy_numerical;
 mod energy_oscillator;
+mod events;
 mod forces;
 mod free_fall;
 mod hanging_chain;
@@ -85,6 +86,7 @@ const GROUPS: &[Group] = &[
     ("parachute, falls", parachute::falls),
     ("parachute, opening", parachute::opening),
     ("parachute, line in a cross wind", parachute::line),
+    ("events", events::claims),
     ("kang", kang::claims),
     ("table 4 of the thesis", thesis::table_4),
     ("remarks of the thesis", thesis::remarks),

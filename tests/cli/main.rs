@@ -9,6 +9,7 @@ mod check;
 mod common;
 mod doubts;
 mod failures;
+mod gauges;
 mod matrices;
 mod plot;
 mod refusals;

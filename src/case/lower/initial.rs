@@ -3,9 +3,13 @@
 use super::geometry::Geometry;
 use crate::case::diagnostics::Faults;
 use crate::case::pointer::Pointer;
-use crate::case::schema::{Initial, Vectors};
+use crate::case::schema::{FrameFile, Initial, InitialFrom, Vectors};
 use crate::format_number::first_few;
+use crate::input_file;
 use crate::model::spec::SpringGroup;
+use crate::vtk::FRAMES;
+use crate::vtk::read::{FramePoints, frame_points};
+use std::path::{Path, PathBuf};
 
 /// The network with which the initial state is checked.
 #[derive(Debug)]
@@ -16,6 +20,8 @@ pub(super) struct Network<'a> {
     pub fixed: &'a [[bool; 3]],
     /// springs, whose ends must not meet
     pub springs: &'a [SpringGroup],
+    /// folder from which files are found
+    pub base: &'a Path,
 }
 
 /// Initial vectors of every node, `[n_nodes][3]`; empty = zero.
@@ -37,6 +43,11 @@ pub(super) fn initial(
     let mut start =
         InitialState { displacement: network.geometry.mesh.displacement.clone(), ..InitialState::default() };
     let Some(section) = section else { return start };
+    if let Some(from) = &section.from
+        && let Some(earlier) = earlier(&at.key("from"), from, network, faults)
+    {
+        start = earlier;
+    }
     if let Some(vectors) = &section.displacement {
         let at = at.key("displacement");
         let given = each(&at, vectors, network.fixed, faults);
@@ -45,15 +56,16 @@ pub(super) fn initial(
     }
     if let Some(vectors) = &section.velocity {
         let at = at.key("velocity");
-        start.velocity = each(&at, vectors, network.fixed, faults);
+        let given = each(&at, vectors, network.fixed, faults);
         if let Vectors::Each(_) = vectors {
-            check_held(&at, &start.velocity, network.fixed, faults);
+            check_held(&at, &given, network.fixed, faults);
         }
+        start.velocity = sum(given, &start.velocity);
     }
     start
 }
 
-/// The sum of two displacements of every node; an empty one is zero.
+/// The sum of two vectors of every node; an empty second one is zero.
 fn sum(mut given: Vec<[f64; 3]>, of_mesh: &[[f64; 3]]) -> Vec<[f64; 3]> {
     for (given, more) in given.iter_mut().zip(of_mesh) {
         given.iter_mut().zip(more).for_each(|(given, more)| *given += more);
@@ -99,4 +111,64 @@ fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>,
         let hint = "the displaced ends of a spring coincide, or are farther apart than a double can hold".to_owned();
         faults.add_value(at, value, "a displacement after which every spring has a length", Some(hint));
     }
+}
+
+/// Largest distance between the nodes of two meshes that count as the same, as a share of their largest coordinate.
+const SAME: f64 = 1e-9;
+
+/// The state with which another run ended, or that a frame shows.
+fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut Faults<'_>) -> Option<InitialState> {
+    let path = match from {
+        InitialFrom::Frame(FrameFile { frame }) => network.base.join(frame),
+        InitialFrom::Folder(folder) => match last_frame(&network.base.join(folder)) {
+            Ok(path) => path,
+            Err(why) => {
+                faults.add_hint(at, "a folder with the results of a run, its frames among them", why);
+                return None;
+            }
+        },
+    };
+    let read = input_file::read(&path).map_err(|e| e.to_string());
+    let frame = match read.and_then(|bytes| frame_points(&bytes)) {
+        Ok(frame) => frame,
+        Err(why) => {
+            faults.add_hint(at, "a frame (.vtu) of a run", format!("{}: {why}", path.display()));
+            return None;
+        }
+    };
+    let nodes = &network.geometry.mesh.nodes;
+    let FramePoints { positions, reference, velocities } = frame;
+    if positions.len() != nodes.len() {
+        let hint = format!("{} has {} nodes, the mesh of this case {}", path.display(), positions.len(), nodes.len());
+        faults.add_hint(at, "a run on the mesh of this case", hint);
+        return None;
+    }
+    let size = nodes.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let apart = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > SAME * size);
+    if let Some(node) = reference.iter().flat_map(|reference| reference.iter().zip(nodes)).position(apart) {
+        let hint = format!("node {node} is elsewhere on the mesh of {}", path.display());
+        faults.add_hint(at, "a run on the mesh of this case", hint);
+        return None;
+    }
+    let displacement = positions.iter().zip(nodes).map(|(x, node)| std::array::from_fn(|i| x[i] - node[i])).collect();
+    let mut velocity = velocities.unwrap_or_else(|| vec![[0.0; 3]; nodes.len()]);
+    // A support holds its node at rest.
+    let held = velocity.as_flattened_mut().iter_mut().zip(network.fixed.as_flattened()).filter(|(_, held)| **held);
+    held.for_each(|(v, _)| *v = 0.0);
+    let start = InitialState { displacement, velocity };
+    check_lengths(at, &start.displacement, network, faults);
+    Some(start)
+}
+
+/// The newest frame in a folder of results.
+fn last_frame(folder: &Path) -> Result<PathBuf, String> {
+    let frames = folder.join(FRAMES);
+    let entries = std::fs::read_dir(&frames).map_err(|e| format!("{}: {e}", frames.display()))?;
+    let number = |path: &Path| -> Option<u64> {
+        let stem = path.extension().is_some_and(|end| end == "vtu").then(|| path.file_stem())??.to_str()?;
+        stem.rsplit_once(['.', '_', '-']).map_or(stem, |(_, number)| number).parse().ok()
+    };
+    let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
+    let newest = paths.filter_map(|path| Some((number(&path)?, path))).max();
+    newest.map(|(_, path)| path).ok_or_else(|| format!("{} holds no frames", frames.display()))
 }

@@ -3,7 +3,7 @@
 use super::air::{self, Flow};
 use super::geometry::Geometry;
 use super::initial::{self, initial};
-use super::numbers::not_negative;
+use super::numbers::{not_negative, positive};
 use super::springs::SpringSections;
 use super::{canopy, digits, energy, loads, mass, plausible, select, springs};
 use crate::case::diagnostics::Faults;
@@ -11,7 +11,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{Damping, Network, Support};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{NetworkSpec, RayleighSpec};
+use crate::model::spec::{NetworkSpec, RayleighSpec, ReleaseSpec};
 use crate::preflight;
 use crate::warning::WarningCode;
 use std::path::Path;
@@ -28,8 +28,8 @@ pub(super) fn network(
     let before = faults.count();
     let mut masses =
         geometry.map(|g| mass::mass(&at.key("mass"), network.mass.as_ref(), g, faults)).unwrap_or_default();
-    let fixed = supports(&at.key("supports"), &network.supports, geometry, faults);
-    let SpringSections { groups, strengths } =
+    let Supports { fixed, releases } = supports(&at.key("supports"), &network.supports, geometry, faults);
+    let SpringSections { groups, strengths, cuts } =
         springs::springs(&at.key("springs"), &network.springs, geometry, step, &mut masses, faults);
     let readable = |keys: &[&str], faults: &Faults<'_>| keys.iter().all(|key| faults.readable(&at.key(key)));
     let masses_known = faults.count() == before && readable(&["mass", "supports", "springs"], faults);
@@ -40,11 +40,14 @@ pub(super) fn network(
     let geometry = geometry?;
     // A faulty mass, support or spring section would be reported a second time as massless nodes.
     if masses_known {
-        check_masses(at, &masses, &fixed, faults);
-        warn_loose(&groups.iter().flat_map(|g| g.edges.iter().copied()).collect::<Vec<_>>(), &fixed, geometry, faults);
+        let mut at_last = fixed.clone();
+        releases.iter().for_each(|release| release.apply(&mut at_last));
+        check_masses(at, &masses, &at_last, faults);
+        let edges: Vec<u32> = groups.iter().flat_map(|g| g.edges.iter().copied()).collect();
+        warn_loose(&edges, &at_last, geometry, faults);
     }
     if fixed.iter().flatten().all(|held| *held) {
-        let hint = "free at least one direction of one node".to_owned();
+        let hint = "free at least one direction of one node from the start".to_owned();
         faults.add_value(
             &at.key("supports"),
             "every node is held in x, y and z",
@@ -53,7 +56,7 @@ pub(super) fn network(
         );
     }
     let start = if readable(&["supports", "springs"], faults) {
-        let against = initial::Network { geometry, fixed: &fixed, springs: &groups };
+        let against = initial::Network { geometry, fixed: &fixed, springs: &groups, base };
         initial(&at.key("initial"), network.initial.as_ref(), &against, faults)
     } else {
         initial::InitialState::default()
@@ -62,8 +65,10 @@ pub(super) fn network(
         mesh: geometry.mesh.clone(),
         mass: masses,
         fixed,
+        releases,
         springs: groups,
         strengths,
+        cuts,
         gravity: network.gravity,
         air,
         stream,
@@ -95,25 +100,57 @@ pub(super) fn network(
     Some(spec)
 }
 
-/// Which of x, y, z is held, `[n_nodes][3]`. Several supports of a node add up.
-fn supports(at: &Pointer, list: &[Support], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Vec<[bool; 3]> {
-    let mut fixed = vec![[false; 3]; geometry.map_or(0, Geometry::nodes)];
+/// What supports hold.
+struct Supports {
+    /// which of x, y, z is held at the start, `[n_nodes][3]`
+    fixed: Vec<[bool; 3]>,
+    /// what becomes free later, in the order of time
+    releases: Vec<ReleaseSpec>,
+}
+
+/// Which directions are held, and until when. Several supports of a node add up: the last to let go counts.
+fn supports(at: &Pointer, list: &[Support], geometry: Option<&Geometry>, faults: &mut Faults<'_>) -> Supports {
+    // [s] until when each direction is held; 0 where it is free.
+    let mut until = vec![[0.0_f64; 3]; geometry.map_or(0, Geometry::nodes)];
     for (i, support) in list.iter().enumerate() {
         let at = at.index(i);
         let directions = directions(&support.fix);
         if directions.is_none() {
             faults.add(&at.key("fix"), "one or more of the letters x, y and z, each once, such as \"xyz\" or \"z\"");
         }
+        let end = support.until.map_or(Some(f64::INFINITY), |t| positive(&at.key("until"), t, faults).then_some(t));
         let nodes = geometry.and_then(|g| select::nodes(&at.key("on"), &support.on, g, faults));
         if let (Some(directions), Some(nodes)) = (directions, nodes) {
+            // A stand-in for a faulty time.
+            let end = end.unwrap_or(f64::INFINITY);
             for node in nodes {
-                if let Some(held) = fixed.get_mut(node as usize) {
-                    held.iter_mut().zip(directions).for_each(|(held, more)| *held |= more);
-                }
+                let held = until.get_mut(node as usize).into_iter().flatten();
+                held.zip(directions).filter(|(_, more)| *more).for_each(|(held, _)| *held = held.max(end));
             }
         }
     }
-    fixed
+    let mut times: Vec<f64> = until.as_flattened().iter().copied().filter(|t| *t > 0.0 && t.is_finite()).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let release = |t: f64| {
+        let free = (0_u32..).zip(&until).map(|(node, ends)| (node, ends.map(|end| end == t)));
+        ReleaseSpec { t, nodes: free.filter(|(_, free)| free.contains(&true)).collect() }
+    };
+    let releases = times.into_iter().map(release).collect();
+    Supports { fixed: until.iter().map(|ends| ends.map(|end| end > 0.0)).collect(), releases }
+}
+
+/// Events must lie within the run, which ends at `end` [s].
+pub(super) fn check_events(at: &Pointer, network: &Network, end: f64, faults: &mut Faults<'_>) {
+    let supports = network.supports.iter().enumerate();
+    let supports = supports.map(|(i, support)| (at.key("supports").index(i).key("until"), support.until));
+    let springs = network.springs.iter().enumerate();
+    let springs = springs.map(|(i, rule)| (at.key("springs").index(i).key("cut"), rule.cut));
+    for (at, t) in supports.chain(springs) {
+        if t.is_some_and(|t| t >= end) {
+            faults.add(&at, format!("a time before the end of the run, {end} s"));
+        }
+    }
 }
 
 fn directions(fix: &str) -> Option<[bool; 3]> {

@@ -10,7 +10,7 @@ use crate::case::pointer::Pointer;
 use crate::case::schema::{EdgeSelection, SlackRule, SpringRule};
 use crate::drive::clock::Step;
 use crate::format_number::first_few;
-use crate::model::spec::{Slack, SpringGroup, StrengthSpec};
+use crate::model::spec::{CutSpec, Slack, SpringGroup, StrengthSpec};
 use crate::warning::WarningCode;
 
 /// The springs of a case.
@@ -20,6 +20,8 @@ pub(super) struct SpringSections {
     pub groups: Vec<SpringGroup>,
     /// strengths of groups
     pub strengths: Vec<StrengthSpec>,
+    /// when groups are cut
+    pub cuts: Vec<CutSpec>,
 }
 
 /// Groups of springs in the order of the rules; adds the springs' own mass to `mass` `[n_nodes]`.
@@ -59,6 +61,7 @@ pub(super) fn springs(
                 };
                 sections.strengths.push(StrengthSpec { group: number, name, strength });
             }
+            sections.cuts.extend(rule.cut.map(|t| CutSpec { t, group: number }));
             sections.groups.push(group);
         }
     }
@@ -82,6 +85,9 @@ fn values(at: &Pointer, rule: &SpringRule, faults: &mut Faults<'_>) -> Option<Ru
     }
     if let Some(strength) = rule.strength {
         positive(&at.key("strength"), strength, faults);
+    }
+    if let Some(cut) = rule.cut {
+        positive(&at.key("cut"), cut, faults);
     }
     let slack_at = at.key("slack");
     let slack = match rule.slack {

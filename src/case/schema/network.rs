@@ -1,7 +1,7 @@
 //! The network: mesh, mass, springs, supports and what acts on it. A section that is absent means physics that is not
 //! modelled.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::aero::Aero;
@@ -78,6 +78,11 @@ pub struct Support {
     /// Directions that are held: any of the letters x, y and z, each at most once. Several supports of a node add up.
     #[schemars(regex(pattern = r"^(x(yz?|zy?)?|y(xz?|zx?)?|z(xy?|yx?)?)$"))]
     pub fix: String,
+    /// [s] When the nodes are released, within the run; not given: never. A direction is free once every support that
+    /// holds it has released it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub until: Option<f64>,
 }
 
 /// Damping of the network as a whole.
@@ -95,8 +100,46 @@ pub struct Damping {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with.
+    /// Where the run begins: the last state of another run on the same mesh, by its folder of results, or a frame of one
+    /// (`{"frame": "x.vtu"}`). Paths count from the folder of the case. Time begins at 0 again; what is held stands still
+    /// where it is then. It replaces the displacement that the mesh itself starts with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<InitialFrom>,
+    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to `from`.
     pub displacement: Option<Vectors>,
-    /// [m/s] Velocity.
+    /// [m/s] Velocity; it adds to `from`.
     pub velocity: Option<Vectors>,
+}
+
+/// The folder of another run's results, or one of its frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum InitialFrom {
+    /// a folder of results
+    Folder(String),
+    /// a frame
+    Frame(FrameFile),
+}
+
+/// A frame of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameFile {
+    /// The .vtu file.
+    pub frame: String,
+}
+
+impl JsonSchema for InitialFrom {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "InitialFrom".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let frame = generator.subschema_for::<FrameFile>().to_value();
+        json_schema!({"oneOf": [{"type": "string"}, frame]})
+    }
 }

@@ -30,6 +30,11 @@ pub struct SpringRule {
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
+    /// [s] When the springs are cut, within the run: from then on they carry no force, and neither do their dashpots. The
+    /// energy that they hold counts as dissipated. Their mass stays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub cut: Option<f64>,
     /// [N] Strength of each spring. A run then measures its largest tension, at every step, and reports how many times
     /// this is as much. It does not break.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -147,6 +147,10 @@ pub struct Adaptive {
     state: AdaptiveState,
 }
 
+fn free_count(scene: &dyn Scene) -> f64 {
+    scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64
+}
+
 impl Adaptive {
     /// A run from t = 0.
     pub fn new(scene: &dyn Scene, spec: AdaptiveSpec) -> Self {
@@ -163,11 +167,16 @@ impl Adaptive {
         corners.push(spec.end);
         let start = scene.initial_state().x;
         let error = LocalError::new(start.len());
-        let free = scene.inverse_mass().iter().filter(|m| **m > 0.0).count() as f64;
+        let free = free_count(scene);
         let product = vec![0.0; if scene.velocity_dependent() { start.len() } else { 0 }];
         let kick = vec![0.0; if scene.has_branches() { start.len() } else { 0 }];
         let (motion_before, carried) = (state.motion, CarriedState::default());
         Adaptive { spec, corners, start, free, error, product, kick, motion_before, carried, pair: None, state }
+    }
+
+    /// After supports were released: counts the free degrees of freedom again.
+    pub fn recount(&mut self, scene: &dyn Scene) {
+        self.free = free_count(scene);
     }
 
     /// What is kept for the next step.

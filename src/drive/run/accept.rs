@@ -89,6 +89,9 @@ impl Run<'_> {
             }
         }
         self.state.doubt = doubt.or(self.state.doubt.take());
+        if part == StepPart::Last {
+            self.pass_events(stepper)?;
+        }
         Ok(Ok(Accepted::Over))
     }
 

@@ -5,6 +5,7 @@
 //! whole block is dropped and its steps are made again one by one. A failure is then reported from the states of its
 //! own step.
 
+use super::super::clock::Tick;
 use super::super::observer::{AcceptedStep, LedgerRow, Observer, States, UpcomingStep, Wants};
 use super::super::watch::{WatchedStep, power_of};
 use super::{Run, RunError, StepPolicy};
@@ -46,7 +47,7 @@ impl Run<'_> {
         };
         let mut blocks = std::mem::take(&mut self.state.blocks);
         blocks.summaries.resize_with(LONGEST, StepSummary::default);
-        let (coming, n) = self.next_block(observers, &mut blocks.summaries);
+        let (coming, n) = self.next_block(h, observers, &mut blocks.summaries);
         let coming = &coming[..n];
         let Some(last) = coming.last().filter(|_| n > 1) else {
             self.state.blocks = blocks;
@@ -65,6 +66,7 @@ impl Run<'_> {
         } else {
             blocks.dropped = 0;
             self.show_block(coming, &blocks, observers)?;
+            self.pass_events(stepper)?;
         }
         let done = self.state.steps >= last.step;
         self.state.blocks = blocks;
@@ -76,6 +78,7 @@ impl Run<'_> {
     /// be resumed before it. Sets what the summary of each step must hold.
     fn next_block(
         &self,
+        h: f64,
         observers: &[&mut dyn Observer],
         summaries: &mut [StepSummary],
     ) -> ([UpcomingStep; LONGEST], usize) {
@@ -86,7 +89,11 @@ impl Run<'_> {
         let mut from = self.state.from.state.t;
         for (made, (next, summary)) in coming[..left].iter_mut().zip(summaries).enumerate() {
             let number = self.state.steps + 1 + made as u64;
-            *next = UpcomingStep { step: number, from, t: clock.tick(number).t };
+            let Tick { h: size, t } = clock.tick(number);
+            if size != h {
+                return (coming, made);
+            }
+            *next = UpcomingStep { step: number, from, t };
             (from, summary.t, summary.stretch_wanted) = (next.t, next.t, false);
             let mut states = States::None;
             for Wants { states: wanted, strain } in observers.iter().map(|o| o.wants(*next)) {
@@ -94,6 +101,7 @@ impl Run<'_> {
                 summary.stretch_wanted |= strain;
             }
             match states {
+                States::None if clock.events().contains(&t) => return (coming, made + 1),
                 States::None => {}
                 States::End => return (coming, made + 1),
                 States::BothEnds => return (coming, made),

@@ -13,7 +13,7 @@ use crate::force::kernel::element_block::ElementBlock;
 use crate::force::kernel::star_batches::{AxialForce, AxialLaw, Measured};
 use crate::force::law::dashpot::{self, Damping};
 use crate::force::law::slack::{Tension, TensionLaw, tension, with_law};
-use crate::force::law::spring::{Coefficient, SpringData, Stretch};
+use crate::force::law::spring::{Coefficient, Cut, SpringData, Stretch};
 use crate::force::law::stretch::{InLocalBuffer, SpringLengths, largest};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
@@ -46,6 +46,7 @@ pub struct Dashpots {
 pub struct DampedSprings {
     springs: SpringData,
     dashpots: Option<Dashpots>,
+    cut: Cut,
     batch: BarBatch,
     /// of relative dashpots
     differences: Differences,
@@ -55,7 +56,19 @@ impl DampedSprings {
     /// Node numbers must be below the number of nodes that the term will be used with, and springs in ascending order
     /// of their smaller node.
     pub fn new(springs: SpringData, dashpots: Option<Dashpots>) -> Self {
-        DampedSprings { springs, dashpots, batch: BarBatch::default(), differences: Differences::default() }
+        DampedSprings {
+            springs,
+            dashpots,
+            cut: Cut::default(),
+            batch: BarBatch::default(),
+            differences: Differences::default(),
+        }
+    }
+
+    /// The same springs, which carry nothing while they are cut.
+    #[must_use]
+    pub fn cut_with(self, cut: Cut) -> Self {
+        DampedSprings { cut, ..self }
     }
 
     fn kind(&self) -> Option<DashpotKind> {
@@ -141,12 +154,15 @@ impl BlockForces for DampedSprings {
     }
 
     fn add(&self, block: &ElementBlock<'_>, sums: [Option<&mut Records>; 2]) -> [Tally; 2] {
+        if self.cut.get() {
+            return [Tally::default(); 2];
+        }
         let [energy, power] = with_law!(self.springs.slack, law => self.axial_force(law, block, sums));
         [Tally { energy, power: 0.0 }, Tally { energy: 0.0, power }]
     }
 
     fn largest_stretch(&self, block: &ElementBlock<'_>) -> f64 {
-        let Some(bars) = self.batch.bars(block.number) else { return f64::NEG_INFINITY };
+        let Some(bars) = self.batch.bars(block.number).filter(|_| !self.cut.get()) else { return f64::NEG_INFINITY };
         let rest_length = self.batch.each_number(block.number, 1);
         largest(SpringLengths { ends: bars.ends, rest_length, at: InLocalBuffer(block.x) })
     }
@@ -221,6 +237,10 @@ impl ForceTerm for DampedSprings {
     /// dashpot the symmetric form is c n n^T, the velocity part.
     fn tangent(&self, at: NodeState<'_>, w: Weights, form: TangentForm, sink: &mut dyn TangentSink) {
         let springs = &self.springs;
+        if self.cut.get() {
+            // The pattern of the matrix stays.
+            return springs.nodes.iter().for_each(|&nodes| sink.edge(nodes, Matrix3::zeros()));
+        }
         for (i, &nodes) in springs.nodes.iter().enumerate() {
             let elastic @ (stretch, t) = elastic_state(springs, at.x, i);
             let force = if form.convex { t.force.max(0.0) } else { t.force };
@@ -244,7 +264,7 @@ impl ForceTerm for DampedSprings {
     }
 
     fn add_stiffness(&self, nodes: &mut [f64]) {
-        for (i, pair) in self.springs.nodes.iter().enumerate() {
+        for (i, pair) in self.springs.nodes.iter().enumerate().filter(|_| !self.cut.get()) {
             for &node in pair {
                 nodes[node as usize] += self.springs.stiffness.at(i);
             }

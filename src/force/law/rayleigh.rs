@@ -6,7 +6,7 @@
 use crate::force::kernel::batch::{Batch, BlockForces, BufferReads, Elements, Kernel, PARTS, Records};
 use crate::force::kernel::element_block::{ElementBlock, vector};
 use crate::force::kernel::nodes::{self, NodeLaw};
-use crate::force::law::spring::Coefficient;
+use crate::force::law::spring::{Coefficient, Cut};
 use crate::force::{ForceTerm, NodeState, TangentForm, TangentSink, outer};
 use crate::model::forces::{Role, Tally};
 use crate::model::quad::VectorUnit;
@@ -76,6 +76,8 @@ pub struct RayleighData {
     pub coefficient: Coefficient,
     /// unit vector of every spring on the mesh as given
     pub direction: Arc<[Vector3<f64>]>,
+    /// whether the springs are cut
+    pub cut: Cut,
 }
 
 impl Kernel<2> for RayleighData {
@@ -86,6 +88,9 @@ impl Kernel<2> for RayleighData {
     }
 
     fn add(&self, block: Elements<'_, 2>, f: &mut Records) -> Tally {
+        if self.cut.get() {
+            return Tally::default();
+        }
         let power = block.each([1.0, -1.0], f, |i, [a, b]| {
             let n = self.direction[i];
             let rate = n.dot(&(vector(block.v, b) - vector(block.v, a)));
@@ -110,7 +115,8 @@ impl ForceTerm for RayleighStiffness {
     fn tangent(&self, _at: NodeState<'_>, w: Weights, _: TangentForm, sink: &mut dyn TangentSink) {
         let data = self.kernel();
         for (i, (&nodes, &n)) in data.nodes.iter().zip(data.direction.iter()).enumerate() {
-            sink.edge(nodes, outer(n, n) * (w.c * data.coefficient.at(i)));
+            let c = if data.cut.get() { 0.0 } else { w.c * data.coefficient.at(i) };
+            sink.edge(nodes, outer(n, n) * c);
         }
     }
 }

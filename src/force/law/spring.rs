@@ -17,6 +17,23 @@ use crate::model::spec::Slack;
 use multiversion::multiversion;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether springs are cut: they then carry no force, and neither do their dashpots. Shared by all that acts along them.
+#[derive(Clone, Debug, Default)]
+pub struct Cut(Arc<AtomicBool>);
+
+impl Cut {
+    /// Whether they are cut.
+    pub fn get(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Cuts them, or makes them whole again for another run.
+    pub fn set(&self, cut: bool) {
+        self.0.store(cut, Ordering::Relaxed);
+    }
+}
 
 /// Plain arrays of a batch of springs.
 #[derive(Clone, Debug)]

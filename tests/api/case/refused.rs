@@ -333,3 +333,47 @@ fn faults_of_all_sections_at_once() {
         ]
     );
 }
+
+/// Gauges that measure nothing, and events outside the run.
+#[test]
+fn gauges_and_events() {
+    refuses(&[
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":\"outer\",\"of\":\"tension\"}]",
+            "/output/gauges/0/on",
+            "a selection of edges",
+        ),
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":\"lines\",\"of\":\"speed\"}]",
+            "/output/gauges/0/on",
+            "a selection of nodes",
+        ),
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":{\"group\":\"riser\"},\"of\":\"tension\"}]",
+            "/output/gauges/0/on/group",
+            "this mesh has no groups",
+        ),
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":{\"ids\":[5]},\"of\":\"force\"}]",
+            "/output/gauges/0/on/ids/0",
+            "from 0 to 4",
+        ),
+        ("output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"stress\"}]", "/output/gauges/0/of", "tension"),
+        ("output.gauges=[{\"name\":\"\",\"on\":\"all\",\"of\":\"speed\"}]", "/output/gauges/0/name", "1 to 200"),
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"speed\",\"every\":0}]",
+            "/output/gauges/0/every",
+            "1 or more",
+        ),
+        (
+            "output.gauges=[{\"name\":\"a\",\"on\":\"all\",\"of\":\"speed\"},{\"name\":\"a\",\"on\":\"all\",\"of\":\"force\"}]",
+            "/output/gauges/1/name",
+            "no other gauge",
+        ),
+        ("system.network.springs.0.strength=0", "/system/network/springs/0/strength", "above 0"),
+        ("system.network.springs.0.cut=-1", "/system/network/springs/0/cut", "above 0"),
+        ("system.network.springs.0.cut=1.5", "/system/network/springs/0/cut", "before the end of the run, 1 s"),
+        ("system.network.supports.0.until=0", "/system/network/supports/0/until", "above 0"),
+        ("system.network.supports.0.until=1", "/system/network/supports/0/until", "before the end of the run, 1 s"),
+    ]);
+}

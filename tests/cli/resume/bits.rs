@@ -369,3 +369,37 @@ fn checkpoints_are_kept_when_asked_for() {
     solve(&case_of(&sail(), &[]), plain.path(), WHOLE);
     assert!(checkpoint(plain.path()).is_none());
 }
+
+/// Supports that are released, springs that are cut, and gauges: a run that is interrupted before, between and after the
+/// events has the bytes of one in one piece, on any number of threads.
+#[test]
+fn every_method_resumes_over_events() {
+    let mut scene = calm();
+    let network = &mut scene["system"]["network"];
+    let rule = network["springs"][0].clone();
+    network["springs"] = json!([rule.clone(), rule]);
+    network["springs"][0]["on"] = json!({"ids": [0, 1]});
+    network["springs"][0]["cut"] = json!(0.1234);
+    network["springs"][0]["strength"] = json!(40.0);
+    network["supports"] = json!([
+        {"on": {"ids": [0]}, "fix": "xyz"}, {"on": {"ids": [3]}, "fix": "xyz", "until": 0.2},
+        {"on": {"ids": [3]}, "fix": "z", "until": 0.3071}
+    ]);
+    scene["output"]["gauges"] = json!([
+        {"name": "lines, all", "on": "all", "of": "tension"},
+        {"name": "hold", "on": {"ids": [0, 3]}, "of": "reaction", "every": 4},
+        {"name": "tip", "on": {"ids": [5]}, "of": "acceleration"}
+    ]);
+    let case = case_of(&scene, &[]);
+    for method in methods() {
+        let case = changed(&case, &[("time.method", method.name)]);
+        for stops in [[7, 15], [13, 26], [21, 33]] {
+            assert_resumes(&case, stops, &format!("{} over events, stopped at {stops:?}", method.name));
+        }
+    }
+    scene["time"] = json!({"end": 0.497, "method": "newmark", "tolerance": {"relative": 1e-4, "absolute": 1e-5}});
+    for method in ["newmark", "hht", "velocity-verlet", "dormand-prince", "kang"] {
+        let case = changed(&case_of(&scene, &[]), &[("time.method", method)]);
+        assert_resumes(&case, [5, 30], &format!("{method} over events, adaptive"));
+    }
+}
