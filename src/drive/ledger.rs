@@ -5,8 +5,8 @@
 //! ```
 //! Work of a force over a step is 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n), unless the scheme integrates it itself (the
 //! Runge-Kutta and PEC schemes) and resolves its dashpots. Where a program changes rest lengths or gravity, the energy
-//! that springs and weight gain at once is external work too. The energy of springs that are cut is dissipated. `numerical` is the remainder: the energy that the scheme
-//! itself lost (above 0) or made (below 0).
+//! that springs and weight gain at once is external work too. The energy of springs that are cut is dissipated.
+//! `numerical` is the remainder: the energy that the scheme itself lost (above 0) or made (below 0).
 
 use super::observer::LedgerRow;
 use crate::integrate::{StageWork, StepReport};

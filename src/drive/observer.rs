@@ -17,7 +17,7 @@ pub struct LedgerRow {
     pub gravity: f64,
     /// [J] work of the air and the loads since t = 0
     pub external_work: f64,
-    /// [J] taken by dashpots and Rayleigh damping since t = 0
+    /// [J] taken by dashpots and Rayleigh damping, and lost with springs that are cut, since t = 0
     pub dissipated: f64,
     /// [J] the remainder: energy that the scheme lost (above 0) or made (below 0)
     pub numerical: f64,

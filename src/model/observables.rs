@@ -30,7 +30,8 @@ pub enum NodeQuantity {
 pub enum GaugeQuantity {
     /// Tension of the springs on the selected edges with their axial dashpots, N: `tension_sum`, `tension_max`.
     Tension,
-    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` and the largest on a node `force_max`.
+    /// Net force on the selected nodes, N: the sum `force_x`, `force_y`, `force_z` and the largest on a node
+    /// `force_max`.
     Force,
     /// Reaction of the supports on the selected nodes, N: the sum `reaction_x`, `reaction_y`, `reaction_z` and the
     /// largest on a node `reaction_max`.
@@ -141,8 +142,8 @@ pub trait Observables: System {
     }
 
     /// [`CANOPY_QUANTITIES`] of a canopy: the diameter of a circle with the area that the canopy and its openings show
-    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and flat
-    /// covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
+    /// along the axis; twice the mean distance of the skirt's nodes from the axis; the volume between the cloth and
+    /// flat covers of its openings; speed against the air along the axis; rho V |V|/2; drag over that; force of the air
     /// against the motion along the axis.
     fn canopy_values(&self, canopy: usize, at: StateRef<'_>) -> [f64; CANOPY_QUANTITIES.len()] {
         let _ = (canopy, at);

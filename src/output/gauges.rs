@@ -221,8 +221,8 @@ impl Gauges {
             })
     }
 
-    /// Measures at the end of a step (number 0 is the start) and adds it to the peaks where it is credible; calls `write`
-    /// for the rows that are due.
+    /// Measures at the end of a step (number 0 is the start) and adds it to the peaks where it is credible; calls
+    /// `write` for the rows that are due.
     pub fn step<E>(
         &mut self,
         picture: &dyn Observables,

@@ -73,7 +73,8 @@ impl CanopyShape {
     }
 }
 
-/// The loops of edges that one triangle has alone, each turning as its triangles; chains that do not close are left out.
+/// The loops of edges that one triangle has alone, each turning as its triangles; chains that do not close are left
+/// out.
 fn closed_loops(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let sides = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let all: std::collections::BTreeSet<[u32; 2]> = sides().collect();

@@ -31,7 +31,8 @@ pub(super) struct Phase {
 }
 
 impl Phases {
-    /// Those of a specification; `mass` [kg] and `user` numbers are by internal node. Groups without edges have no batch.
+    /// Those of a specification; `mass` [kg] and `user` numbers are by internal node. Groups without edges have no
+    /// batch.
     pub fn new(spec: &NetworkSpec, mass: &[f64], user: &[u32]) -> Self {
         let times = spec.events();
         let mut all: Vec<Phase> = Vec::with_capacity(times.len() + 1);

@@ -51,9 +51,9 @@ pub fn named_array(attributes: Vec<Attribute>, name: &str) -> Option<Vec<f64>> {
 pub struct FramePoints {
     /// [m] positions
     pub positions: Vec<[f64; 3]>,
-    /// [m] positions of zero displacement, if they are given
-    pub reference: Option<Vec<[f64; 3]>>,
-    /// [m/s] velocities, if they are given
+    /// [m] displacements from the mesh as given, if they are there; perhaps in single precision
+    pub displacements: Option<Vec<[f64; 3]>>,
+    /// [m/s] velocities, if they are there
     pub velocities: Option<Vec<[f64; 3]>>,
 }
 
@@ -73,9 +73,9 @@ pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
     let values: Vec<f64> = piece.points.cast_into().ok_or("has points that are no numbers")?;
     let vectors = |values: Vec<f64>| values.as_chunks().0.to_vec();
     let array = |name| named_array(piece.data.point.clone(), name).map(vectors);
-    let (reference, velocities) = (array("reference_position"), array("velocity"));
+    let (displacement, velocities) = (array("displacement"), array("velocity"));
     let positions = vectors(values);
-    for list in [&reference, &velocities].into_iter().flatten() {
+    for list in [&displacement, &velocities].into_iter().flatten() {
         if list.len() != positions.len() {
             return Err("is damaged: an array has not one vector per point".into());
         }
@@ -83,7 +83,7 @@ pub fn frame_points(bytes: &[u8]) -> Result<FramePoints, String> {
     if positions.iter().chain(velocities.iter().flatten()).flatten().any(|value| !value.is_finite()) {
         return Err("has numbers that are not finite".into());
     }
-    Ok(FramePoints { positions, reference, velocities })
+    Ok(FramePoints { positions, displacements: displacement, velocities })
 }
 
 /// The whole numbers of the arrays that an XML file has as a whole (`FieldData`), which the library leaves out; arrays

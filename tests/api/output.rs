@@ -28,6 +28,7 @@ fn spec(dir: &Path) -> RecorderSpec {
             ProbeSpec { name: "tip".to_owned(), nodes: vec![3] },
             ProbeSpec { name: "a, b".to_owned(), nodes: vec![1, 0] },
         ],
+        gauges: Vec::new(),
         history_every: RowEvery::Steps(1),
         format: VtuFormat::default(),
     }

@@ -17,8 +17,8 @@ fn timed(method: &str, step: f64, end: f64) -> Value {
     json!({"end": end, "method": method, "step": step})
 }
 
-fn adaptive(method: &str, end: f64) -> Value {
-    json!({"end": end, "method": method, "tolerance": {"relative": 1e-9, "absolute": 1e-10}})
+fn adaptive(method: &str, tolerance: f64, end: f64) -> Value {
+    json!({"end": end, "method": method, "tolerance": {"relative": tolerance, "absolute": 0.1 * tolerance}})
 }
 
 /// A mass that is held until a time, beside one that is free in z and hangs on a spring.
@@ -106,16 +106,19 @@ pub fn claims() -> Vec<Claim> {
             high,
         ));
     }
-    for name in ["velocity-verlet", "newmark", "hht", "dormand-prince", "kang"] {
-        let ran = run(&case_of(&released(adaptive(name, RELEASE[1])), &[]));
-        claims.push(Claim::relative(
-            format!("{name}, adaptive: falls from its release"),
-            ran.positions[0][2],
-            fall,
-            1e-6,
+    for (name, tolerance) in
+        [("velocity-verlet", 1e-6), ("newmark", 1e-6), ("hht", 1e-6), ("dormand-prince", 1e-9), ("kang", 1e-4)]
+    {
+        let ran = run(&case_of(&released(adaptive(name, tolerance, RELEASE[1])), &[]));
+        let what = format!("{name}, adaptive: falls from its release");
+        claims.push(Claim::relative(what, ran.positions[0][2], fall, 10.0 * tolerance));
+        let ran = run(&case_of(&oscillator(adaptive(name, tolerance, 1.0)), &[]));
+        claims.push(Claim::absolute(
+            format!("{name}, adaptive: goes on after a cut"),
+            off(&ran),
+            0.0,
+            10.0 * tolerance,
         ));
-        let ran = run(&case_of(&oscillator(adaptive(name, 1.0)), &[]));
-        claims.push(Claim::absolute(format!("{name}, adaptive: goes on after a cut"), off(&ran), 0.0, 1e-6));
     }
     let ran = run(&case_of(&oscillator(timed("rk4", 0.001, 1.0)), &[]));
     claims.push(Claim::below("rk4: the ledger closes over a cut [J]", ran.outcome.ledger.numerical.abs(), 1e-9));

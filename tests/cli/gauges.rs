@@ -102,13 +102,17 @@ fn peaks_are_found_at_every_step() {
     assert!(ended.stdout.contains("(spring, tension_max)"), "{}", ended.stdout);
 }
 
-/// A case without gauges has neither file nor peaks, and the other results have the same bytes with and without.
+/// A case without gauges has neither file nor peaks, and the other results have the same bytes with and without. Its
+/// steps are then made in blocks, also beside an event within a step and one at the end of a step.
 #[test]
 fn gauges_change_nothing_else() {
-    let mut plain = case();
+    let mut gauged = case();
+    gauged["system"]["network"]["springs"][0]["cut"] = json!(0.3173);
+    gauged["system"]["network"]["supports"][0]["until"] = json!(0.4);
+    let mut plain = gauged.clone();
     plain["output"] = json!({});
     plain["system"]["network"]["springs"][0].as_object_mut().expect("a rule").remove("strength");
-    let ([(with, _), (without, _)], path) = ([case(), plain].map(|case| solve(&case)), "gauges.csv");
+    let ([(with, _), (without, _)], path) = ([gauged, plain].map(|case| solve(&case)), "gauges.csv");
     assert!(with.path("out").join(path).exists() && !without.path("out").join(path).exists());
     assert!(without.results().summary().get("peaks").is_none());
     assert_eq!(with.results().text("history.csv"), without.results().text("history.csv"));

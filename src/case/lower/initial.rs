@@ -114,7 +114,9 @@ fn check_lengths(at: &Pointer, displacement: &[[f64; 3]], network: &Network<'_>,
 }
 
 /// Largest distance between the nodes of two meshes that count as the same, as a share of their largest coordinate.
-const SAME: f64 = 1e-9;
+///
+/// Displacements in frames may be in single precision.
+const SAME: f64 = 1e-6;
 
 /// The state with which another run ended, or that a frame shows.
 fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut Faults<'_>) -> Option<InitialState> {
@@ -137,15 +139,19 @@ fn earlier(at: &Pointer, from: &InitialFrom, network: &Network<'_>, faults: &mut
         }
     };
     let nodes = &network.geometry.mesh.nodes;
-    let FramePoints { positions, reference, velocities } = frame;
+    let FramePoints { positions, displacements, velocities } = frame;
     if positions.len() != nodes.len() {
         let hint = format!("{} has {} nodes, the mesh of this case {}", path.display(), positions.len(), nodes.len());
         faults.add_hint(at, "a run on the mesh of this case", hint);
         return None;
     }
-    let size = nodes.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let apart = |(a, b): (&[f64; 3], &[f64; 3])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > SAME * size);
-    if let Some(node) = reference.iter().flat_map(|reference| reference.iter().zip(nodes)).position(apart) {
+    let size = nodes.as_flattened().iter().chain(positions.as_flattened()).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let apart = |((x, u), node): ((&[f64; 3], &[f64; 3]), &[f64; 3])| {
+        // Not the opposite, which is false for a number that is not finite.
+        !(0..3).all(|i| (x[i] - u[i] - node[i]).abs() <= SAME * size)
+    };
+    let elsewhere = displacements.and_then(|u| positions.iter().zip(&u).zip(nodes).position(apart));
+    if let Some(node) = elsewhere {
         let hint = format!("node {node} is elsewhere on the mesh of {}", path.display());
         faults.add_hint(at, "a run on the mesh of this case", hint);
         return None;

@@ -100,12 +100,13 @@ pub struct Damping {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// Where the run begins: the last state of another run on the same mesh, by its folder of results, or a frame of one
-    /// (`{"frame": "x.vtu"}`). Paths count from the folder of the case. Time begins at 0 again; what is held stands still
-    /// where it is then. It replaces the displacement that the mesh itself starts with.
+    /// Where the run begins: the last state of another run on the same mesh, by its folder of results, or a frame of
+    /// one (`{"frame": "x.vtu"}`). Paths count from the folder of the case. Time begins at 0 again; what is held
+    /// stands still where it is then. It replaces the displacement that the mesh itself starts with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<InitialFrom>,
-    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to `from`.
+    /// [m] Displacement from the mesh as given; it adds to the displacement that the mesh itself starts with, and to
+    /// `from`.
     pub displacement: Option<Vectors>,
     /// [m/s] Velocity; it adds to `from`.
     pub velocity: Option<Vectors>,

@@ -19,8 +19,8 @@ pub struct Output {
     /// Nodes whose motion goes to `probes.csv` at every frame time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
-    /// What is measured at every step, for `gauges.csv` and the largest values in `summary.json`. Steps are then made one
-    /// by one, which costs explicit methods on small nets up to a few times their time. Canopies measure themselves
+    /// What is measured at every step, for `gauges.csv` and the largest values in `summary.json`. Steps are then made
+    /// one by one, which costs explicit methods on small nets up to a few times their time. Canopies measure themselves
     /// without a gauge, at the rows of `history.csv`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gauges: Vec<Gauge>,
@@ -109,8 +109,8 @@ pub struct Gauge {
     pub on: GaugeSelection,
     /// What: sums, means and largest values over the selection.
     pub of: GaugeQuantity,
-    /// [-] Steps per row of `gauges.csv`, 1 if not given; the first and the last state always have a row. Largest values
-    /// are found at every step.
+    /// [-] Steps per row of `gauges.csv`, 1 if not given; the first and the last state always have a row. Largest
+    /// values are found at every step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub every: Option<u64>,

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::select::EdgeSelection;
 
-/// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges of
-/// the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows the first
-/// that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
+/// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
+/// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows
+/// the first that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
@@ -30,8 +30,8 @@ pub struct SpringRule {
     /// [kg/m] Mass per metre of edge on the mesh as given, half of it to each end; adds to the `mass` section.
     #[schemars(range(min = 0))]
     pub linear_density: Option<f64>,
-    /// [s] When the springs are cut, within the run: from then on they carry no force, and neither do their dashpots. The
-    /// energy that they hold counts as dissipated. Their mass stays.
+    /// [s] When the springs are cut, within the run: from then on they carry no force, and neither do their dashpots.
+    /// The energy that they hold counts as dissipated. Their mass stays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cut: Option<f64>,

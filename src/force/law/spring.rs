@@ -19,7 +19,8 @@ use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether springs are cut: they then carry no force, and neither do their dashpots. Shared by all that acts along them.
+/// Whether springs are cut: they then carry no force, and neither do their dashpots. Shared by all that acts along
+/// them.
 #[derive(Clone, Debug, Default)]
 pub struct Cut(Arc<AtomicBool>);
 

@@ -370,8 +370,8 @@ fn checkpoints_are_kept_when_asked_for() {
     assert!(checkpoint(plain.path()).is_none());
 }
 
-/// Supports that are released, springs that are cut, and gauges: a run that is interrupted before, between and after the
-/// events has the bytes of one in one piece, on any number of threads.
+/// Supports that are released, springs that are cut, and gauges: a run that is interrupted before, between and after
+/// the events has the bytes of one in one piece, on any number of threads.
 #[test]
 fn every_method_resumes_over_events() {
     let mut scene = calm();
