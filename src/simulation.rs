@@ -23,7 +23,8 @@
 //! | to | call |
 //! |---|---|
 //! | make a scene in code | [`NetworkBuilder`], [`Simulation::new`] |
-//! | take that of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
+//! | take scene, method and step of a case file | [`Simulation::from_case`], or [`follow`] to run it to its end |
+//! | only its scene, another method | [`build_scene`], [`RunSettings::of_case`], [`Simulation::of_scene`] |
 //! | choose method, steps, threads | [`RunSettings::fixed`], [`RunSettings::adaptive`], [`RunSettings::of`] |
 //! | make steps | [`Simulation::step`], [`Simulation::advance`], [`Simulation::run_until`] |
 //! | look at a step first | [`Simulation::attempt`]; [`Simulation::accept`] or [`Simulation::drop_attempt`] |
@@ -45,6 +46,8 @@
 //! What is set acts from the present state on, until it is set again. There the scheme and adaptive steps begin anew,
 //! as at the corner of a load table. Where a change gives or takes energy at once, as other rest lengths do, the
 //! account has it as external work, so `numerical` remains what the scheme itself makes.
+//! By `numerical` a run is judged: the other energies add up by its definition, and with smaller steps h it falls as h
+//! to the order of the method.
 
 mod builder;
 mod derivative;
@@ -223,10 +226,12 @@ impl Simulation {
         self.go(StopAt { step: last, t: f64::INFINITY }, &mut [])
     }
 
-    /// Makes steps up to the first that ends at time `t` [s] or later.
+    /// Makes steps up to the first that ends at time `t` [s] or later, up to rounding of the time; none where that is
+    /// now or past.
     ///
     /// # Errors
-    /// As [`Simulation::advance`]; also when `t` is not finite.
+    /// As [`Simulation::advance`]; also when `t` is not finite. Where `t` is beyond the end of the run, all its steps
+    /// are made and [`SimulationError::Ended`] is returned.
     pub fn run_until(&mut self, t: f64) -> Result<StepInfo, SimulationError> {
         self.run_until_with(t, &mut [])
     }

@@ -11,7 +11,7 @@ use crate::model::step_block::StepSummary;
 pub struct LedgerRow {
     /// [J] kinetic energy
     pub kinetic: f64,
-    /// [J] energy of the springs
+    /// [J] energy of springs and bars
     pub elastic: f64,
     /// [J] gravity energy, from displacements
     pub gravity: f64,

@@ -20,28 +20,31 @@
 //!
 //! # How to add a force
 //! 1. Write `force/law/<name>.rs` with a struct of plain arrays, and `impl ForceTerm` for it. Its elements are
-//!    * two nodes whose tension is k times a function of the elongation: no file, but a [`law::slack::TensionLaw`] with
-//!      a kind in [`crate::model::spec::Slack`] and its arm in `law::slack::with_law`, the one place that knows which
-//!      law a kind has. Dashpots, tangents and pictures follow;
-//!    * two nodes with another elastic law: a [`kernel::batch::Kernel`], as [`law::bar_law`];
+//!    * two nodes whose tension is k times a function of the elongation alone (such a law gets no rest length): no
+//!      file, but a [`law::slack::TensionLaw`] with a kind in [`crate::model::spec::Slack`] and its arm in
+//!      `law::slack::with_law`, the one place that knows which law a kind has. Dashpots, tangents and pictures follow;
+//!    * two nodes with another elastic law: a [`kernel::batch::Kernel`], as [`law::bar_law`]. Only springs have
+//!      tensions in results, dashpots, strains, rest lengths that a program scales, and a part in Kang's filter;
 //!    * a triangle, pushed along its normal: a [`kernel::faces::FaceKernel`] with a `PressureLaw`, as
 //!      [`law::follower_pressure`];
 //!    * any other element: a [`kernel::batch::Kernel`], element by element, as the stiffness part of
 //!      [`law::rayleigh`];
 //!    * nodes: a `NodeLaw`, as [`law::nodal`].
 //! 2. Describe it in the [`TermInfo`] of its [parts](ForceTerm::parts): schemes, the ledger and diagnoses use that, and
-//!    no names; a law of springs has theirs. A step may be too long for forces with `velocity_dependent` or `follower`
-//!    (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy also adds its
-//!    stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
+//!    no names. A new law of springs needs none of its own. A step may be too long for forces with `velocity_dependent`
+//!    or `follower` (`drive/cause`); with `on_triangles` a failure report names a triangle. A term with elastic energy
+//!    also adds its stiffness at rest in [`ForceTerm::add_stiffness`], and one whose K can be indefinite has a convex
 //!    [`TangentForm`].
 //! 3. Add it to [`crate::model::spec`], refuse invalid values (`scene/check.rs`), and construct it where the scene is
-//!    built (`scene/build.rs`, which also collects the times at which a table has a corner, and gives a load the
-//!    factor that a program can set).
+//!    built, with elements in ascending order of their smallest node in the scene's numbering (`scene/build.rs`, which
+//!    also collects the times at which a table has a corner, and gives a load the factor that a program can set).
 //! 4. If it is new to the case file, its section goes to `case/schema`, `case/lower` and `case/fingerprint`. The last
-//!    says what must be equal for a run to be resumed; the compiler requires it.
+//!    says what must be equal for a run to be resumed; the compiler requires it. `case/schema/loads.rs` and
+//!    `case/lower/loads.rs` are a short model: selections, ranges, and faults with their place.
 //! 5. Add it to the list in `tests/api/tangent/scenes.rs`. The tests compare both tangents with finite differences at
 //!    random states, its [`TermInfo`] with its forces, several blocks with one block, and blocks of steps with single
-//!    steps.
+//!    steps. Elements in a list of their own are copied in `tests/api/tangent/tiles.rs` too. Run
+//!    `cargo test --release --test api tangent`.
 //!
 //! A program that only uses the library adds a force by [`crate::simulation::NodalForce`], and an elastic law of bars
 //! by [`crate::simulation::BarLaw`] (`examples/own_force.rs`, `examples/own_bar_law.rs`).

@@ -6,17 +6,20 @@
 //!
 //! # How to add a scheme
 //! 1. Write `integrate/<name>.rs` and declare it below. An explicit scheme implements [`Integrator`] for
-//!    `dyn System` and reads like its equations; one of the Newmark family only fills a [`stage::StageMap`]
+//!    `dyn System` and reads like its equations: start from a copy of `improved_euler.rs`, whose helpers (`updates`)
+//!    advance states and integrate the work of the stages. One of the Newmark family only fills a [`stage::StageMap`]
 //!    ([`implicit::ImplicitScheme`]).
 //! 2. Register it in [`registry`]: name, order, parameters with ranges, stability, source, and the properties of its
 //!    step on linear scenes ([`linear_step`], which limits and diagnoses use instead of names). The case format, the
 //!    JSON Schema, `canopy-fem methods` and every test that loops over methods read that entry; those of
 //!    `analysis/limit` check on oscillators what it says of the step.
-//! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator, `tests/claims/oscillator.rs` its
-//!    leading error term and `tests/api/counters.rs` its work. An explicit scheme also needs a line of known limits in
-//!    `analysis/limit` and, if it is a Runge-Kutta method, a polynomial in `tests/common/polynomials.rs`.
+//! 3. `tests/claims/recurrence` needs its amplification recurrence on an oscillator: for a Runge-Kutta method that is a
+//!    polynomial in `tests/common/polynomials.rs`. `tests/claims/oscillator.rs` needs its leading error term and
+//!    `tests/api/counters.rs` its work, and an explicit scheme a line of known limits in `analysis/limit`.
 //!    `tests/claims/order.rs` and `tolerance.rs` measure its order and its errors with tolerances. Each of them fails
-//!    with a message if the entry is missing; `tests/api/case/faults.rs` and the README's table name all methods.
+//!    with a message if the entry is missing; `tests/api/case/faults.rs`, the README's table and its count of methods
+//!    name all methods.
+//! 4. Run `cargo test --release --lib limit`, `--test claims` and `--test api`.
 //!
 //! A scheme that solves several times per step owns one [`implicit::Implicit`] engine per stage: an engine carries one
 //! kept factor and one first guess from step to step. `check` counts one solve per step where it makes no trial runs.
@@ -24,13 +27,17 @@
 //! # A scheme of a program's own
 //! A program that only uses the library takes methods from the [`registry`], or writes a [`registry::MethodInfo`] of
 //! its own ([`registry::MethodChoice::of`], `examples/own_scheme.rs`):
+//! * What `to` holds when an attempt begins is arbitrary, except that its vectors have their lengths.
 //! * A stage between the ends of a step is a [`State`](crate::model::state::State) and
 //!   [`Forces`](crate::model::forces::Forces) that [`Integrator::start`] makes, a clone of `at.state` and
 //!   `system.new_forces()`. All vectors are `[n_dof]`; `inverse_mass` is 0 at held degrees of freedom, which so stay.
-//! * `linear` is [`PLAIN`](linear_step::LinearStep::PLAIN) for Runge and Kutta's schemes and
-//!   [`PARTITIONED`](linear_step::LinearStep::PARTITIONED) where positions and velocities have different formulas.
+//! * `linear` is [`PLAIN`](linear_step::LinearStep::PLAIN) for a Runge-Kutta method,
+//!   [`PARTITIONED`](linear_step::LinearStep::PARTITIONED) where positions and velocities have different formulas, and
+//!   [`DISSIPATIVE`](linear_step::LinearStep::DISSIPATIVE) where every step removes energy from an oscillation.
 //!   The search for the largest stable step goes by it.
-//! * `evaluations` counts calls of [`Counters::evaluate`] a step; `order` is what adaptive steps rely on.
+//! * `evaluations` counts calls of [`Counters::evaluate`] a step. The pass of the driver
+//!   ([`StepReport::forces_at_end`]) is not among them, so a scheme that uses `from.forces` evaluates the forces at the
+//!   end of its step itself; `order` is what adaptive steps rely on.
 //! * What goes over from step to step changes in [`Integrator::accept`] only, is reset in [`Integrator::restart`], and
 //!   is in [`Integrator::save`] and [`Integrator::restore`]; a scheme without such a thing needs none of the four.
 //! * Blocks of steps and estimates of its own error ([`Integrator::pair`]) are optional.
@@ -79,7 +86,7 @@ use crate::solve::{LinearError, LinearStats};
 pub struct StepInput<'a, S: ?Sized> {
     /// the system
     pub system: &'a S,
-    /// start of the step; its forces are those at its state, except after a scheme that reports otherwise
+    /// start of the step; its forces are those at its state
     pub from: &'a Point,
     /// [s] step size
     pub h: f64,
@@ -96,7 +103,8 @@ pub struct StepReport {
     pub residual: f64,
     /// work integrated by the scheme itself; `None` = the ledger takes 1/2 (f_n + f_{n+1}) . (x_{n+1} - x_n)
     pub work: Option<StageWork>,
-    /// whether `to.forces` are the forces at `to.state`
+    /// whether `to.forces` are the forces at `to.state`; if not, the driver evaluates them, in a pass that is not
+    /// counted as the scheme's
     pub forces_at_end: bool,
 }
 

@@ -24,9 +24,9 @@ pub struct RunSettings {
     pub frames_every: Option<f64>,
     /// go on past a divergence until a value stops being finite
     pub keep_going: bool,
-    /// of what the cause is looked for
+    /// which failures and warnings are diagnosed, which takes force passes of its own
     pub explain: Explain,
-    /// threads of a scene above 2,000 nodes, at least 1
+    /// threads of a scene above 2,000 nodes, at least 1; a scene that is built already keeps its own
     pub threads: usize,
 }
 

@@ -1,7 +1,7 @@
 //! What a program reads from a simulation and changes in it.
 
 use super::{Arc, Changed, NodalForce, RunState, Simulation, SimulationError};
-use crate::checksum::{self, ChecksumError};
+use crate::checksum::{self, ChecksumError, RunningChecksum};
 use crate::drive::Snapshot;
 use crate::drive::observer::{LedgerRow, Point};
 use crate::force::law::series::Scale;
@@ -21,6 +21,7 @@ pub struct NodeMotion {
 /// What [`Simulation::snapshot`] writes.
 #[derive(Serialize, Deserialize)]
 struct Saved {
+    made_by: Origin,
     snapshot: Snapshot,
     /// [N] forces that are fixed values
     forces: Vec<(String, Vec<[f64; 3]>)>,
@@ -29,6 +30,15 @@ struct Saved {
     loads: Vec<(Load, f64)>,
     /// `[n_edges]`
     rest_length_factors: Vec<f64>,
+}
+
+/// What a snapshot must fit.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Origin {
+    /// method with the values of its parameters
+    method: (String, Vec<f64>),
+    /// checksum of masses, stiffnesses and start positions
+    scene: u32,
 }
 
 /// Program and version, at the beginning of a snapshot.
@@ -96,9 +106,16 @@ impl Simulation {
         tension
     }
 
-    /// [J] The energy account at the present state.
+    /// [J] The energy account at the present state, with what loads and rest lengths that were set since the last step
+    /// have given or taken at once.
     pub fn energies(&self) -> LedgerRow {
-        self.state.row
+        if self.changed == Changed::Nothing {
+            return self.state.row;
+        }
+        let mut at = Point { state: self.state.from.state.clone(), forces: self.scene.new_forces() };
+        self.scene.evaluate(at.state.as_ref(), &mut at.forces);
+        let mut ledger = self.state.ledger;
+        ledger.changed(&*self.scene, &at, &self.state.row)
     }
 
     /// Work done so far.
@@ -333,17 +350,33 @@ impl Simulation {
         let snapshot = self.snapshot_now()?;
         let forces = self.scene.external().map(ExternalForces::values).unwrap_or_default();
         let (loads, rest_length_factors) = (self.load_factors(), self.rest_length_factors());
-        let saved = Saved { snapshot, forces, wind: self.wind, loads, rest_length_factors };
+        let made_by = self.origin();
+        let saved = Saved { made_by, snapshot, forces, wind: self.wind, loads, rest_length_factors };
         let mut bytes = Vec::new();
         postcard::to_io(&(PROGRAM, saved), &mut bytes).map_err(|error| SimulationError::Snapshot(error.to_string()))?;
         checksum::append(&mut bytes);
         Ok(bytes)
     }
 
-    /// Goes on from the bytes of [`Simulation::snapshot`]. Laws stay as they are.
+    fn origin(&self) -> Origin {
+        let method = &self.settings.method;
+        let (stiffness, x) = (self.scene.nodal_stiffness(), self.scene.initial_state().x);
+        let mut checksum = RunningChecksum::default();
+        for numbers in [self.scene.inverse_mass(), &stiffness, &x] {
+            checksum.add(bytemuck::cast_slice(numbers));
+        }
+        Origin {
+            method: (method.info.name.to_owned(), method.parameters().map(|(_, value)| value).collect()),
+            scene: checksum.mark().crc,
+        }
+    }
+
+    /// Goes on from the bytes of [`Simulation::snapshot`]. Laws of the program stay as they are, and so does what the
+    /// settings say of the end of the run.
     ///
     /// # Errors
-    /// Bytes that are damaged or of another version or scene; the state is then unchanged.
+    /// Bytes that are damaged, of another version or method, of a scene with other nodes, masses or stiffnesses, or of
+    /// a run with another step; the state is then unchanged. Other tables, damping or air are not noticed.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimulationError> {
         let unreadable = |why: &str| SimulationError::Snapshot(why.to_owned());
         let content = checksum::verified(bytes).map_err(|error| match error {
@@ -355,8 +388,18 @@ impl Simulation {
         if program != PROGRAM {
             return Err(unreadable(&format!("it is of \"{program}\", and this is \"{PROGRAM}\"")));
         }
-        let Saved { snapshot, forces, wind, loads, rest_length_factors } = saved;
+        let Saved { made_by, snapshot, forces, wind, loads, rest_length_factors } = saved;
         self.settings.spec().passes(&*self.scene, &snapshot)?;
+        let own = self.origin();
+        if made_by.method != own.method {
+            let ((theirs, parameters), (name, values)) = (made_by.method, own.method);
+            return Err(unreadable(&format!(
+                "it is of {theirs} with parameters {parameters:?}, and this simulation has {name} with {values:?}"
+            )));
+        }
+        if made_by.scene != own.scene {
+            return Err(unreadable("it is of a scene with other positions, masses or stiffnesses"));
+        }
         for (_, force) in &forces {
             self.check("force of the snapshot", force)?;
         }

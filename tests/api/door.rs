@@ -67,6 +67,8 @@ fn a_shorter_rest_length_is_work_from_outside() {
     let turn = std::f64::consts::PI;
     for (method, mut sim) in ways(mass_on_spring, 2.0 * turn) {
         sim.set_rest_length_factor(&[0], 0.75).expect("a spring");
+        let at_once = sim.energies();
+        assert_eq!((at_once.elastic, at_once.external_work), (0.25, 0.25), "{method}: before the next step");
         sim.run_until(1.3).expect("it goes on");
         let t = sim.time();
         let [x, energies] = [sim.positions()[1][0], sim.energies().kinetic + sim.energies().elastic];

@@ -101,6 +101,28 @@ fn a_snapshot_goes_on_with_the_same_bits() {
     }
 }
 
+/// A snapshot says of which method and scene it is: neither another method nor another stiffness takes it.
+#[test]
+fn a_snapshot_of_another_method_or_scene_is_refused() {
+    let made = |method: &str, stiffness: f64| {
+        let network = NetworkBuilder::new(vec![[0.0; 3], [1.0, 0.0, 0.0]])
+            .springs(&[[0, 1]], SpringLaw { stiffness, ..SpringLaw::default() })
+            .masses(vec![2.0; 2])
+            .hold(|node, _| node == 0);
+        let settings = RunSettings::fixed(method, 1e-3, 1.0).expect("registered");
+        Simulation::new(network.build().expect("a mesh"), settings).expect("it starts")
+    };
+    let mut sim = made("velocity-verlet", 8.0);
+    sim.advance(10).expect("it goes on");
+    let bytes = sim.snapshot().expect("idle");
+    for (mut other, word) in [(made("rk4", 8.0), "velocity-verlet"), (made("velocity-verlet", 9.0), "stiffnesses")] {
+        let refused = other.restore(&bytes).expect_err("it does not fit").to_string();
+        assert!(refused.contains(word), "{refused}");
+        assert_eq!(other.step_count(), 0);
+    }
+    made("velocity-verlet", 8.0).restore(&bytes).expect("the same");
+}
+
 /// An attempt that is accepted is a step; one that is dropped leaves no trace.
 #[test]
 fn attempts_are_accepted_or_dropped() {

@@ -25,14 +25,18 @@ pub struct BarForce {
     pub energy: f64,
 }
 
-/// An elastic law of two-node bars: a pure function of length and rest length.
+/// An elastic law of two-node bars: a pure function of length and rest length. The tension may have a kink, where the
+/// stiffness is that of either side; adaptive steps do not end there, as they do where springs go slack. Kang's filter
+/// leaves such bars out: they are explicit in it.
 pub trait BarLaw: Send + Sync {
     /// Tension, its derivative and the energy of a bar of this length [m] with this rest length [m]. The account closes
     /// only if the energy is the integral of the tension, and Newton converges only if the stiffness is its derivative.
     fn at(&self, length: f64, rest_length: f64) -> BarForce;
 }
 
-/// Bars that share a law, in the numbering of the mesh. They are no edges: pictures and tensions know only springs.
+/// Bars that share a law, in the numbering of the mesh. They are no edges: frames and
+/// [`Simulation::tensions`](crate::simulation::Simulation::tensions) have springs only, so a program that wants their
+/// tension calls the law.
 #[derive(Clone)]
 pub struct Bars {
     /// end nodes, `[n_bars]`
