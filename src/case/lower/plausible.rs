@@ -79,7 +79,8 @@ fn strain(at: &Pointer, spec: &NetworkSpec, geometry: &Geometry, faults: &mut Fa
     let springs = spec.springs.iter().flat_map(|group| group.edges.iter().zip(&group.rest_length));
     let strained = springs.filter_map(|(&edge, &rest)| {
         let l = geometry.start_length(edge, &spec.displacement)?;
-        let strain = (l - rest) / rest;
+        // A spring without rest length has no strain.
+        let strain = if rest > 0.0 { (l - rest) / rest } else { 0.0 };
         (strain.abs() > STRAIN).then_some((strain, edge, l, rest))
     });
     let mut count = 0_usize;
