@@ -1,6 +1,7 @@
 //! A canopy among the parts of a mesh: its triangles, the closed loop of its skirt, its axis.
 
 use super::Mesh;
+use super::components::components;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 
@@ -80,6 +81,12 @@ pub enum CanopyError {
         /// triangles there
         triangles: usize,
     },
+    /// The payload does not hang on the canopy.
+    #[error("the payload has no line: no edges join its node {node} to the canopy; add lines from the skirt to it")]
+    LoosePayload {
+        /// a node of the payload
+        node: u32,
+    },
     /// Apex and confluence coincide.
     #[error(
         "the canopy has no axis: its apex and the confluence of its lines are {distance:.3e} m apart; the axis leads from \
@@ -113,6 +120,7 @@ impl Canopy {
     }
 
     /// The canopy of a mesh with the groups `canopy`, `skirt`, `apex` or `vent`, and `confluence`; `None` if it lacks one.
+    /// A group `payload` must hang on it.
     ///
     /// # Errors
     /// As [`Canopy::of`].
@@ -122,8 +130,21 @@ impl Canopy {
         let confluence = group("confluence")?.select_nodes(mesh);
         let (canopy, skirt) = (group("canopy")?, group("skirt")?.select_edges(mesh));
         let parts = CanopyParts { triangles: &canopy.triangles, skirt: &skirt, apex: &apex, confluence: &confluence };
-        Some(Self::of(mesh, parts))
+        let found = Self::of(mesh, parts);
+        Some(found.and_then(|canopy| match loose_payload(mesh, canopy.skirt.first().copied()) {
+            Some(node) => Err(CanopyError::LoosePayload { node }),
+            None => Ok(canopy),
+        }))
     }
+}
+
+/// A node of the group `payload` that nothing joins to the skirt.
+fn loose_payload(mesh: &Mesh, skirt: Option<u32>) -> Option<u32> {
+    let payload = mesh.groups.get("payload")?.select_nodes(mesh);
+    let across = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+    let component = components(mesh.nodes.len(), mesh.edges.iter().copied().chain(across));
+    let of = |node: u32| component.get(node as usize);
+    payload.into_iter().find(|node| of(*node) != skirt.and_then(of))
 }
 
 /// The sides of the canopy's triangles, as each triangle goes along them, with the triangle.

@@ -2,7 +2,7 @@
 
 use super::profile::Profile;
 use super::taylor::{Meridian, SkirtHold};
-use super::{LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
+use super::{CanopyType, LEAST_HEIGHT, LineParameters, ParachuteParameters, reefed_radius};
 use crate::mesh::{Group, Groups, Mesh, MeshError, topology};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
@@ -181,6 +181,9 @@ impl Assembly {
             allowed,
             hint: "start \"flat\": the constructed shape of such a canopy is near its inflated one".to_owned(),
         };
+        if p.kind == CanopyType::Annular {
+            return Err(refuse("a canopy that is closed at its apex or by vent lines".to_owned()));
+        }
         let Some(first) = self.rows.first().and_then(|row| row.first()) else {
             return Err(refuse("a canopy of gores".to_owned()));
         };
