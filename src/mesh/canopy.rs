@@ -119,8 +119,8 @@ impl Canopy {
         Ok(Self { skirt, axis: (along / distance).into() })
     }
 
-    /// The canopy of a mesh with the groups `canopy`, `skirt`, `apex` or `vent`, and `confluence`; `None` if it lacks one.
-    /// A group `payload` must hang on it.
+    /// The canopy of a mesh with the groups `canopy`, `skirt`, `apex` or `vent`, and `confluence`; `None` if it lacks
+    /// one. A group `payload` must hang on it.
     ///
     /// # Errors
     /// As [`Canopy::of`].

@@ -144,7 +144,8 @@ impl Mesh {
     }
 }
 
-/// Group membership as files store it: one number for each cell and node, and for each group the numbers of its members.
+/// Group membership as files store it: one number for each cell and node, and for each group the numbers of its
+/// members.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct GroupNumbers {
     /// of each cell, triangles before edges; 0 = in no group

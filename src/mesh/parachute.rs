@@ -1,10 +1,10 @@
 //! Rigged parachutes: a canopy cut to the pattern of its gores, with lines, riser and payload, as named groups.
 //!
-//! The axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals point
-//! outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there is no
-//! vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the lines,
-//! line by line; end of the riser and its inner nodes; particles of a rigid payload. In a cluster the end of the risers is
-//! first, then the others parachute by parachute.
+//! The axis is z and the payload hangs below, along -z; the skirt is at z = 0. Triangles turn so that their normals
+//! point outwards and upwards, the side to which the pressure inside pushes. Nodes come in this order: apex, if there
+//! is no vent; rows from the vent to the skirt, each counter-clockwise from the +x axis; confluence; inner nodes of the
+//! lines, line by line; end of the riser and its inner nodes; particles of a rigid payload. In a cluster the end of the
+//! risers is first, then the others parachute by parachute.
 
 mod assembly;
 mod cruciform;
@@ -31,10 +31,10 @@ const LEAST_HEIGHT: f64 = 1e-3;
 
 /// A parachute. The pattern is cut so that cloth, slots and vent together have the area pi D0^2/4.
 ///
-/// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the cloth,
-/// and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along gaps),
-/// `vent-lines`, `lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and `payload`
-/// (nodes).
+/// Groups: `canopy` (triangles), `cloth` (all their edges), `radials`, `skirt` and `vent` (edges among those of the
+/// cloth, and the radials also across gaps; skirt and vent also select the nodes of their rows), `rims` (edges along
+/// gaps), `vent-lines`, `lines`, `riser`, `reefing`, `slings` and `payload-bars` (edges), `apex`, `confluence` and
+/// `payload` (nodes).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParachuteParameters {
@@ -91,8 +91,8 @@ pub struct ParachuteParameters {
     /// [-] height of the band over D0; 0.121 if absent
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<f64>,
-    /// Whether n/2 lines cross the vent, each from corner to corner without a node between; if absent, with a vent except
-    /// that of type `annular`.
+    /// Whether n/2 lines cross the vent, each from corner to corner without a node between; if absent, with a vent
+    /// except that of type `annular`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vent_lines: Option<bool>,
     /// Suspension lines from the skirt to the confluence; without them there is only the canopy.
@@ -130,9 +130,9 @@ pub struct LineParameters {
 
 /// A rigid payload: four particles of a quarter of its mass each, which have its centre and its moments of inertia.
 ///
-/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--), (-+-)
-/// and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead from the end
-/// of the riser to them. Their masses come from `mass.points` with the group `payload`.
+/// Its size is given by exactly one of `box` and `radii_of_gyration`. The particles are at the corners (+++), (+--),
+/// (-+-) and (--+) of a box around the centre, six edges (`payload-bars`) join them, and four edges (`slings`) lead
+/// from the end of the riser to them. Their masses come from `mass.points` with the group `payload`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PayloadParameters {
@@ -148,8 +148,8 @@ pub struct PayloadParameters {
 }
 
 /// Equal parachutes that share the end of their risers (or their confluence), leaning outwards so far that they do not
-/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`, `skirt-1`,
-/// and so on.
+/// touch at the start. Each group holds the parts of all of them; those of the first alone are in `canopy-1`,
+/// `skirt-1`, and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParameters {
@@ -383,8 +383,8 @@ impl PayloadParameters {
         }
     }
 
-    /// [m] Distances of the particles from the centre along x, y and z: a_x^2 = (k_y^2 + k_z^2 - k_x^2)/2 of the radii of
-    /// gyration k, and cyclic; `None` if no body has these.
+    /// [m] Distances of the particles from the centre along x, y and z: a_x^2 = (k_y^2 + k_z^2 - k_x^2)/2 of the radii
+    /// of gyration k, and cyclic; `None` if no body has these.
     pub(crate) fn half_axes(&self) -> Option<[f64; 3]> {
         let squares = match (self.sides, self.radii_of_gyration) {
             (Some(sides), _) => sides.map(|side| side * side / 12.0),

@@ -188,8 +188,8 @@ fn canopies_are_sound_surfaces() {
         let bands = 1 + mesh.groups.get("rims").map_or(0, |_| topology.loops().len() / 2 - 1);
         let loops = topology.loops().len();
         assert_eq!(loops, bands + bands - usize::from(p.vent_diameter.is_none()), "{kind:?}");
-        // Nodes, edges and triangles of the canopy alone: 2 for a sphere less one for each loop, per band; then each line
-        // joins two parts by one edge.
+        // Nodes, edges and triangles of the canopy alone: 2 for a sphere less one for each loop, per band; then each
+        // line joins two parts by one edge.
         let vent_lines = mesh.groups.get("vent-lines").map_or(0, |g| g.edges.len());
         let over_gaps = (bands - 1) * p.gores;
         let canopy_only = 2 * bands as i64 - loops as i64;
@@ -204,8 +204,8 @@ fn canopies_are_sound_surfaces() {
     }
 }
 
-/// Lines of these lengths over D0, where D0 is twice the radials' length; then Dp, Ds, depth over Dp, half cone angle and
-/// volume over R^3 (G. I. Taylor 1919, evaluated with elliptic integrals).
+/// Lines of these lengths over D0, where D0 is twice the radials' length; then Dp, Ds, depth over Dp, half cone angle
+/// and volume over R^3 (G. I. Taylor 1919, evaluated with elliptic integrals).
 const TAYLOR: [[f64; 6]; 6] = [
     [0.8, 0.659242, 0.631880, 0.399632, 23.2613, 1.984887],
     [0.9, 0.668202, 0.645591, 0.390212, 21.0180, 1.930066],
@@ -253,8 +253,8 @@ fn an_inflated_start_has_taylors_shape() {
     }
 }
 
-/// The skirt of a reefed start is as wide as its reefing line lets it be; an extended skirt and slots inflate too; other
-/// patterns are refused with the stretch.
+/// The skirt of a reefed start is as wide as its reefing line lets it be; an extended skirt and slots inflate too;
+/// other patterns are refused with the stretch.
 #[test]
 fn inflated_starts_of_other_canopies() {
     let reefed = json!({"start": "inflated", "reefing": {"diameter": 2.0}});
@@ -302,7 +302,8 @@ fn a_rigid_payload_is_equimomental() {
     }
 }
 
-/// Parachutes of a cluster share the end of their risers and lean apart; each has groups of its own beside those of all.
+/// Parachutes of a cluster share the end of their risers and lean apart; each has groups of its own beside those of
+/// all.
 #[test]
 fn clusters_share_their_payload() {
     for start in ["flat", "inflated"] {
@@ -429,8 +430,8 @@ fn folded_cloth_is_not_doubted() {
     assert!(doubts(2) && !doubts(3));
 }
 
-/// Two rules for groups put two springs on one edge: their tensions add up, in every scheme's motion too. A mass of 3 kg on
-/// springs of 100 and 200 N/m, one without rest length, rests where 100 l + 200 (l - 1) is its weight.
+/// Two rules for groups put two springs on one edge: their tensions add up, in every scheme's motion too. A mass of 3
+/// kg on springs of 100 and 200 N/m, one without rest length, rests where 100 l + 200 (l - 1) is its weight.
 #[test]
 fn springs_of_several_groups_act_together() {
     let case = |method: &str| {

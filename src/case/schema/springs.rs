@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::select::EdgeSelection;
 
-/// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges of
-/// the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows the first
-/// that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
+/// Springs on some edges. An edge that no rule selects has no spring. A rule for a group adds its springs to all edges
+/// of the group, beside those of other rules: a tape along the edges of a cloth. Of the other rules an edge follows the
+/// first that selects it. Exactly one of `stiffness`, `axial_rigidity` and `membrane` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringRule {
@@ -24,8 +24,8 @@ pub struct SpringRule {
     /// Stiffness from a continuous sheet; for edges of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<Membrane>,
-    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of the
-    /// edge on the mesh as given.
+    /// [m] Rest length l0 of the spring, which may be 0 with `stiffness` and `membrane`; if not given, the length of
+    /// the edge on the mesh as given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub rest_length: Option<f64>,

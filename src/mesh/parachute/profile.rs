@@ -1,8 +1,8 @@
 //! The profile of a gore: rows of nodes from the vent to the skirt.
 //!
 //! A gore is a sequence of flat trapezoids. A row crosses it straight, at the apothem r (the distance of the gore's
-//! centre line from the axis) and the height z; its width is 2 r tan(pi/n). With n gores the trapezoids between two rows
-//! have the area n tan(pi/n) (r1 + r2) ds, ds being the distance of the rows along the centre line.
+//! centre line from the axis) and the height z; its width is 2 r tan(pi/n). With n gores the trapezoids between two
+//! rows have the area n tan(pi/n) (r1 + r2) ds, ds being the distance of the rows along the centre line.
 
 use super::ParachuteParameters;
 use super::kind::CanopyType;
@@ -198,8 +198,8 @@ fn pieces(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
     }
 }
 
-/// Rings of equal width, with slots of equal width between them. The slots' area is the porosity times the nominal area:
-/// with m slots of width g, apothem h of the skirt and h_v of the vent it is n tan(pi/n) g m (h + h_v).
+/// Rings of equal width, with slots of equal width between them. The slots' area is the porosity times the nominal
+/// area: with m slots of width g, apothem h of the skirt and h_v of the vent it is n tan(pi/n) g m (h + h_v).
 fn ringslot(p: &ParachuteParameters, size: f64, vent: f64) -> Vec<Piece> {
     let rings = p.rings.unwrap_or(1).max(1);
     let slots = (rings - 1) as f64;
