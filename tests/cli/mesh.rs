@@ -88,7 +88,7 @@ fn bad_parameters_are_named() {
     let rows: [(&[&str], &str); 4] = [
         (&["--vent-lines", "true", "--start", "upwards"], "unknown variant `upwards`"),
         (&["--arm-ratio", "0.3"], "mesh/parachute/arm_ratio"),
-        (&["--reefing-diameter", "-1"], "mesh/parachute/reefing/diameter"),
+        (&["--reefing-diameter", "0"], "mesh/parachute/reefing/diameter"),
         (&["--payload-box", "1", "1", "1"], "--payload-below-riser"),
     ];
     for (more, words) in rows {
